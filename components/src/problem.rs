@@ -1,0 +1,90 @@
+//! A manipulation problem (P0 §II-E): the hybrid robot, who may hold what and where things may lie, a start and goals.
+
+use crate::Pose;
+use crate::robot::{DisabledPair, GripperIndex, HandleIndex, JointIndex, LinkIndex, PartIndex, Robot, SurfaceIndex};
+
+/// Everything that defines a problem; how it is searched is not part of it.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    /// Name, for output.
+    pub name: String,
+    /// The hybrid robot.
+    pub robot: Robot,
+    /// What the constraint graph is built from.
+    pub graph: GraphOptions,
+    /// Pairs of links that are not tested for collision besides the SRDFs' (scene `ignore`, neighbours of parts without SRDF).
+    pub ignored_pairs: Vec<DisabledPair>,
+    /// Minimum distances between links, metres; 0 where none is given. They do not apply to a pair that touches by grasp or placement.
+    pub margins: Vec<Margin>,
+    /// The start: a whole configuration.
+    pub start: Vec<f64>,
+    /// At least one goal; reaching any of them solves the problem.
+    pub goals: Vec<Goal>,
+}
+
+/// A minimum distance between two links.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Margin {
+    /// One link.
+    pub first: LinkIndex,
+    /// The other.
+    pub second: LinkIndex,
+    /// Metres.
+    pub distance: f64,
+}
+
+/// Where to end.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Goal {
+    /// A whole configuration.
+    Configuration(Vec<f64>),
+    /// Only the poses of these objects' root links in the world; everything else is free.
+    ObjectPoses(Vec<(PartIndex, Pose)>),
+}
+
+/// What the constraint graph is built from (P1 §II-A).
+#[derive(Clone, Debug, Default)]
+pub struct GraphOptions {
+    /// Grippers that may hold something, in the order that names states.
+    pub grippers: Vec<GripperIndex>,
+    /// Objects that may be moved.
+    pub objects: Vec<ObjectOptions>,
+    /// Surfaces that may carry objects.
+    pub supports: Vec<SurfaceIndex>,
+    /// Which grasps may occur; `None` allows all (P1: the grasp–placement table).
+    pub grasps: Option<Vec<(GripperIndex, HandleIndex)>>,
+    /// Rules on whole states; a state is allowed if the first rule that applies to it says so. Without rules all are.
+    pub rules: Vec<Rule>,
+    /// Gap between an object's surface and its support, metres.
+    pub placement_margin: f64,
+    /// How far an object is lifted along the support's normal before it is carried away, metres; 0 for no such waypoint.
+    pub preplacement_distance: f64,
+    /// Joints that never move, with their values.
+    pub locked: Vec<(JointIndex, f64)>,
+}
+
+/// A movable object's documents.
+#[derive(Clone, Debug)]
+pub struct ObjectOptions {
+    /// The part.
+    pub part: PartIndex,
+    /// Handles by which it may be held.
+    pub handles: Vec<HandleIndex>,
+    /// Surfaces on which it may lie. Without any, it stays where it is while nobody holds it.
+    pub surfaces: Vec<SurfaceIndex>,
+}
+
+/// Says whether states may occur in which the named grippers hold the named handles.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Rule {
+    /// For each mentioned gripper the handle that it holds in the states the rule is about; `None` for an empty hand.
+    pub grasps: Vec<(GripperIndex, Option<HandleIndex>)>,
+    /// Whether such states are allowed.
+    pub allowed: bool,
+}
+
+impl Default for Goal {
+    fn default() -> Self {
+        Self::ObjectPoses(Vec::new())
+    }
+}

@@ -1,0 +1,406 @@
+//! Hangs models into one tree and numbers their coordinates.
+//!
+//! Order is pinocchio's, so that configurations read alike in both: depth first, the children of a link in alphabetical
+//! order of their joints' names, parts in the order in which they are given.
+
+use super::model::{JointKind, Model};
+use super::{
+    DisabledPair, Gripper, Handle, Joint, JointIndex, Link, LinkIndex, Motion, Part, PartIndex, Robot, Shape, Source,
+    Surface,
+};
+use crate::Pose;
+use crate::configuration::ConfigurationSpace;
+use glam::{DQuat, DVec3};
+use std::collections::HashMap;
+
+/// What the planner may do with a part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum PartKind {
+    /// Has grippers or actuators: its joints move on their own.
+    Robot,
+    /// Moves only while it is held.
+    Object,
+    /// Never moves.
+    Environment,
+}
+
+/// How a part's root link hangs in the world.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum RootJoint {
+    /// Rigidly.
+    Fixed,
+    /// By a free-flyer, R³ × SO(3).
+    FreeFlyer,
+    /// By a planar joint, R² × SO(2).
+    Planar,
+}
+
+/// Where and how a model enters the world.
+#[derive(Clone, Debug)]
+pub struct PartPlacement {
+    /// Part name, the prefix of its elements; unique, without `/`.
+    pub name: String,
+    /// Kind.
+    pub kind: PartKind,
+    /// Root joint.
+    pub root: RootJoint,
+    /// Pose of the root link (fixed) or of the root joint's frame (otherwise) in the world.
+    pub world_from_root: Pose,
+    /// Whether mimic joints follow (true) or are coordinates of their own (false).
+    pub mimic_follows: bool,
+    /// Bounds of the root's translation x y z (free-flyer) or x y (planar) as (lower, upper), metres.
+    pub root_bounds: Vec<(f64, f64)>,
+    /// Bounds that replace the model's: joint name without prefix, lower, upper.
+    pub joint_bounds: Vec<(String, f64, f64)>,
+}
+
+/// Why models do not make a robot.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages are the documentation")]
+pub enum ComposeError {
+    #[error("two parts are called `{0}`")]
+    DuplicatePart(String),
+    #[error("part `{part}`: {message}")]
+    InPart { part: String, message: String },
+}
+
+impl Robot {
+    /// Hangs the models into one tree.
+    ///
+    /// # Errors
+    /// Duplicate part, link or joint names; a model that is not a tree; a document on an unknown link; a mimic joint whose
+    /// leader is missing, follows itself, or has more than one coordinate.
+    pub fn compose(parts: &[(&Model, PartPlacement)]) -> Result<Self, ComposeError> {
+        let mut robot = Self::default();
+        for (model, placement) in parts {
+            if robot.parts.iter().any(|p| p.name == placement.name) {
+                return Err(ComposeError::DuplicatePart(placement.name.clone()));
+            }
+            robot
+                .add_part(model, placement)
+                .map_err(|message| ComposeError::InPart { part: placement.name.clone(), message })?;
+        }
+        robot.space = ConfigurationSpace::of_joints(&robot.joints);
+        Ok(robot)
+    }
+
+    fn add_part(&mut self, model: &Model, placement: &PartPlacement) -> Result<(), String> {
+        let tree = Tree::of(model)?;
+        let part = PartIndex(self.parts.len() as u32);
+        let (first_joint, first_link) = (self.joints.len(), self.links.len());
+        let prefixed = |name: &str| format!("{}/{name}", placement.name);
+        let (mut q, mut v) = self.next_coordinates();
+
+        let root_joint = match placement.root {
+            RootJoint::Fixed => None,
+            RootJoint::FreeFlyer => Some(Motion::FreeFlyer),
+            RootJoint::Planar => Some(Motion::Planar),
+        }
+        .map(|motion| {
+            let mut lower = vec![f64::NEG_INFINITY; motion.configuration_size()];
+            let mut upper = vec![f64::INFINITY; motion.configuration_size()];
+            for (i, &(low, high)) in placement.root_bounds.iter().enumerate().take(lower.len().min(3)) {
+                (lower[i], upper[i]) = (low, high);
+            }
+            self.joints.push(Joint {
+                name: prefixed("root_joint"),
+                part,
+                parent: None,
+                parent_from_joint: placement.world_from_root,
+                motion,
+                source: Source::Coordinates { q, v },
+                lower,
+                upper,
+                velocity_limit: None,
+            });
+            q += motion.configuration_size();
+            v += motion.velocity_size();
+            JointIndex(first_joint as u32)
+        });
+
+        let root_pose = if root_joint.is_some() { Pose::identity() } else { placement.world_from_root };
+        let mut walk = Walk {
+            robot: self,
+            model,
+            tree: &tree,
+            placement,
+            part,
+            link_index: vec![LinkIndex(0); model.links.len()],
+            followers: Vec::new(),
+            q,
+            v,
+        };
+        walk.visit_all(root_joint, root_pose);
+        let (link_index, followers) = (walk.link_index, walk.followers);
+        for (index, leader, multiplier, offset) in followers {
+            self.follow(index, first_joint, &prefixed(&leader), multiplier, offset)?;
+        }
+
+        self.add_documents(model, &link_index, &placement.name)?;
+        self.parts.push(Part {
+            name: placement.name.clone(),
+            kind: placement.kind,
+            root: placement.root,
+            world_from_root: placement.world_from_root,
+            root_link: link_index[tree.root],
+            root_joint,
+            joints: first_joint..self.joints.len(),
+            links: first_link..self.links.len(),
+            mimic_follows: placement.mimic_follows,
+            has_srdf: model.has_srdf,
+            group_states: model.group_states.clone(),
+        });
+        Ok(())
+    }
+}
+
+impl Robot {
+    fn next_coordinates(&self) -> (usize, usize) {
+        self.joints.iter().fold((0, 0), |(q, v), joint| match joint.source {
+            Source::Coordinates { .. } => (q + joint.motion.configuration_size(), v + joint.motion.velocity_size()),
+            Source::Follows { .. } => (q, v),
+        })
+    }
+
+    /// Makes the joint at `index` follow its leader, resolving chains of followers to the joint that has a coordinate.
+    fn follow(
+        &mut self,
+        index: usize,
+        first_joint: usize,
+        leader: &str,
+        multiplier: f64,
+        offset: f64,
+    ) -> Result<(), String> {
+        let name = self.joints[index].name.clone();
+        let Some(found) = self.joints[first_joint..].iter().position(|j| j.name == leader) else {
+            return Err(format!("joint `{name}` mimics `{leader}`, which is not a moving joint of this part"));
+        };
+        let leader_index = first_joint + found;
+        if leader_index == index {
+            return Err(format!("joint `{name}` mimics itself"));
+        }
+        let scalar = |motion: Motion| motion.configuration_size() == 1;
+        if !scalar(self.joints[index].motion) || !scalar(self.joints[leader_index].motion) {
+            return Err(format!("joint `{name}` mimics `{leader}`: only joints of one coordinate can be coupled"));
+        }
+        self.joints[index].source = Source::Follows { leader: JointIndex(leader_index as u32), multiplier, offset };
+        Ok(())
+    }
+
+    fn add_documents(&mut self, model: &Model, link_index: &[LinkIndex], part: &str) -> Result<(), String> {
+        let by_name: HashMap<&str, LinkIndex> =
+            model.links.iter().zip(link_index).map(|(l, &i)| (l.name.as_str(), i)).collect();
+        let link = |what: &str, name: &str, link: &str| {
+            by_name
+                .get(link)
+                .copied()
+                .ok_or_else(|| format!("{what} `{name}` is on link `{link}`, which does not exist"))
+        };
+        for g in &model.grippers {
+            self.grippers.push(Gripper {
+                name: format!("{part}/{}", g.name),
+                link: link("gripper", &g.name, &g.link)?,
+                link_from_gripper: g.link_from_gripper,
+                clearance: g.clearance,
+            });
+        }
+        for h in &model.handles {
+            self.handles.push(Handle {
+                name: format!("{part}/{}", h.name),
+                link: link("handle", &h.name, &h.link)?,
+                link_from_handle: h.link_from_handle,
+                clearance: h.clearance,
+                mask: h.mask,
+                mask_complement: h.mask_complement,
+                approaching_direction: h.approaching_direction,
+            });
+        }
+        for s in &model.surfaces {
+            self.surfaces.push(Surface {
+                name: format!("{part}/{}", s.name),
+                link: link("contact surface", &s.name, &s.link)?,
+                points: s.points.clone(),
+                polygons: s.polygons.clone(),
+            });
+        }
+        for (first, second, reason) in &model.disabled_pairs {
+            // SRDFs name links of other variants of a robot; such pairs disable nothing (the reader warns about them).
+            if let (Some(&first), Some(&second)) = (by_name.get(first.as_str()), by_name.get(second.as_str())) {
+                self.disabled_pairs.push(DisabledPair { first, second, reason: reason.clone() });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The tree of a model: its root link, and below each link its joints in alphabetical order of names.
+struct Tree {
+    root: usize,
+    children: Vec<Vec<usize>>,
+}
+
+impl Tree {
+    fn of(model: &Model) -> Result<Self, String> {
+        if model.links.is_empty() {
+            return Err("the model has no links".into());
+        }
+        unique("link", model.links.iter().map(|l| l.name.as_str()))?;
+        unique("joint", model.joints.iter().map(|j| j.name.as_str()))?;
+        let mut children = vec![Vec::new(); model.links.len()];
+        let mut is_child = vec![false; model.links.len()];
+        for (index, joint) in model.joints.iter().enumerate() {
+            if joint.parent >= model.links.len() || joint.child >= model.links.len() {
+                return Err(format!("joint `{}` names a link that does not exist", joint.name));
+            }
+            if std::mem::replace(&mut is_child[joint.child], true) {
+                let child = &model.links[joint.child].name;
+                return Err(format!("link `{child}` is the child of two joints (one is `{}`)", joint.name));
+            }
+            children[joint.parent].push(index);
+        }
+        for joints in &mut children {
+            joints.sort_by(|&a, &b| model.joints[a].name.cmp(&model.joints[b].name));
+        }
+        let mut roots = (0..model.links.len()).filter(|&l| !is_child[l]);
+        let root = roots.next().ok_or("the joints form a cycle: every link is some joint's child")?;
+        if let Some(second) = roots.next() {
+            let (a, b) = (&model.links[root].name, &model.links[second].name);
+            return Err(format!("links `{a}` and `{b}` are both roots; a model has one"));
+        }
+        let tree = Self { root, children };
+        tree.refuse_cycles(model)?;
+        Ok(tree)
+    }
+
+    /// With one root and one parent per link, a link that the root does not reach lies on a cycle.
+    fn refuse_cycles(&self, model: &Model) -> Result<(), String> {
+        let mut reached = vec![false; model.links.len()];
+        let mut stack = vec![self.root];
+        while let Some(link) = stack.pop() {
+            reached[link] = true;
+            stack.extend(self.children[link].iter().map(|&j| model.joints[j].child));
+        }
+        match reached.iter().position(|r| !r) {
+            Some(link) => Err(format!("link `{}` is on a cycle of joints", model.links[link].name)),
+            None => Ok(()),
+        }
+    }
+}
+
+fn unique<'a>(what: &str, names: impl Iterator<Item = &'a str>) -> Result<(), String> {
+    let mut seen = std::collections::HashSet::new();
+    for name in names {
+        if !seen.insert(name) {
+            return Err(format!("two {what}s are called `{name}`"));
+        }
+    }
+    Ok(())
+}
+
+/// The depth-first walk that numbers links, shapes and joints of one part.
+struct Walk<'a> {
+    robot: &'a mut Robot,
+    model: &'a Model,
+    tree: &'a Tree,
+    placement: &'a PartPlacement,
+    part: PartIndex,
+    link_index: Vec<LinkIndex>,
+    /// Followers found on the way: joint, leader's name, multiplier, offset; leaders may come later in the tree.
+    followers: Vec<(usize, String, f64, f64)>,
+    q: usize,
+    v: usize,
+}
+
+impl Walk<'_> {
+    /// Visits every link with an explicit stack: files may nest deeper than the call stack.
+    fn visit_all(&mut self, root_joint: Option<JointIndex>, root_pose: Pose) {
+        let mut stack = vec![(None, self.tree.root, root_joint, root_pose)];
+        while let Some((via, link, parent, parent_from_link)) = stack.pop() {
+            let (joint, joint_from_link) = match via {
+                Some(j) => self.add_joint(j, parent, parent_from_link),
+                None => (parent, parent_from_link),
+            };
+            self.add_link(link, joint, joint_from_link);
+            for &j in self.tree.children[link].iter().rev() {
+                let child = &self.model.joints[j];
+                let pose = joint_from_link * child.parent_from_joint;
+                let via = (child.kind != JointKind::Fixed).then_some(j);
+                stack.push((via, child.child, joint, pose));
+            }
+        }
+    }
+
+    /// Numbers a moving joint; returns it and the pose of its child link in its frame.
+    fn add_joint(
+        &mut self,
+        index: usize,
+        parent: Option<JointIndex>,
+        parent_from_joint: Pose,
+    ) -> (Option<JointIndex>, Pose) {
+        let described = &self.model.joints[index];
+        let axis = described.axis;
+        let (motion, joint_from_link) = match described.kind {
+            JointKind::Revolute | JointKind::Continuous => (Motion::Revolute { axis }, Pose::identity()),
+            JointKind::Prismatic => (Motion::Prismatic { axis }, Pose::identity()),
+            // Our planar joint moves in its own xy plane: turn its frame so that z is the described normal.
+            JointKind::Planar => {
+                let turn = Pose::from_rotation(DQuat::from_rotation_arc(DVec3::Z, axis));
+                (Motion::Planar, turn.inverse())
+            }
+            JointKind::Floating | JointKind::Fixed => (Motion::FreeFlyer, Pose::identity()),
+        };
+        let parent_from_joint = parent_from_joint * joint_from_link.inverse();
+        let size = motion.configuration_size();
+        let (mut lower, mut upper) = (vec![f64::NEG_INFINITY; size], vec![f64::INFINITY; size]);
+        if matches!(described.kind, JointKind::Revolute | JointKind::Prismatic) {
+            (lower[0], upper[0]) = described.limits;
+        }
+        if size == 1
+            && let Some(&(_, low, high)) = self.placement.joint_bounds.iter().find(|(n, ..)| *n == described.name)
+        {
+            (lower[0], upper[0]) = (low, high);
+        }
+        let number = self.robot.joints.len();
+        let source = match &described.mimic {
+            Some((leader, multiplier, offset)) if self.placement.mimic_follows => {
+                self.followers.push((number, leader.clone(), *multiplier, *offset));
+                // Replaced once the leader is known.
+                Source::Follows { leader: JointIndex(number as u32), multiplier: *multiplier, offset: *offset }
+            }
+            _ => {
+                let source = Source::Coordinates { q: self.q, v: self.v };
+                self.q += size;
+                self.v += motion.velocity_size();
+                source
+            }
+        };
+        self.robot.joints.push(Joint {
+            name: format!("{}/{}", self.placement.name, described.name),
+            part: self.part,
+            parent,
+            parent_from_joint,
+            motion,
+            source,
+            lower,
+            upper,
+            velocity_limit: described.velocity_limit,
+        });
+        (Some(JointIndex(number as u32)), joint_from_link)
+    }
+
+    fn add_link(&mut self, link: usize, joint: Option<JointIndex>, joint_from_link: Pose) {
+        let described = &self.model.links[link];
+        let index = LinkIndex(self.robot.links.len() as u32);
+        self.link_index[link] = index;
+        let name = format!("{}/{}", self.placement.name, described.name);
+        for (number, (link_from_shape, geometry)) in described.shapes.iter().enumerate() {
+            self.robot.shapes.push(Shape {
+                name: format!("{name}_{number}"),
+                link: index,
+                joint_from_shape: joint_from_link * *link_from_shape,
+                geometry: geometry.clone(),
+            });
+        }
+        self.robot.links.push(Link { name, part: self.part, joint, joint_from_link, inertial: described.inertial });
+    }
+}
