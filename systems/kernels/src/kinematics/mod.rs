@@ -1,0 +1,5 @@
+//! Where everything is: poses of bodies from configurations.
+
+mod forward;
+
+pub use forward::{Carriage, Kinematics, Placement};
