@@ -8,9 +8,15 @@
 //! frame B in frame A, so that products read by adjacency.
 #![forbid(unsafe_code)]
 
+pub mod candidate;
 pub mod configuration;
+pub mod graph;
+pub mod leaf;
+pub mod outcome;
+pub mod path;
 pub mod pose;
 pub mod problem;
+pub mod roadmap;
 pub mod robot;
 
 pub use pose::Pose;

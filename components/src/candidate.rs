@@ -1,0 +1,107 @@
+//! Candidates: extensions under way. A fixed pool of them is spawned once; systems change their fields.
+
+use crate::graph::{StateId, TransitionId};
+use crate::leaf::{Parameter, ParameterId};
+use crate::outcome::Rejection;
+use crate::roadmap::{ComponentId, NodeId};
+use crate::robot::ShapeIndex;
+
+/// One extension: which node, along which transition, towards which leaf, and how far it has come.
+///
+/// A scheduler's own `Select` system writes `near` and `transition` (and may leave `rejected` set to drop the candidate);
+/// everything behind it follows from these.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "ecs", derive(bevy_ecs::prelude::Component))]
+pub struct Candidate {
+    /// Number in the pool; the commit goes by it, and the random stream is keyed by it.
+    pub index: u32,
+    /// The tree that is extended.
+    pub component: Option<ComponentId>,
+    /// The node that is extended (q_near).
+    pub near: Option<NodeId>,
+    /// The transition that is tried (T).
+    pub transition: Option<TransitionId>,
+    /// For a crossed transition: the parameter drawn from the leaves of other trees.
+    pub drawn: Option<ParameterId>,
+    /// Why nothing more is to be done for it.
+    pub rejected: Option<Rejection>,
+    /// The pair of shapes that stopped it.
+    pub blocked_by: Option<(ShapeIndex, ShapeIndex)>,
+}
+
+impl Candidate {
+    /// Whether it is still under way.
+    #[must_use]
+    pub fn is_alive(&self) -> bool {
+        self.rejected.is_none()
+    }
+
+    /// Drops it for a reason; the first reason stays.
+    pub fn reject(&mut self, reason: Rejection) {
+        self.rejected.get_or_insert(reason);
+    }
+
+    /// Makes it ready for the next step.
+    pub fn reset(&mut self) {
+        *self = Self { index: self.index, ..Self::default() };
+    }
+}
+
+/// The value of a foliating constraint along a leg: known to the leaf index, or found by this very candidate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LegParameter {
+    /// Interned already.
+    Known(ParameterId),
+    /// Found by a projection; interned when the candidate is committed.
+    Fresh(Parameter),
+}
+
+/// One leg of a candidate: where objects hang along it, and its knots.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedLeg {
+    /// Number of the leg within the transition.
+    pub leg: u32,
+    /// State in which it lies.
+    pub state: StateId,
+    /// One per foliating constraint of that state.
+    pub parameters: Vec<LegParameter>,
+    /// Whole configurations, end to end; at least two once steered.
+    pub knots: Vec<f64>,
+    /// Proven clearance beyond the margins, metres.
+    pub clearance: f64,
+    /// Proven bound of the residual of implicit rows.
+    pub residual: f64,
+}
+
+/// The bulk numbers of the candidates, one slot each.
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "ecs", derive(bevy_ecs::prelude::Resource))]
+pub struct CandidateArena {
+    /// Random configurations (q_rand), `size` numbers per candidate.
+    pub random: Vec<f64>,
+    /// Planned legs per candidate; after validation only what is certified.
+    pub legs: Vec<Vec<PlannedLeg>>,
+    /// Whether all legs of the transition are certified (else a prefix).
+    pub complete: Vec<bool>,
+    size: usize,
+}
+
+impl CandidateArena {
+    /// Room for `count` candidates of configurations with `size` numbers.
+    #[must_use]
+    pub fn new(count: usize, size: usize) -> Self {
+        Self { random: vec![0.0; count * size], legs: vec![Vec::new(); count], complete: vec![false; count], size }
+    }
+
+    /// Length of a configuration.
+    #[must_use]
+    pub fn configuration_size(&self) -> usize {
+        self.size
+    }
+
+    /// A candidate's random configuration.
+    #[must_use]
+    pub fn random_of(&self, candidate: u32) -> &[f64] {
+        &self.random[candidate as usize * self.size..][..self.size]
+    }
+}

@@ -1,0 +1,60 @@
+//! The constraints that states and waypoints share, named as HPP names them.
+
+use crate::robot::{GripperIndex, HandleIndex};
+
+/// Index of a constraint in [`super::ConstraintGraph::constraints`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct ConstraintId(pub u32);
+
+impl ConstraintId {
+    /// The index, for slices.
+    #[must_use]
+    pub fn at(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// A named constraint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GraphConstraint {
+    /// `g grasps h`, `place_o`, …
+    pub name: String,
+    /// What it demands.
+    pub kind: ConstraintKind,
+    /// Whether it has rows that are right-hand sides: the complement that foliates the states it holds in (P0 eq. 5, 9).
+    pub foliates: bool,
+}
+
+/// What a constraint demands. Objects are indices into [`super::ConstraintGraph::objects`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ConstraintKind {
+    /// The handle sits in the gripper, up to the handle's mask.
+    Grasp {
+        /// Who holds.
+        gripper: GripperIndex,
+        /// What is held.
+        handle: HandleIndex,
+    },
+    /// The gripper stands back along its own x axis by the sum of both clearances.
+    Pregrasp {
+        /// Who approaches.
+        gripper: GripperIndex,
+        /// What is approached.
+        handle: HandleIndex,
+    },
+    /// One of the object's surfaces lies on a support, the margin above it.
+    Placement {
+        /// The object.
+        object: u32,
+    },
+    /// As a placement, lifted by the pre-placement distance.
+    Preplacement {
+        /// The object.
+        object: u32,
+    },
+    /// An object without surfaces stays where it is while nobody holds it (HPP: locked joints as placement complement).
+    Rest {
+        /// The object.
+        object: u32,
+    },
+}

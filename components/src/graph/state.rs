@@ -1,0 +1,33 @@
+//! States: "gripper A holds handle B, object C stands on surface D".
+
+use super::ConstraintId;
+use crate::robot::{GripperIndex, HandleIndex};
+
+/// Index of a state in [`super::ConstraintGraph::states`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "ecs", derive(bevy_ecs::prelude::Component))]
+pub struct StateId(pub u32);
+
+impl StateId {
+    /// The index, for slices.
+    #[must_use]
+    pub fn at(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// A manifold of configurations, foliated by the complements of its constraints.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State {
+    /// `g1 grasps h1 : g2 grasps h2`, or `free`.
+    pub name: String,
+    /// Who holds what, in the order of the problem's grippers.
+    pub grasps: Vec<(GripperIndex, HandleIndex)>,
+    /// What holds everywhere in the state (f_S).
+    pub manifold: Vec<ConstraintId>,
+    /// Those of them with right-hand sides: a leaf of the state gives each a value (g_T).
+    pub foliation: Vec<ConstraintId>,
+    /// States are tried in falling order of priority when the state of a configuration is asked: more grasps first, because
+    /// a configuration that grasps may also satisfy the weaker state without the grasp (HPP's node selector).
+    pub priority: u32,
+}

@@ -1,0 +1,132 @@
+//! Leaves: interned right-hand sides, compared by id.
+//!
+//! A leaf of a state gives each of the state's foliating constraints a value. Values are interned as *parameters*: two
+//! nodes lie on the same leaf if and only if their parameter ids are equal. A node that is reached by aiming at a leaf
+//! adopts its ids and with them the exact numbers, so nothing drifts (DESIGN: §5.3).
+
+use crate::Pose;
+use crate::graph::{ConstraintId, StateId};
+use crate::robot::JointIndex;
+use std::collections::HashMap;
+
+/// Index of a leaf in [`LeafIndex`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "ecs", derive(bevy_ecs::prelude::Component))]
+pub struct LeafId(pub u32);
+
+/// Index of an interned parameter in [`LeafIndex`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "ecs", derive(bevy_ecs::prelude::Component))]
+pub struct ParameterId(pub u32);
+
+impl LeafId {
+    /// The index, for slices.
+    #[must_use]
+    pub fn at(self) -> usize {
+        self.0 as usize
+    }
+}
+
+impl ParameterId {
+    /// The index, for slices.
+    #[must_use]
+    pub fn at(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// The value of one foliating constraint: how its object hangs on what carries it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// Whose complement this is a value of.
+    pub constraint: ConstraintId,
+    /// The body that carries the object; `None` for the world.
+    pub carrier: Option<JointIndex>,
+    /// Pose of the object's root joint frame in the carrier's joint frame (or in the world).
+    pub carrier_from_object: Pose,
+}
+
+/// A leaf: a state and one parameter for each of its foliating constraints, in the order of `State::foliation`.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Leaf {
+    /// The state whose leaf it is.
+    pub state: StateId,
+    /// One id per foliating constraint.
+    pub parameters: Box<[ParameterId]>,
+}
+
+/// The leaves and parameters that a search has met, by id.
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "ecs", derive(bevy_ecs::prelude::Resource))]
+pub struct LeafIndex {
+    parameters: Vec<Parameter>,
+    leaves: Vec<Leaf>,
+    by_value: HashMap<Leaf, LeafId>,
+}
+
+impl LeafIndex {
+    /// Adds a parameter that is new by construction (a placement that a projection has just found).
+    pub fn add_parameter(&mut self, parameter: Parameter) -> ParameterId {
+        self.parameters.push(parameter);
+        ParameterId((self.parameters.len() - 1) as u32)
+    }
+
+    /// The parameter of the same constraint and carrier within `tolerance` (metres and radians), or a new one.
+    ///
+    /// For configurations that come from outside (start, goals), so that an object which nobody has to move stands on one
+    /// and the same leaf in both. Linear in the parameters met so far: not for the search itself.
+    pub fn intern_parameter(&mut self, parameter: Parameter, tolerance: f64) -> ParameterId {
+        let near = |other: &Parameter| {
+            let (a, b) = (&parameter.carrier_from_object, &other.carrier_from_object);
+            other.constraint == parameter.constraint
+                && other.carrier == parameter.carrier
+                && a.translation.distance(b.translation) <= tolerance
+                && a.rotation.angle_between(b.rotation) <= tolerance.max(1e-7)
+        };
+        match self.parameters.iter().position(near) {
+            Some(index) => ParameterId(index as u32),
+            None => self.add_parameter(parameter),
+        }
+    }
+
+    /// The id of a leaf, new if it was never met.
+    pub fn intern(&mut self, leaf: Leaf) -> LeafId {
+        if let Some(&id) = self.by_value.get(&leaf) {
+            return id;
+        }
+        let id = LeafId(self.leaves.len() as u32);
+        self.leaves.push(leaf.clone());
+        self.by_value.insert(leaf, id);
+        id
+    }
+
+    /// The leaf of that id.
+    ///
+    /// # Panics
+    /// If the id is of another index.
+    #[must_use]
+    pub fn leaf(&self, id: LeafId) -> &Leaf {
+        &self.leaves[id.at()]
+    }
+
+    /// The parameter of that id.
+    ///
+    /// # Panics
+    /// If the id is of another index.
+    #[must_use]
+    pub fn parameter(&self, id: ParameterId) -> &Parameter {
+        &self.parameters[id.at()]
+    }
+
+    /// All leaves, by id.
+    #[must_use]
+    pub fn leaves(&self) -> &[Leaf] {
+        &self.leaves
+    }
+
+    /// All parameters, by id.
+    #[must_use]
+    pub fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+}

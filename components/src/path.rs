@@ -1,0 +1,67 @@
+//! What a search answers: a manipulation path, leg by leg, with what holds along each and what was proven.
+
+use crate::graph::{StateId, TransitionId};
+use crate::robot::{GripperIndex, HandleIndex, JointIndex, SurfaceIndex};
+
+/// A path from the start to a goal. Consecutive segments share the joint knot bit for bit.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ManipulationPath {
+    /// Segments in the direction of travel.
+    pub segments: Vec<Segment>,
+    /// What was proven about all of them.
+    pub certificate: Certificate,
+}
+
+/// A motion on one leaf.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Segment {
+    /// The transition that is travelled, in the direction of travel.
+    pub transition: TransitionId,
+    /// The state in which the motion lies.
+    pub state: StateId,
+    /// What holds or carries each object; the first attachment of an object is its carrier.
+    pub attachments: Vec<Attachment>,
+    /// Whole configurations, one row per knot, at least two.
+    pub knots: Vec<Vec<f64>>,
+}
+
+/// What an object hangs on during a segment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Attachment {
+    /// A gripper holds one of its handles.
+    Grasp {
+        /// Root joint of the object.
+        object: JointIndex,
+        /// Who holds.
+        gripper: GripperIndex,
+        /// By which handle.
+        handle: HandleIndex,
+        /// Whether the object follows this attachment rigidly; further ones are certified constraints.
+        carrier: bool,
+    },
+    /// It lies on a support.
+    Contact {
+        /// Root joint of the object.
+        object: JointIndex,
+        /// The object's surface and the number of its polygon.
+        surface: (SurfaceIndex, u32),
+        /// The support's surface and the number of its polygon.
+        support: (SurfaceIndex, u32),
+    },
+    /// It has no surfaces and stays where it is.
+    Rest {
+        /// Root joint of the object.
+        object: JointIndex,
+    },
+}
+
+/// What is proven about a path over the continuum.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Certificate {
+    /// Bound that residuals must keep, metres and radians.
+    pub path_tolerance: f64,
+    /// Proven bound of the residual of implicit rows and of the objects' jumps at joint knots.
+    pub max_residual: f64,
+    /// Proven lower bound of the clearance beyond the margins, metres.
+    pub min_clearance: f64,
+}

@@ -1,0 +1,47 @@
+"""Where models lie on disk: `package://` URLs without ROS."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+
+class InputError(Exception):
+    """A file that cannot be read as what it claims to be; the message names the file and the place in it."""
+
+
+def search_directories(given: list[str] | None = None) -> list[Path]:
+    """Folders that hold packages, first match wins: those given, then the environment, then installed wheels."""
+    folders = [Path(folder) for folder in given or []]
+    for variable, below in (("FOLIATE_PACKAGE_PATH", ""), ("ROS_PACKAGE_PATH", ""), ("AMENT_PREFIX_PATH", "share")):
+        entries = os.environ.get(variable, "").split(os.pathsep)
+        folders += [Path(entry) / below for entry in entries if entry]
+    folders += [Path(entry) / "cmeel.prefix" / "share" for entry in sys.path if entry]
+    return [folder for folder in folders if folder.is_dir()]
+
+
+def resolve(url: str, folders: list[Path], beside: Path) -> Path:
+    """The file behind `url`: `package://name/rest` (any number of slashes), `file://`, absolute, or relative to the
+    folder `beside`. A package URL may not leave its package."""
+    if url.startswith("package://"):
+        return _resolve_package(url, folders)
+    path = Path(url.removeprefix("file://"))
+    path = path if path.is_absolute() else beside / path
+    if not path.is_file():
+        raise InputError(f"{path}: no such file (named as {url!r})")
+    return path
+
+
+def _resolve_package(url: str, folders: list[Path]) -> Path:
+    package, _, rest = url.removeprefix("package://").lstrip("/").partition("/")
+    for folder in folders:
+        root = (folder / package).resolve()
+        path = (root / rest).resolve()
+        if not path.is_file():
+            continue
+        if root not in path.parents:
+            raise InputError(f"{url}: leaves its package folder {root}")
+        return path
+    searched = ", ".join(str(folder) for folder in folders) or "no folder"
+    raise InputError(f"{url}: not found; searched {searched} (give --package-path DIR)")

@@ -1,0 +1,357 @@
+"""The path file `foliate.path/1`, read strictly.
+
+What is not well formed stops with an `InputError` that names the place in the file. Whether the motion is *right* is
+not asked here.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from packages import InputError
+
+FORMAT = "foliate.path/1"
+KINDS = ("robot", "object", "environment")
+ROOTS = ("fixed", "freeflyer", "planar")
+MIMIC = ("follow", "free")
+FREEFLYER_COORDINATES = ("x", "y", "z", "qx", "qy", "qz", "qw")
+PLANAR_COORDINATES = ("x", "y", "theta")
+DEFAULT_PATH_TOLERANCE = 2e-4
+
+
+@dataclass(frozen=True)
+class PartEntry:
+    name: str
+    kind: str
+    urdf: str
+    srdf: str | None
+    mimic: str
+    root: str
+    world_from_root: np.ndarray
+
+
+@dataclass(frozen=True)
+class Gripper:
+    link: str
+    link_from_gripper: np.ndarray
+
+
+@dataclass(frozen=True)
+class Handle:
+    link: str
+    link_from_handle: np.ndarray
+    mask: list[bool]
+    mask_complement: list[bool]
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Convex polygons on a link: `points` (N, 3) in the link's frame, `polygons` as indices, normals out of the
+    solid by the right-hand rule."""
+
+    link: str
+    points: np.ndarray
+    polygons: list[list[int]]
+
+
+@dataclass(frozen=True)
+class Attachment:
+    """A grasp (`gripper`, `handle`) or a placement (`surface`, `support`) of `object`."""
+
+    object: str
+    carrier: bool
+    gripper: str | None = None
+    handle: str | None = None
+    surface: str | None = None
+    support: str | None = None
+
+    @property
+    def is_grasp(self) -> bool:
+        return self.gripper is not None
+
+    def __str__(self) -> str:
+        return f"{self.gripper} > {self.handle}" if self.is_grasp else f"{self.surface} on {self.support}"
+
+
+@dataclass(frozen=True)
+class Constraint:
+    kind: str
+    frame: str
+    to: str
+    mask: list[bool]
+    value: np.ndarray | None
+    tolerance: float | None
+
+
+@dataclass(frozen=True)
+class Segment:
+    index: int
+    transition: str
+    state: str
+    attachments: list[Attachment]
+    constraints: list[Constraint]
+    knots: np.ndarray
+    times: np.ndarray | None
+
+
+@dataclass(frozen=True)
+class PathFile:
+    file: Path
+    parts: list[PartEntry]
+    coordinates: list[str]
+    limits: dict[str, tuple[float, float]]
+    grippers: dict[str, Gripper]
+    handles: dict[str, Handle]
+    surfaces: dict[str, Surface]
+    ignored_pairs: list[tuple[str, str, str]]
+    margins: list[tuple[str, str, float]]
+    placement_margin: float
+    path_tolerance: float
+    certificate: dict
+    segments: list[Segment]
+
+
+class _Node:
+    """A value of the JSON tree that knows where it stands."""
+
+    def __init__(self, value, where: str):
+        self.value, self.where = value, where
+
+    def fail(self, message: str):
+        raise InputError(f"{self.where}: {message}")
+
+    def get(self, key: str, default=...) -> "_Node":
+        self.expect(dict, "an object")
+        if key not in self.value:
+            if default is ...:
+                self.fail(f"{key!r} is missing")
+            return _Node(default, f"{self.where}.{key}")
+        return _Node(self.value[key], f"{self.where}.{key}")
+
+    def items(self) -> list["_Node"]:
+        self.expect(list, "a list")
+        return [_Node(value, f"{self.where}[{index}]") for index, value in enumerate(self.value)]
+
+    def entries(self) -> list[tuple[str, "_Node"]]:
+        self.expect(dict, "an object")
+        return [(key, _Node(value, f"{self.where}.{key}")) for key, value in self.value.items()]
+
+    def expect(self, kind, words: str):
+        if not isinstance(self.value, kind):
+            self.fail(f"{words} expected, found {json.dumps(self.value)[:60]}")
+        return self.value
+
+    def text(self, choices: tuple[str, ...] | None = None) -> str:
+        self.expect(str, "a text")
+        if choices and self.value not in choices:
+            self.fail(f"{self.value!r} is none of {', '.join(choices)}")
+        return self.value
+
+    def number(self) -> float:
+        if isinstance(self.value, bool) or not isinstance(self.value, (int, float)):
+            self.fail(f"a number expected, found {json.dumps(self.value)[:60]}")
+        return float(self._finite([self.value])[0])
+
+    def numbers(self, count: int | None = None) -> np.ndarray:
+        values = self.expect(list, "a list of numbers")
+        if not all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values):
+            self.fail("only numbers expected in this list")
+        if count is not None and len(values) != count:
+            self.fail(f"{count} numbers expected, found {len(values)}")
+        return self._finite(values)
+
+    def _finite(self, values: list) -> np.ndarray:
+        try:
+            numbers = np.array(values, dtype=float)
+        except OverflowError:
+            numbers = np.array([np.inf])
+        if not np.isfinite(numbers).all():
+            self.fail("a number too large for this checker")
+        return numbers
+
+    def pose(self) -> np.ndarray:
+        values = self.numbers(7)
+        if abs(np.linalg.norm(values[3:]) - 1.0) > 1e-6:
+            self.fail("the quaternion (x y z w) is not a unit quaternion")
+        return values
+
+    def mask(self, sizes: tuple[int, ...] = (6,)) -> list[bool]:
+        values = self.expect(list, "a mask")
+        if len(values) not in sizes or not all(value in (0, 1) for value in values):
+            self.fail(f"a mask of {' or '.join(map(str, sizes))} booleans expected")
+        return [bool(value) for value in values]
+
+
+def read_path_file(file: Path) -> PathFile:
+    """The path in `file`; `InputError` when it is not one."""
+    root = _Node(_read_json(file), str(file))
+    root.get("format").text((FORMAT,))
+    coordinates = [item.text() for item in root.get("coordinates").items()]
+    if len(set(coordinates)) != len(coordinates):
+        root.get("coordinates").fail("a coordinate is named twice")
+    documents = root.get("documents", {})
+    certificate = root.get("certificate", {})
+    path = PathFile(
+        file=file,
+        parts=[_read_part(item) for item in root.get("parts").items()],
+        coordinates=coordinates,
+        limits={name: _read_limit(item) for name, item in root.get("limits").entries()},
+        grippers={name: _read_gripper(item) for name, item in documents.get("grippers", {}).entries()},
+        handles={name: _read_handle(item) for name, item in documents.get("handles", {}).entries()},
+        surfaces={name: _read_surface(item) for name, item in documents.get("surfaces", {}).entries()},
+        ignored_pairs=[_read_ignored(item) for item in root.get("ignored_pairs", []).items()],
+        margins=[_read_margin(item) for item in root.get("margins", []).items()],
+        placement_margin=root.get("placement_margin", 0.0).number(),
+        path_tolerance=certificate.get("path_tolerance", DEFAULT_PATH_TOLERANCE).number(),
+        certificate=certificate.expect(dict, "an object"),
+        segments=[
+            _read_segment(index, item, len(coordinates)) for index, item in enumerate(root.get("segments").items())
+        ],
+    )
+    names = [part.name for part in path.parts]
+    if len(set(names)) != len(names):
+        root.get("parts").fail("a part is named twice")
+    if not path.segments:
+        root.get("segments").fail("a path has at least one segment")
+    for name in path.limits:
+        if name not in coordinates:
+            root.get("limits").fail(f"{name!r} is no coordinate")
+    return path
+
+
+def _read_json(file: Path):
+    def refuse(constant):
+        raise ValueError(f"{constant} is not a number")
+
+    def without_duplicates(pairs):
+        result = dict(pairs)
+        if len(result) != len(pairs):
+            keys = [key for key, _ in pairs]
+            raise ValueError(f"key {next(key for key in keys if keys.count(key) > 1)!r} is given twice")
+        return result
+
+    try:
+        text = file.read_text(encoding="utf-8")
+        tree = json.loads(text, parse_constant=refuse, object_pairs_hook=without_duplicates)
+    except (OSError, ValueError, RecursionError) as error:
+        raise InputError(f"{file}: {error}") from error
+    return tree
+
+
+def _read_part(node: _Node) -> PartEntry:
+    srdf = node.get("srdf", None)
+    part = PartEntry(
+        name=node.get("name").text(),
+        kind=node.get("kind").text(KINDS),
+        urdf=node.get("urdf").text(),
+        srdf=None if srdf.value in (None, "") else srdf.text(),
+        mimic=node.get("mimic", "follow").text(MIMIC),
+        root=node.get("root").text(ROOTS),
+        world_from_root=node.get("world_from_root", [0, 0, 0, 0, 0, 0, 1]).pose(),
+    )
+    if part.kind == "environment" and part.root != "fixed":
+        node.fail("an environment never moves: its root is fixed")
+    return part
+
+
+def _read_limit(node: _Node) -> tuple[float, float]:
+    low, high = (item.value if item.value is None else item.number() for item in _exactly(node, 2))
+    limit = (-np.inf if low is None else low, np.inf if high is None else high)
+    if limit[0] > limit[1]:
+        node.fail(f"lower limit {low} above upper limit {high}")
+    return limit
+
+
+def _exactly(node: _Node, count: int) -> list[_Node]:
+    items = node.items()
+    if len(items) != count:
+        node.fail(f"{count} entries expected, found {len(items)}")
+    return items
+
+
+def _read_gripper(node: _Node) -> Gripper:
+    return Gripper(node.get("link").text(), node.get("link_from_gripper").pose())
+
+
+def _read_handle(node: _Node) -> Handle:
+    mask = node.get("mask", [True] * 6).mask()
+    complement = node.get("mask_complement", [not row for row in mask]).mask()
+    if sum(mask[3:]) == 1:
+        node.fail("a mask with exactly one fixed rotation describes no grasp")
+    return Handle(node.get("link").text(), node.get("link_from_handle").pose(), mask, complement)
+
+
+def _read_surface(node: _Node) -> Surface:
+    points = np.array([item.numbers(3) for item in node.get("points").items()]).reshape(-1, 3)
+    polygons = []
+    for item in node.get("polygons").items():
+        indices = item.expect(list, "a list of point indices")
+        inside = all(isinstance(index, int) and 0 <= index < len(points) for index in indices)
+        if len(indices) < 3 or not inside:
+            item.fail("at least three indices of points expected")
+        polygons.append(indices)
+    return Surface(node.get("link").text(), points, polygons)
+
+
+def _read_ignored(node: _Node) -> tuple[str, str, str]:
+    items = node.items()
+    if len(items) not in (2, 3):
+        node.fail("[link, link, reason] expected")
+    return items[0].text(), items[1].text(), items[2].text() if len(items) == 3 else "no reason given"
+
+
+def _read_margin(node: _Node) -> tuple[str, str, float]:
+    first, second, margin = _exactly(node, 3)
+    return first.text(), second.text(), margin.number()
+
+
+def _read_segment(index: int, node: _Node, width: int) -> Segment:
+    knots = [item.numbers(width) for item in node.get("knots").items()]
+    if not knots:
+        node.get("knots").fail("a segment has at least one knot")
+    times = node.get("times", None)
+    return Segment(
+        index=index,
+        transition=_optional_text(node.get("transition", "")),
+        state=_optional_text(node.get("state", "")),
+        attachments=[_read_attachment(item) for item in node.get("attachments", []).items()],
+        constraints=[_read_constraint(item) for item in node.get("constraints", []).items()],
+        knots=np.array(knots),
+        times=None if times.value is None else times.numbers(len(knots)),
+    )
+
+
+def _optional_text(node: _Node) -> str:
+    return "" if node.value is None else str(node.value)
+
+
+def _read_attachment(node: _Node) -> Attachment:
+    carrier = node.get("carrier", False).expect(bool, "a boolean")
+    name = node.get("object").text()
+    if "gripper" in node.value:
+        return Attachment(name, carrier, gripper=node.get("gripper").text(), handle=node.get("handle").text())
+    return Attachment(name, carrier, surface=node.get("surface").text(), support=node.get("support").text())
+
+
+def _read_constraint(node: _Node) -> Constraint:
+    value, tolerance = node.get("value", None), node.get("tolerance", None)
+    mask = node.get("mask", [True] * 6)
+    return Constraint(
+        kind=node.get("kind").text(),
+        frame=_optional_text(node.get("frame", "")),
+        to=_optional_text(node.get("to", "world")),
+        mask=mask.mask((3, 6)),
+        value=None if value.value is None else _read_value(value),
+        tolerance=None if tolerance.value is None else tolerance.number(),
+    )
+
+
+def _read_value(node: _Node) -> np.ndarray:
+    """A pose, or a position (then with no rotation)."""
+    if isinstance(node.value, list) and len(node.value) == 3:
+        return np.concatenate([node.numbers(3), [0.0, 0.0, 0.0, 1.0]])
+    return node.pose()
