@@ -76,7 +76,7 @@ def _check_limits(scene: Scene, segment: Segment, report: Report) -> None:
 def _resting_knots(path: PathFile, segment: Segment, member: Member) -> list[int]:
     """Knots that begin or end a segment in which the object rests: placed, or attached to nothing."""
     mine = [item for item in segment.attachments if item.object.partition("/")[0] == member.name]
-    rests = all(not item.is_grasp for item in mine) or any(not item.is_grasp for item in mine)
+    rests = not mine or any(not item.is_grasp for item in mine)
     return [0, len(segment.knots) - 1] if rests else []
 
 

@@ -1,0 +1,183 @@
+//! Path files: `"format": "foliate.path/1"`, the contract that other people's checkers read (DESIGN §6).
+//!
+//! The models and this file are all that is needed to play a path back or to prove it again. Numbers are written so that
+//! they read back bit for bit; a file holds neither clock times nor thread counts, so that it does not depend on them.
+
+mod write;
+
+pub use write::{PathContext, write_path};
+
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// The value of `format`.
+pub const FORMAT: &str = "foliate.path/1";
+
+/// x y z qx qy qz qw.
+pub type PoseRow = [f64; 7];
+
+/// A path file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PathFile {
+    /// [`FORMAT`].
+    pub format: String,
+    /// Name of the scene.
+    pub scene: String,
+    /// Seed of the search.
+    pub seed: u64,
+    /// Scheduler of the search.
+    pub scheduler: String,
+    /// SIMD level of the search; results are equal bit for bit only at one level.
+    pub simd: String,
+    /// Robots, objects and environment.
+    pub parts: Vec<PartEntry>,
+    /// Names of the numbers of a knot.
+    pub coordinates: Vec<String>,
+    /// Bounds of those that have any, by coordinate.
+    pub limits: BTreeMap<String, [f64; 2]>,
+    /// Grippers, handles and surfaces.
+    pub documents: Documents,
+    /// Link, link, reason: pairs that are not tested besides the SRDFs' own.
+    pub ignored_pairs: Vec<[String; 3]>,
+    /// Link, link, metres: minimum distances.
+    pub margins: Vec<(String, String, f64)>,
+    /// Gap between an object's surface and its support, metres.
+    pub placement_margin: f64,
+    /// The path, in the direction of travel.
+    pub segments: Vec<SegmentEntry>,
+    /// What was proven.
+    pub certificate: CertificateEntry,
+}
+
+/// A part and where its models are.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PartEntry {
+    /// Name.
+    pub name: String,
+    /// `robot`, `object` or `environment`.
+    pub kind: String,
+    /// `package://` URL, or a path relative to the path file.
+    pub urdf: String,
+    /// As `urdf`.
+    pub srdf: Option<String>,
+    /// `follow` or `free`.
+    pub mimic: String,
+    /// `fixed`, `freeflyer` or `planar`.
+    pub root: String,
+    /// Pose of what does not move freely.
+    pub world_from_root: PoseRow,
+}
+
+/// Grippers, handles and surfaces, by name.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Documents {
+    /// Grippers.
+    pub grippers: BTreeMap<String, GripperEntry>,
+    /// Handles.
+    pub handles: BTreeMap<String, HandleEntry>,
+    /// Contact surfaces.
+    pub surfaces: BTreeMap<String, SurfaceEntry>,
+}
+
+/// A gripper in its link.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GripperEntry {
+    /// `part/link`.
+    pub link: String,
+    /// Its frame.
+    pub link_from_gripper: PoseRow,
+}
+
+/// A handle in its link.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HandleEntry {
+    /// `part/link`.
+    pub link: String,
+    /// Its frame.
+    pub link_from_handle: PoseRow,
+    /// Rows of the handle's pose in the gripper that a grasp makes zero: tx ty tz rx ry rz.
+    pub mask: [bool; 6],
+    /// Rows that stay constant while held.
+    pub mask_complement: [bool; 6],
+}
+
+/// Contact polygons on a link.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SurfaceEntry {
+    /// `part/link`.
+    pub link: String,
+    /// Vertices in the link frame, metres.
+    pub points: Vec<[f64; 3]>,
+    /// Indices into `points`, counter-clockwise seen from outside.
+    pub polygons: Vec<Vec<u32>>,
+}
+
+/// A motion on one leaf.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SegmentEntry {
+    /// Transition, in the direction of travel.
+    pub transition: String,
+    /// State in which the motion lies.
+    pub state: String,
+    /// What each object hangs on.
+    pub attachments: Vec<AttachmentEntry>,
+    /// Further constraints that hold along the segment.
+    pub constraints: Vec<ConstraintEntry>,
+    /// Configurations.
+    pub knots: Vec<Vec<f64>>,
+    /// Seconds, one per knot, once the path has been timed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub times: Option<Vec<f64>>,
+}
+
+/// What an object hangs on: a gripper by a handle, a support by a surface, or nothing but its place.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct AttachmentEntry {
+    /// The part.
+    pub object: String,
+    /// Who holds it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gripper: Option<String>,
+    /// By which handle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub handle: Option<String>,
+    /// The object's surface.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surface: Option<String>,
+    /// The surface that carries it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub support: Option<String>,
+    /// Whether the object follows this attachment rigidly.
+    pub carrier: bool,
+}
+
+/// A relative-pose constraint along a segment.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ConstraintEntry {
+    /// `pose`, `centre_of_mass`, ….
+    pub kind: String,
+    /// The link whose pose is constrained.
+    pub frame: String,
+    /// The link in which it is.
+    pub to: String,
+    /// Constrained rows.
+    pub mask: [bool; 6],
+    /// The pose of `frame` in `to`; without it the first knot is the reference.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub value: Option<PoseRow>,
+    /// Bound of the error, metres and radians.
+    pub tolerance: f64,
+}
+
+/// What was proven over the continuum.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CertificateEntry {
+    /// Bound that residuals keep.
+    pub path_tolerance: f64,
+    /// The largest residual, bounded.
+    pub max_residual: f64,
+    /// The smallest clearance beyond the margins, bounded from below, metres.
+    pub min_clearance: f64,
+    /// `within`.
+    pub joint_limits: String,
+}

@@ -1,0 +1,173 @@
+//! From a planned path to its file.
+
+use super::{
+    AttachmentEntry, CertificateEntry, Documents, FORMAT, GripperEntry, HandleEntry, PartEntry, PathFile, PoseRow,
+    SegmentEntry, SurfaceEntry,
+};
+use foliate_components::Pose;
+use foliate_components::graph::ConstraintGraph;
+use foliate_components::path::{Attachment, ManipulationPath};
+use foliate_components::pose::pose_to_array;
+use foliate_components::problem::Problem;
+use foliate_components::robot::{JointIndex, LinkIndex, Motion, Part, PartKind, Robot, RootJoint, Source};
+use std::collections::BTreeMap;
+
+/// What a path file says besides the path: the problem, where its models are, and how it was searched.
+#[derive(Clone, Copy, Debug)]
+pub struct PathContext<'a> {
+    /// The problem.
+    pub problem: &'a Problem,
+    /// Its constraint graph, for names.
+    pub graph: &'a ConstraintGraph,
+    /// URDF and SRDF of each part, as the file is to name them.
+    pub models: &'a [(String, Option<String>)],
+    /// Seed.
+    pub seed: u64,
+    /// Scheduler.
+    pub scheduler: &'a str,
+    /// SIMD level.
+    pub simd: &'a str,
+}
+
+/// The file of a path.
+#[must_use]
+pub fn write_path(context: &PathContext<'_>, path: &ManipulationPath) -> PathFile {
+    let problem = context.problem;
+    let robot = &problem.robot;
+    let link = |l: LinkIndex| robot.links[l.at()].name.clone();
+    PathFile {
+        format: FORMAT.into(),
+        scene: problem.name.clone(),
+        seed: context.seed,
+        scheduler: context.scheduler.into(),
+        simd: context.simd.into(),
+        parts: robot.parts.iter().zip(context.models).map(|(part, models)| part_entry(part, models)).collect(),
+        coordinates: coordinate_names(robot),
+        limits: limits(robot),
+        documents: documents(robot),
+        ignored_pairs: problem
+            .ignored_pairs
+            .iter()
+            .map(|p| [link(p.first), link(p.second), p.reason.clone()])
+            .collect(),
+        margins: problem.margins.iter().map(|m| (link(m.first), link(m.second), m.distance)).collect(),
+        placement_margin: problem.graph.placement_margin,
+        segments: path
+            .segments
+            .iter()
+            .map(|s| SegmentEntry {
+                transition: context.graph.transition(s.transition).name.clone(),
+                state: context.graph.state(s.state).name.clone(),
+                attachments: s.attachments.iter().map(|a| attachment_entry(robot, a)).collect(),
+                constraints: Vec::new(),
+                knots: s.knots.clone(),
+                times: None,
+            })
+            .collect(),
+        certificate: CertificateEntry {
+            path_tolerance: path.certificate.path_tolerance,
+            max_residual: path.certificate.max_residual,
+            min_clearance: path.certificate.min_clearance,
+            joint_limits: "within".into(),
+        },
+    }
+}
+
+/// Names of the numbers of a configuration: `part/joint`, `part/x` … `part/qw`, `part/theta`.
+#[must_use]
+pub fn coordinate_names(robot: &Robot) -> Vec<String> {
+    let mut names = Vec::with_capacity(robot.space.size());
+    for (index, joint) in robot.joints.iter().enumerate() {
+        if matches!(joint.source, Source::Follows { .. }) {
+            continue;
+        }
+        let part = &robot.parts[joint.part.at()];
+        // The root's numbers are the part's; a free joint within a part keeps its own name before them.
+        let prefix =
+            if part.root_joint == Some(JointIndex(index as u32)) { part.name.clone() } else { joint.name.clone() };
+        match joint.motion {
+            Motion::Revolute { .. } | Motion::Prismatic { .. } => names.push(joint.name.clone()),
+            Motion::Planar => names.extend(["x", "y", "theta"].map(|n| format!("{prefix}/{n}"))),
+            Motion::FreeFlyer => {
+                names.extend(["x", "y", "z", "qx", "qy", "qz", "qw"].map(|n| format!("{prefix}/{n}")));
+            }
+        }
+    }
+    names
+}
+
+fn limits(robot: &Robot) -> BTreeMap<String, [f64; 2]> {
+    let bounds = robot.space.lower.iter().zip(&robot.space.upper);
+    let finite = |&(_, (low, high)): &(String, (&f64, &f64))| low.is_finite() && high.is_finite();
+    coordinate_names(robot).into_iter().zip(bounds).filter(finite).map(|(n, (&l, &h))| (n, [l, h])).collect()
+}
+
+fn part_entry(part: &Part, (urdf, srdf): &(String, Option<String>)) -> PartEntry {
+    PartEntry {
+        name: part.name.clone(),
+        kind: match part.kind {
+            PartKind::Robot => "robot",
+            PartKind::Object => "object",
+            PartKind::Environment => "environment",
+        }
+        .into(),
+        urdf: urdf.clone(),
+        srdf: srdf.clone(),
+        mimic: if part.mimic_follows { "follow" } else { "free" }.into(),
+        root: match part.root {
+            RootJoint::Fixed => "fixed",
+            RootJoint::FreeFlyer => "freeflyer",
+            RootJoint::Planar => "planar",
+        }
+        .into(),
+        world_from_root: row(&part.world_from_root),
+    }
+}
+
+fn documents(robot: &Robot) -> Documents {
+    let link = |l: LinkIndex| robot.links[l.at()].name.clone();
+    let grippers = robot.grippers.iter().map(|g| {
+        (g.name.clone(), GripperEntry { link: link(g.link), link_from_gripper: row(&g.link_from_gripper) })
+    });
+    let handles = robot.handles.iter().map(|h| {
+        let entry = HandleEntry {
+            link: link(h.link),
+            link_from_handle: row(&h.link_from_handle),
+            mask: h.mask,
+            mask_complement: h.mask_complement,
+        };
+        (h.name.clone(), entry)
+    });
+    let surfaces = robot.surfaces.iter().map(|s| {
+        let points = s.points.iter().map(|p| p.to_array()).collect();
+        (s.name.clone(), SurfaceEntry { link: link(s.link), points, polygons: s.polygons.clone() })
+    });
+    Documents { grippers: grippers.collect(), handles: handles.collect(), surfaces: surfaces.collect() }
+}
+
+fn attachment_entry(robot: &Robot, attachment: &Attachment) -> AttachmentEntry {
+    let part = |object: JointIndex| robot.parts[robot.joints[object.at()].part.at()].name.clone();
+    match *attachment {
+        Attachment::Grasp { object, gripper, handle, carrier } => AttachmentEntry {
+            object: part(object),
+            gripper: Some(robot.grippers[gripper.at()].name.clone()),
+            handle: Some(robot.handles[handle.at()].name.clone()),
+            carrier,
+            ..AttachmentEntry::default()
+        },
+        Attachment::Contact { object, surface, support } => AttachmentEntry {
+            object: part(object),
+            surface: Some(robot.surfaces[surface.0.at()].name.clone()),
+            support: Some(robot.surfaces[support.0.at()].name.clone()),
+            carrier: true,
+            ..AttachmentEntry::default()
+        },
+        Attachment::Rest { object } => {
+            AttachmentEntry { object: part(object), carrier: true, ..AttachmentEntry::default() }
+        }
+    }
+}
+
+fn row(pose: &Pose) -> PoseRow {
+    pose_to_array(pose)
+}

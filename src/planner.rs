@@ -1,0 +1,218 @@
+//! The facade: a problem in, a certified path or a reason out.
+
+use foliate_components::graph::ConstraintGraph;
+use foliate_components::outcome::{SearchOutcome, TransitionStatistics};
+use foliate_components::path::ManipulationPath;
+use foliate_components::problem::Problem;
+use foliate_systems::events::{CancelToken, EventSink, SearchEvent, StopSignal};
+use foliate_systems::model::{Model, ModelError, PlanningModel};
+use foliate_systems::schedulers::{self, Scheduler, mrrt::Mrrt};
+use foliate_systems::search::Search;
+use foliate_systems::settings::SearchSettings;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Events that a host may leave unread before they are dropped (and counted).
+const EVENT_CAPACITY: usize = 4096;
+
+/// Plans for one problem; any number of solves may share it, on any threads.
+pub struct Planner {
+    model: PlanningModel,
+    settings: SearchSettings,
+    scheduler: Arc<dyn Scheduler>,
+    time_limit: Option<Duration>,
+    token: CancelToken,
+    events: EventSink,
+}
+
+/// What a solve returns.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    /// How the search ended.
+    pub outcome: SearchOutcome,
+    /// The path, where it is solved.
+    pub path: Option<ManipulationPath>,
+    /// What the search did.
+    pub report: Report,
+}
+
+/// What a search did. Wall times are of this run; everything else depends on problem, settings and seed alone.
+#[derive(Clone, Debug, Default)]
+pub struct Report {
+    /// Wall time of the search, from the prepared model to the certified path.
+    pub solve_time: Duration,
+    /// Steps.
+    pub steps: u64,
+    /// Candidates.
+    pub candidates: u64,
+    /// Candidates whose motions were validated.
+    pub validated: u64,
+    /// Roadmap nodes.
+    pub nodes: usize,
+    /// Roadmap edges.
+    pub edges: usize,
+    /// Leaves reached.
+    pub leaves: usize,
+    /// Hash of the whole roadmap, equal for any number of threads.
+    pub fingerprint: u64,
+    /// Weighted length of the path, metres.
+    pub path_length: Option<f64>,
+    /// What became of the candidates, by transition.
+    pub funnel: Vec<FunnelRow>,
+}
+
+/// One transition's row of the funnel.
+#[derive(Clone, Debug)]
+pub struct FunnelRow {
+    /// Name of the transition.
+    pub transition: String,
+    /// Counts.
+    pub statistics: TransitionStatistics,
+    /// Pairs of shapes that stopped candidates, most frequent first.
+    pub blocked_by: Vec<(String, String, u64)>,
+}
+
+impl Planner {
+    /// Prepares to plan: builds the constraint graph and the tables.
+    ///
+    /// # Errors
+    /// See [`ModelError`].
+    pub fn new(problem: Problem) -> Result<Self, ModelError> {
+        Ok(Self::with_model(Model::new(problem)?))
+    }
+
+    /// Plans on a constraint graph that was built by hand.
+    ///
+    /// # Errors
+    /// See [`ModelError`].
+    pub fn with_graph(problem: Problem, graph: ConstraintGraph) -> Result<Self, ModelError> {
+        Ok(Self::with_model(Model::with_graph(problem, graph)?))
+    }
+
+    fn with_model(model: Model) -> Self {
+        Self {
+            model: PlanningModel(Arc::new(model)),
+            settings: SearchSettings::default(),
+            scheduler: Arc::new(Mrrt),
+            time_limit: None,
+            token: CancelToken::default(),
+            events: EventSink::default(),
+        }
+    }
+
+    /// Sets the seed of all random streams.
+    #[must_use]
+    pub fn seed(mut self, seed: u64) -> Self {
+        self.settings.seed = seed;
+        self
+    }
+
+    /// Replaces all settings, the seed included.
+    #[must_use]
+    pub fn settings(mut self, settings: SearchSettings) -> Self {
+        self.settings = settings;
+        self
+    }
+
+    /// Uses another scheduler, a host's own for instance.
+    #[must_use]
+    pub fn scheduler(mut self, scheduler: impl Scheduler + 'static) -> Self {
+        self.scheduler = Arc::new(scheduler);
+        self
+    }
+
+    /// Uses a shipped scheduler by name; `None` where there is none of that name.
+    #[must_use]
+    pub fn scheduler_named(mut self, name: &str) -> Option<Self> {
+        self.scheduler = schedulers::named(name)?.into();
+        Some(self)
+    }
+
+    /// Gives up after this much wall time. A deadline can turn an answer into none, never into another.
+    #[must_use]
+    pub fn time_limit(mut self, limit: Duration) -> Self {
+        self.time_limit = Some(limit);
+        self
+    }
+
+    /// The token that cancels solves of this planner from any thread.
+    #[must_use]
+    pub fn cancel_token(&self) -> CancelToken {
+        self.token.clone()
+    }
+
+    /// Opens the channel of events. It holds a bounded number of unread ones and never makes the search wait.
+    #[must_use]
+    pub fn events(mut self) -> (Self, crossbeam_channel::Receiver<SearchEvent>) {
+        let (sink, receiver) = EventSink::bounded(EVENT_CAPACITY);
+        self.events = sink;
+        (self, receiver)
+    }
+
+    /// The shared model: problem, graph, tables.
+    #[must_use]
+    pub fn model(&self) -> &PlanningModel {
+        &self.model
+    }
+
+    /// A search of this problem, to be stepped by the host.
+    #[must_use]
+    pub fn search(&self) -> Search {
+        let deadline = self.time_limit.and_then(|limit| Instant::now().checked_add(limit));
+        let stop = StopSignal { deadline, token: self.token.clone() };
+        Search::new(&self.model, self.scheduler.as_ref(), self.settings.clone(), stop, self.events.clone())
+    }
+
+    /// Solves on the rayon pool in which it is called (the global one outside of any).
+    #[must_use]
+    pub fn solve(&self) -> Solution {
+        let started = Instant::now();
+        let mut search = self.search();
+        let outcome = search.run();
+        let path = search.path();
+        let solve_time = started.elapsed();
+        let mut report = self.report(&mut search, path.as_ref());
+        report.solve_time = solve_time;
+        Solution { outcome, path, report }
+    }
+
+    /// Solves on `threads` threads of its own; the answer is the same for any number.
+    ///
+    /// # Errors
+    /// The operating system refuses the threads.
+    pub fn solve_on(&self, threads: usize) -> Result<Solution, rayon::ThreadPoolBuildError> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.max(1)).build()?;
+        Ok(pool.install(|| self.solve()))
+    }
+
+    fn report(&self, search: &mut Search, path: Option<&ManipulationPath>) -> Report {
+        let counter = search.counter();
+        let funnel = search.statistics().into_iter().filter(|(_, s)| s.attempts > 0);
+        let funnel = funnel.map(|(id, statistics)| self.funnel_row(id, statistics)).collect();
+        let roadmap = search.roadmap();
+        Report {
+            solve_time: Duration::ZERO,
+            steps: counter.step,
+            candidates: counter.candidates,
+            validated: counter.validated,
+            nodes: roadmap.nodes().len(),
+            edges: roadmap.edges().len(),
+            leaves: search.world().resource::<foliate_components::leaf::LeafIndex>().leaves().len(),
+            fingerprint: roadmap.fingerprint(),
+            path_length: path.map(|p| p.segments.iter().map(|s| self.model.length(&s.knots.concat())).sum()),
+            funnel,
+        }
+    }
+
+    fn funnel_row(
+        &self,
+        transition: foliate_components::graph::TransitionId,
+        statistics: TransitionStatistics,
+    ) -> FunnelRow {
+        let shape = |s: foliate_components::robot::ShapeIndex| self.model.problem.robot.shapes[s.at()].name.clone();
+        let mut blocked_by: Vec<_> =
+            statistics.blocked_by.iter().map(|(&(a, b), &n)| (shape(a), shape(b), n)).collect();
+        blocked_by.sort_by(|x, y| y.2.cmp(&x.2).then_with(|| x.cmp(y)));
+        FunnelRow { transition: self.model.graph.transition(transition).name.clone(), statistics, blocked_by }
+    }
+}

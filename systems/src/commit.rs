@@ -1,0 +1,209 @@
+//! Set Commit, and the end of Connect: the only place where roadmap entities are born. Serial, in candidate order.
+
+use crate::connection::Connections;
+use crate::model::PlanningModel;
+use crate::schedule::StepCounter;
+use crate::selection::ReachedLeaves;
+use bevy_ecs::prelude::{Entity, Mut, Resource, World};
+use foliate_components::candidate::{Candidate, CandidateArena, LegParameter, PlannedLeg};
+use foliate_components::graph::{ConstraintId, StateId, TransitionId};
+use foliate_components::leaf::{Leaf, LeafId, LeafIndex, ParameterId};
+use foliate_components::outcome::TransitionStatistics;
+use foliate_components::roadmap::{
+    Along, Between, ComponentId, ConfigurationId, EdgeId, InComponent, InState, Motion, NodeId, OfFoliation, OnLeaf,
+    Roadmap, Visits,
+};
+
+/// Entities by dense id, for the commit's own use.
+#[derive(Clone, Debug, Default, Resource)]
+pub struct EntityTable {
+    /// By transition.
+    pub transitions: Vec<Entity>,
+    /// By leaf.
+    pub leaves: Vec<Entity>,
+    /// By candidate.
+    pub candidates: Vec<Entity>,
+}
+
+/// Nodes that this step has added.
+#[derive(Clone, Debug, Default, Resource)]
+pub struct NewNodes(pub Vec<NodeId>);
+
+/// Turns what is certified of each candidate into a node and an edge, and counts how each ended.
+pub fn commit_extensions(world: &mut World) {
+    world.resource_scope(|world, mut arena: Mut<'_, CandidateArena>| {
+        let entities = world.resource::<EntityTable>().candidates.clone();
+        let mut new_nodes = Vec::new();
+        for entity in entities {
+            let Some(candidate) = world.get::<Candidate>(entity).cloned() else { continue };
+            let index = candidate.index as usize;
+            let legs = std::mem::take(&mut arena.legs[index]);
+            count(world, &candidate, !legs.is_empty(), arena.complete[index]);
+            if let (Some(near), Some(transition), false) = (candidate.near, candidate.transition, legs.is_empty()) {
+                let complete = arena.complete[index];
+                new_nodes.push(add_extension(world, near, transition, legs, complete));
+            }
+        }
+        world.resource_mut::<NewNodes>().0 = new_nodes;
+    });
+    let pool = world.resource::<EntityTable>().candidates.len() as u64;
+    let mut counter = world.resource_mut::<StepCounter>();
+    counter.step += 1;
+    counter.candidates += pool;
+}
+
+/// Adds the edges of certified connections whose ends still lie in different trees, in the order of proposal.
+pub fn commit_connections(world: &mut World) {
+    let proposals = std::mem::take(&mut world.resource_mut::<Connections>().0);
+    for proposal in proposals {
+        let Some(motion) = proposal.certified else { continue };
+        let roadmap = world.resource::<Roadmap>();
+        if roadmap.component_of(proposal.from) != roadmap.component_of(proposal.to) {
+            add_edge(world, proposal.from, proposal.to, motion.transition, vec![motion]);
+        }
+    }
+}
+
+/// Adds a root node: a start or a goal. Its parameters must be interned already.
+pub fn add_root(world: &mut World, q: &[f64], leaf: Leaf) -> NodeId {
+    let leaf_id = intern_leaf(world, leaf);
+    add_node(world, q, leaf_id, None)
+}
+
+fn count(world: &mut World, candidate: &Candidate, kept: bool, complete: bool) {
+    let Some(transition) = candidate.transition else { return };
+    let entity = world.resource::<EntityTable>().transitions[transition.at()];
+    let Some(mut statistics) = world.get_mut::<TransitionStatistics>(entity) else { return };
+    statistics.attempts += 1;
+    match (kept, complete) {
+        (true, true) => statistics.reached += 1,
+        (true, false) => statistics.partial += 1,
+        (false, _) => {}
+    }
+    if let Some(reason) = candidate.rejected {
+        statistics.count_rejection(reason, candidate.blocked_by);
+    }
+}
+
+fn add_extension(
+    world: &mut World,
+    near: NodeId,
+    transition: TransitionId,
+    legs: Vec<PlannedLeg>,
+    complete: bool,
+) -> NodeId {
+    let mut fresh = Vec::new();
+    let size = world.resource::<CandidateArena>().configuration_size();
+    let mut motions = Vec::with_capacity(legs.len());
+    let mut end = None;
+    for leg in legs {
+        let parameters = intern_parameters(world, &leg.parameters, &mut fresh);
+        let q = leg.knots[leg.knots.len() - size..].to_vec();
+        let leaf = intern_leaf(world, Leaf { state: leg.state, parameters });
+        if leg.knots.len() > size {
+            motions.push(Motion {
+                transition,
+                leg: leg.leg,
+                leaf,
+                knots: leg.knots,
+                clearance: leg.clearance,
+                residual: leg.residual,
+            });
+        }
+        end = Some((q, leaf));
+    }
+    let _ = complete;
+    let component = world.resource::<Roadmap>().node(near).component;
+    let Some((q, leaf)) = end else { return near };
+    let node = add_node(world, &q, leaf, Some(component));
+    add_edge(world, near, node, transition, motions);
+    node
+}
+
+/// Ids of a leg's parameters; what the candidate has found is interned once, however many legs carry it.
+fn intern_parameters(
+    world: &mut World,
+    parameters: &[LegParameter],
+    fresh: &mut Vec<(ConstraintId, ParameterId)>,
+) -> Box<[ParameterId]> {
+    let mut index = world.resource_mut::<LeafIndex>();
+    let mut intern = |parameter: &LegParameter| match parameter {
+        LegParameter::Known(id) => *id,
+        LegParameter::Fresh(value) => {
+            if let Some(&(_, id)) = fresh.iter().find(|(constraint, _)| *constraint == value.constraint) {
+                return id;
+            }
+            let id = index.add_parameter(*value);
+            fresh.push((value.constraint, id));
+            id
+        }
+    };
+    parameters.iter().map(&mut intern).collect()
+}
+
+fn intern_leaf(world: &mut World, leaf: Leaf) -> LeafId {
+    let state = leaf.state;
+    let id = world.resource_mut::<LeafIndex>().intern(leaf);
+    if world.resource::<EntityTable>().leaves.len() == id.at() {
+        let entity = world.spawn((id, OfFoliation(state), Visits::default())).id();
+        world.resource_mut::<EntityTable>().leaves.push(entity);
+    }
+    id
+}
+
+fn add_node(world: &mut World, q: &[f64], leaf: LeafId, component: Option<ComponentId>) -> NodeId {
+    let state: StateId = world.resource::<LeafIndex>().leaf(leaf).state;
+    let mut roadmap = world.resource_mut::<Roadmap>();
+    let node = roadmap.add_node(q, state, leaf, component);
+    let component = roadmap.node(node).component;
+    visit(world, leaf, component);
+    world.spawn((node, InState(state), OnLeaf(leaf), InComponent(component), ConfigurationId(node.0)));
+    node
+}
+
+/// Remembers that a tree has reached a leaf (P0 eq. 12).
+fn visit(world: &mut World, leaf: LeafId, component: ComponentId) {
+    let entity = world.resource::<EntityTable>().leaves[leaf.at()];
+    let mut first = false;
+    if let Some(mut visits) = world.get_mut::<Visits>(entity) {
+        match visits.by_component.iter_mut().find(|(c, _)| *c == component) {
+            Some((_, count)) => *count += 1,
+            None => {
+                visits.by_component.push((component, 1));
+                first = true;
+            }
+        }
+    }
+    let mut reached = world.resource_mut::<ReachedLeaves>();
+    if reached.by_component.len() <= component.at() {
+        reached.by_component.resize_with(component.at() + 1, Vec::new);
+    }
+    if first {
+        reached.by_component[component.at()].push(leaf);
+    }
+}
+
+fn add_edge(world: &mut World, from: NodeId, to: NodeId, along: TransitionId, motions: Vec<Motion>) -> EdgeId {
+    let mut roadmap = world.resource_mut::<Roadmap>();
+    let edge = roadmap.add_edge(from, to, along, motions);
+    let first_motion = roadmap.edge(edge).first_motion;
+    world.spawn((edge, Between { from, to }, Along(along), first_motion));
+    edge
+}
+
+/// Spawns what exists before the first step: transitions with weight and statistics, states, and the pool of candidates.
+pub fn spawn_graph_and_candidates(world: &mut World, model: &PlanningModel, candidates: usize) {
+    let transitions = (0u32..)
+        .zip(&model.graph.transitions)
+        .map(|(id, t)| {
+            let weight = crate::selection::Weight(t.weight);
+            world.spawn((TransitionId(id), weight, TransitionStatistics::default())).id()
+        })
+        .collect();
+    for id in 0..model.graph.states.len() as u32 {
+        world.spawn(StateId(id));
+    }
+    let candidates =
+        (0..candidates as u32).map(|index| world.spawn(Candidate { index, ..Candidate::default() }).id()).collect();
+    world.insert_resource(EntityTable { transitions, leaves: Vec::new(), candidates });
+}

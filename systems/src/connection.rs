@@ -1,0 +1,107 @@
+//! Set Connect: new nodes against nodes on the same leaf in other trees (P1 Alg. 3).
+//!
+//! P1's line 7 asks whether both configurations lie on one leaf of the transition between them; here that is equality of
+//! leaf ids, and the transition is the loop of their state. (Across states Alg. 3 would have to invent waypoints; a crossed
+//! extension does that on purpose, with a leaf it has chosen.)
+
+use crate::commit::NewNodes;
+use crate::events::StopSignal;
+use crate::model::PlanningModel;
+use crate::settings::SearchSettings;
+use crate::{steering, validation};
+use bevy_ecs::prelude::{Res, ResMut, Resource};
+use foliate_components::leaf::LeafIndex;
+use foliate_components::roadmap::{ComponentId, Motion, NodeId, Roadmap};
+use rayon::prelude::*;
+
+/// A motion that would join two trees.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Connection {
+    /// A new node.
+    pub from: NodeId,
+    /// A node on the same leaf in another tree.
+    pub to: NodeId,
+    /// The certified motion between them, once there is one.
+    pub certified: Option<Motion>,
+}
+
+/// The connections of this step, in order of proposal.
+#[derive(Clone, Debug, Default, Resource)]
+pub struct Connections(pub Vec<Connection>);
+
+/// Pairs every new node with the nearest nodes of its leaf in each other tree.
+pub fn propose_connections(
+    model: Res<'_, PlanningModel>,
+    settings: Res<'_, SearchSettings>,
+    roadmap: Res<'_, Roadmap>,
+    new: Res<'_, NewNodes>,
+    mut connections: ResMut<'_, Connections>,
+) {
+    let proposals: Vec<Vec<Connection>> = new
+        .0
+        .par_iter()
+        .map(|&node| {
+            let nodes = neighbours(&model, &roadmap, node, settings.connect_neighbours);
+            nodes.into_iter().map(|to| Connection { from: node, to, certified: None }).collect()
+        })
+        .collect();
+    connections.0 = proposals.into_iter().flatten().collect();
+}
+
+/// The `count` nearest nodes of the node's leaf in each other tree; by distance, then by id.
+fn neighbours(model: &PlanningModel, roadmap: &Roadmap, node: NodeId, count: usize) -> Vec<NodeId> {
+    let (tree, q) = (roadmap.component_of(node), roadmap.configuration(node));
+    let mut others: Vec<(ComponentId, f64, NodeId)> = roadmap
+        .nodes_on(roadmap.node(node).leaf)
+        .iter()
+        .filter_map(|&other| {
+            let component = roadmap.component_of(other);
+            (component != tree).then(|| {
+                let d = model.problem.robot.space.distance(q, roadmap.configuration(other), &model.robot_weights);
+                (component, d, other)
+            })
+        })
+        .collect();
+    others.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
+    let mut taken = 0;
+    let mut last = None;
+    others.retain(|&(component, ..)| {
+        taken = if last == Some(component) { taken + 1 } else { 0 };
+        last = Some(component);
+        taken < count
+    });
+    others.into_iter().map(|(_, _, node)| node).collect()
+}
+
+/// Steers and certifies every proposal; whole or not at all.
+pub fn certify_connections(
+    model: Res<'_, PlanningModel>,
+    settings: Res<'_, SearchSettings>,
+    stop: Res<'_, StopSignal>,
+    roadmap: Res<'_, Roadmap>,
+    leaves: Res<'_, LeafIndex>,
+    mut connections: ResMut<'_, Connections>,
+) {
+    connections.0.par_iter_mut().for_each(|connection| {
+        if !stop.is_raised() {
+            connection.certified = connect(&model, &settings, &roadmap, &leaves, connection);
+        }
+    });
+}
+
+fn connect(
+    model: &PlanningModel,
+    settings: &SearchSettings,
+    roadmap: &Roadmap,
+    leaves: &LeafIndex,
+    connection: &Connection,
+) -> Option<Motion> {
+    let row = roadmap.node(connection.from);
+    let transition = model.graph.loop_of(row.state)?;
+    let leaf = leaves.leaf(row.leaf);
+    let carriages = model.carriages_of_leaf(leaf, leaves);
+    let (a, b) = (roadmap.configuration(connection.from), roadmap.configuration(connection.to));
+    let steered = steering::steer_whole(model, settings, row.state, &carriages, a, b)?;
+    let clearance = validation::certify_whole(model, settings, row.state, &carriages, &steered.knots)?;
+    Some(Motion { transition, leg: 0, leaf: row.leaf, knots: steered.knots, clearance, residual: steered.residual })
+}

@@ -1,0 +1,107 @@
+//! What a running search tells its host, through a bounded channel that never blocks the search.
+
+use bevy_ecs::prelude::Resource;
+use crossbeam_channel::{Receiver, Sender, TrySendError, bounded};
+use foliate_components::graph::TransitionId;
+use foliate_components::outcome::Rejection;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+/// Something a host may want to know while a search runs.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SearchEvent {
+    /// A step has ended.
+    Progress {
+        /// Steps so far.
+        step: u64,
+        /// Candidates so far.
+        candidates: u64,
+        /// Roadmap nodes.
+        nodes: usize,
+        /// Roadmap edges.
+        edges: usize,
+        /// Leaves reached.
+        leaves: usize,
+    },
+    /// A candidate was dropped.
+    Rejected {
+        /// The step.
+        step: u64,
+        /// The transition that it tried, where it came that far.
+        transition: Option<TransitionId>,
+        /// Why.
+        reason: Rejection,
+    },
+    /// A goal hangs together with the start.
+    Solved {
+        /// The step.
+        step: u64,
+    },
+}
+
+/// The search's end of the channel. When the host does not read, events are dropped and counted.
+#[derive(Clone, Debug, Default, Resource)]
+pub struct EventSink {
+    sender: Option<Sender<SearchEvent>>,
+    /// Events that found the channel full.
+    pub dropped: u64,
+}
+
+impl EventSink {
+    /// A sink and the host's end, which holds at most `capacity` unread events.
+    #[must_use]
+    pub fn bounded(capacity: usize) -> (Self, Receiver<SearchEvent>) {
+        let (sender, receiver) = bounded(capacity);
+        (Self { sender: Some(sender), dropped: 0 }, receiver)
+    }
+
+    /// Whether anybody listens.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        self.sender.is_some()
+    }
+
+    /// Sends without ever waiting.
+    pub fn send(&mut self, event: SearchEvent) {
+        match self.sender.as_ref().map(|s| s.try_send(event)) {
+            Some(Err(TrySendError::Full(_))) => self.dropped += 1,
+            Some(Err(TrySendError::Disconnected(_))) => self.sender = None,
+            Some(Ok(())) | None => {}
+        }
+    }
+}
+
+/// Cancels a search from any thread.
+#[derive(Clone, Debug, Default)]
+pub struct CancelToken(Arc<AtomicBool>);
+
+impl CancelToken {
+    /// Asks every search that holds the token to stop.
+    pub fn cancel(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether somebody asked.
+    #[must_use]
+    pub fn is_cancelled(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// The deadline and the token; every stage looks at both before each candidate.
+#[derive(Clone, Debug, Default, Resource)]
+pub struct StopSignal {
+    /// When to give up.
+    pub deadline: Option<Instant>,
+    /// The host's token.
+    pub token: CancelToken,
+}
+
+impl StopSignal {
+    /// Whether to stop. A clock may only turn an answer into none, never choose among answers.
+    #[must_use]
+    pub fn is_raised(&self) -> bool {
+        self.token.is_cancelled() || self.deadline.is_some_and(|d| Instant::now() >= d)
+    }
+}

@@ -1,0 +1,156 @@
+//! From a roadmap in which start and goal hang together to the path between them.
+
+use crate::model::PlanningModel;
+use foliate_components::graph::TransitionId;
+use foliate_components::leaf::LeafIndex;
+use foliate_components::path::{Certificate, ManipulationPath, Segment};
+use foliate_components::roadmap::{EdgeId, Motion, NodeId, Roadmap};
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+/// The shortest path (weighted length of its motions) from `start` to `goal`; ties by lowest node id. `None` where they
+/// do not hang together.
+#[must_use]
+pub fn extract_path(
+    model: &PlanningModel,
+    roadmap: &Roadmap,
+    leaves: &LeafIndex,
+    path_tolerance: f64,
+    start: NodeId,
+    goal: NodeId,
+) -> Option<ManipulationPath> {
+    let edges = shortest_route(model, roadmap, start, goal)?;
+    let mut path = ManipulationPath::default();
+    let mut certificate = Certificate { path_tolerance, max_residual: 0.0, min_clearance: f64::INFINITY };
+    let mut at = start;
+    for edge in edges {
+        let row = roadmap.edge(edge);
+        let forward = row.from == at;
+        at = if forward { row.to } else { row.from };
+        let motions = roadmap.motions_of(edge);
+        let mut add = |motion: &Motion| {
+            certificate.min_clearance = certificate.min_clearance.min(motion.clearance);
+            let segment = segment(model, leaves, motion, forward);
+            let gap = model.carrier_gap(leaves.leaf(motion.leaf), leaves, &segment.knots);
+            certificate.max_residual = certificate.max_residual.max(motion.residual).max(gap);
+            path.segments.push(segment);
+        };
+        if forward {
+            motions.iter().for_each(&mut add);
+        } else {
+            motions.iter().rev().for_each(&mut add);
+        }
+    }
+    path.certificate = certificate;
+    unwrap_angles(model, &mut path);
+    Some(path)
+}
+
+fn segment(model: &PlanningModel, leaves: &LeafIndex, motion: &Motion, forward: bool) -> Segment {
+    let size = model.problem.robot.space.size();
+    let mut knots: Vec<Vec<f64>> = motion.knots.chunks_exact(size).map(<[f64]>::to_vec).collect();
+    if !forward {
+        knots.reverse();
+    }
+    let leaf = leaves.leaf(motion.leaf);
+    let transition = in_direction(model, motion.transition, forward);
+    Segment { transition, state: leaf.state, attachments: model.attachments(leaf, leaves), knots }
+}
+
+/// The transition that a motion travels when it is traversed `forward` or backwards.
+fn in_direction(model: &PlanningModel, transition: TransitionId, forward: bool) -> TransitionId {
+    if forward { transition } else { model.graph.transition(transition).reverse.unwrap_or(transition) }
+}
+
+/// Follows unlimited angles from knot to knot, so that each joint's number is continuous along the whole path although
+/// roadmap nodes hold it modulo 2π.
+fn unwrap_angles(model: &PlanningModel, path: &mut ManipulationPath) {
+    use foliate_components::configuration::{Group, wrap};
+    let angles: Vec<usize> = model
+        .problem
+        .robot
+        .space
+        .factors
+        .iter()
+        .filter_map(|f| match f.group {
+            Group::Circle => Some(f.q),
+            Group::Plane => Some(f.q + 2),
+            Group::Real | Group::FreeFlyer => None,
+        })
+        .collect();
+    if angles.is_empty() {
+        return;
+    }
+    let mut last: Option<Vec<f64>> = None;
+    for knot in path.segments.iter_mut().flat_map(|s| &mut s.knots) {
+        if let Some(last) = &last {
+            for &i in &angles {
+                // Equal angles stay equal bit for bit: joint knots are shared.
+                let turn = wrap(knot[i] - last[i]);
+                knot[i] = if turn == 0.0 { last[i] } else { last[i] + turn };
+            }
+        }
+        last = Some(knot.clone());
+    }
+}
+
+#[derive(PartialEq)]
+struct Frontier {
+    cost: f64,
+    node: NodeId,
+}
+
+impl Eq for Frontier {}
+
+impl Ord for Frontier {
+    /// Smallest cost first, then lowest id: reversed for a max-heap.
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.cost.total_cmp(&self.cost).then(other.node.cmp(&self.node))
+    }
+}
+
+impl PartialOrd for Frontier {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+/// Dijkstra over the roadmap.
+fn shortest_route(model: &PlanningModel, roadmap: &Roadmap, start: NodeId, goal: NodeId) -> Option<Vec<EdgeId>> {
+    let mut best = vec![f64::INFINITY; roadmap.nodes().len()];
+    let mut came_by: Vec<Option<EdgeId>> = vec![None; roadmap.nodes().len()];
+    let mut frontier = BinaryHeap::from([Frontier { cost: 0.0, node: start }]);
+    best[start.at()] = 0.0;
+    while let Some(Frontier { cost, node }) = frontier.pop() {
+        if node == goal {
+            return Some(route_back(roadmap, &came_by, start, goal));
+        }
+        if cost > best[node.at()] {
+            continue;
+        }
+        for &edge in roadmap.edges_at(node) {
+            let row = roadmap.edge(edge);
+            let next = if row.from == node { row.to } else { row.from };
+            let cost = cost + roadmap.motions_of(edge).iter().map(|m| model.length(&m.knots)).sum::<f64>();
+            if cost < best[next.at()] {
+                best[next.at()] = cost;
+                came_by[next.at()] = Some(edge);
+                frontier.push(Frontier { cost, node: next });
+            }
+        }
+    }
+    None
+}
+
+fn route_back(roadmap: &Roadmap, came_by: &[Option<EdgeId>], start: NodeId, goal: NodeId) -> Vec<EdgeId> {
+    let mut route = Vec::new();
+    let mut node = goal;
+    while node != start {
+        let Some(edge) = came_by[node.at()] else { break };
+        route.push(edge);
+        let row = roadmap.edge(edge);
+        node = if row.from == node { row.to } else { row.from };
+    }
+    route.reverse();
+    route
+}

@@ -1,0 +1,117 @@
+//! Set Rendezvous: the leaf of another tree that a crossed transition aims at (P0 §III-B, P1 §III-B).
+//!
+//! Only the rows that the target's foliation adds to the source's are drawn: the released object's placement, the new
+//! grasp's complement. Leaves whose shared rows agree with the node's own come first, because reaching one of them lets the
+//! trees meet at once; without any, a leaf of the target state is drawn all the same, which brings the two trees one
+//! parameter closer. Among those, the draw goes by how often each was reached.
+
+use crate::model::PlanningModel;
+use crate::random::{Purpose, stream};
+use crate::schedule::StepCounter;
+use crate::settings::SearchSettings;
+use bevy_ecs::prelude::{Query, Res};
+use foliate_components::candidate::Candidate;
+use foliate_components::graph::{ConstraintId, StateId, Transition, TransitionKind};
+use foliate_components::leaf::{Leaf, LeafId, LeafIndex, ParameterId};
+use foliate_components::outcome::Rejection;
+use foliate_components::roadmap::{ComponentId, Roadmap, Visits};
+use rand::RngExt;
+use rayon::prelude::*;
+
+/// A leaf that trees have reached, as the draw sees it.
+struct Reached<'a> {
+    leaf: &'a Leaf,
+    visits: &'a Visits,
+}
+
+/// Draws for every crossed candidate the parameter to aim at.
+pub fn draw_leaves(
+    model: Res<'_, PlanningModel>,
+    settings: Res<'_, SearchSettings>,
+    step: Res<'_, StepCounter>,
+    roadmap: Res<'_, Roadmap>,
+    leaves: Res<'_, LeafIndex>,
+    reached: Query<'_, '_, (&LeafId, &Visits)>,
+    mut candidates: Query<'_, '_, &mut Candidate>,
+) {
+    // By state, in order of leaf ids: the order of entities is not part of the promise.
+    let mut by_state: Vec<Vec<(LeafId, Reached<'_>)>> = Vec::new();
+    by_state.resize_with(model.graph.states.len(), Vec::new);
+    for (&id, visits) in &reached {
+        let leaf = leaves.leaf(id);
+        by_state[leaf.state.at()].push((id, Reached { leaf, visits }));
+    }
+    by_state.iter_mut().for_each(|list| list.sort_unstable_by_key(|&(id, _)| id));
+
+    let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive()).collect();
+    pool.par_iter_mut().for_each(|candidate| {
+        let (Some(near), Some(transition)) = (candidate.near, candidate.transition) else { return };
+        let transition = model.graph.transition(transition);
+        if transition.kind != TransitionKind::Crossed {
+            return;
+        }
+        let mut rng = stream(settings.seed, Purpose::Rendezvous, step.step, candidate.index);
+        let draw = Draw {
+            model: &model,
+            roadmap: &roadmap,
+            source: leaves.leaf(roadmap.node(near).leaf),
+            transition,
+            tree: roadmap.component_of(near),
+        };
+        match draw.parameter(&by_state[transition.to.at()], rng.random()) {
+            Some(parameter) => candidate.drawn = Some(parameter),
+            None => candidate.reject(Rejection::NoLeafToAimAt),
+        }
+    });
+}
+
+struct Draw<'a> {
+    model: &'a PlanningModel,
+    roadmap: &'a Roadmap,
+    source: &'a Leaf,
+    transition: &'a Transition,
+    tree: ComponentId,
+}
+
+impl Draw<'_> {
+    /// Draws by `u` ∈ [0, 1) among the reached leaves of the target state.
+    fn parameter(&self, reached: &[(LeafId, Reached<'_>)], u: f64) -> Option<ParameterId> {
+        let weigh = |agreeing: bool| -> Vec<(&Leaf, f64)> {
+            let wanted = reached.iter().filter(|(_, r)| !agreeing || self.shared_rows_agree(r.leaf));
+            wanted.map(|(_, r)| (r.leaf, self.visits_of_others(r.visits))).filter(|&(_, w)| w > 0.0).collect()
+        };
+        let mut choices = weigh(true);
+        if choices.is_empty() {
+            choices = weigh(false);
+        }
+        let mut left = u * choices.iter().map(|&(_, w)| w).sum::<f64>();
+        let last = choices.last().map(|&(leaf, _)| leaf);
+        let leaf = choices.iter().find(|&&(_, w)| {
+            left -= w;
+            left < 0.0
+        });
+        let added = *self.transition.adds.first()?;
+        value_of(self.model, leaf.map(|&(leaf, _)| leaf).or(last)?, added)
+    }
+
+    /// How often trees other than the candidate's have reached a leaf.
+    fn visits_of_others(&self, visits: &Visits) -> f64 {
+        let others = visits.by_component.iter().filter(|&&(c, _)| self.roadmap.component(c) != self.tree);
+        others.map(|&(_, n)| f64::from(n)).sum()
+    }
+
+    fn shared_rows_agree(&self, target: &Leaf) -> bool {
+        foliation(self.model, target.state).iter().zip(&target.parameters).all(|(&constraint, &value)| {
+            value_of(self.model, self.source, constraint).is_none_or(|own| own == value)
+        })
+    }
+}
+
+fn foliation(model: &PlanningModel, state: StateId) -> &[ConstraintId] {
+    &model.graph.state(state).foliation
+}
+
+/// The value that a leaf gives a constraint, where the constraint foliates its state.
+fn value_of(model: &PlanningModel, leaf: &Leaf, constraint: ConstraintId) -> Option<ParameterId> {
+    foliation(model, leaf.state).iter().position(|&c| c == constraint).map(|i| leaf.parameters[i])
+}

@@ -1,0 +1,67 @@
+//! One step of the search: the table of contents.
+
+use bevy_ecs::prelude::{IntoScheduleConfigs, Resource, Schedule, SystemSet};
+use bevy_ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
+
+/// The sets of a step, in order. The numbers are the papers' steps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, SystemSet)]
+pub enum SearchSet {
+    /// P1 §III-A step 1: shoot a random configuration q_rand, one per candidate.
+    Sample,
+    /// Steps 2-4: the closest node q_near, its state, and a transition T that leaves it, by weight (P0 Alg. 1, lines 5-6).
+    Select,
+    /// P1 §III-B, P0 §III-B: for crossed transitions, draw the leaf of another tree to aim at.
+    Rendezvous,
+    /// Step 5, P1 Alg. 2 lines 2-6: solve f_S(q) = 0, g_T(q) = g_T(q_near) from q_rand, waypoint by waypoint.
+    Project,
+    /// Alg. 2 lines 7-9: the motion between waypoints, kept on its leaf.
+    Steer,
+    /// Alg. 2 line 10: certify limits, residual and clearance over the continuum; keep the valid prefix (p3).
+    Validate,
+    /// Alg. 2 lines 11-12: new nodes and edges, in candidate order; leaves, visits and statistics.
+    Commit,
+    /// Step 6, Alg. 3: try new nodes against nodes on the same leaf in other trees.
+    Connect,
+    /// Goal reached, budgets spent, deadline, cancellation; progress to the host.
+    Conclude,
+}
+
+/// The label of the search's schedule.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, ScheduleLabel)]
+pub struct SearchStep;
+
+/// Work done so far; budgets are counted in it, never in time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Resource)]
+pub struct StepCounter {
+    /// Steps.
+    pub step: u64,
+    /// Candidates.
+    pub candidates: u64,
+    /// Candidates whose waypoints all projected, so that their motions were validated.
+    pub validated: u64,
+}
+
+/// An empty schedule with the sets in order.
+///
+/// Its executor is single-threaded, set explicitly because a host's crates may flip bevy's default; parallelism lives
+/// *inside* the systems (a tick of the multi-threaded executor costs 20-60 µs, one of this 0.3 µs).
+#[must_use]
+pub fn empty_schedule() -> Schedule {
+    let mut schedule = Schedule::new(SearchStep);
+    schedule.set_executor(SingleThreadedExecutor::new());
+    schedule.configure_sets(
+        (
+            SearchSet::Sample,
+            SearchSet::Select,
+            SearchSet::Rendezvous,
+            SearchSet::Project,
+            SearchSet::Steer,
+            SearchSet::Validate,
+            SearchSet::Commit,
+            SearchSet::Connect,
+            SearchSet::Conclude,
+        )
+            .chain(),
+    );
+    schedule
+}

@@ -1,0 +1,28 @@
+//! Search schedulers: compositions of systems over one schedule. One file each; a host's own is written the same way.
+
+pub mod mrrt;
+
+use bevy_ecs::prelude::Schedule;
+
+/// A search scheduler: it fills the sets of a step with systems.
+///
+/// Ours have no private doors: `examples/own_scheduler.rs` composes one from the same public systems.
+pub trait Scheduler: Send + Sync {
+    /// Its name on the command line and in results.
+    fn name(&self) -> &'static str;
+
+    /// The systems of one step, in their sets.
+    fn schedule(&self) -> Schedule;
+}
+
+/// The schedulers that Foliate ships.
+#[must_use]
+pub fn shipped() -> Vec<Box<dyn Scheduler>> {
+    vec![Box::new(mrrt::Mrrt)]
+}
+
+/// The shipped scheduler of that name.
+#[must_use]
+pub fn named(name: &str) -> Option<Box<dyn Scheduler>> {
+    shipped().into_iter().find(|s| s.name() == name)
+}

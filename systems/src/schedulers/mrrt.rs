@@ -1,0 +1,36 @@
+//! `mrrt`: Manipulation RRT, the papers' algorithm (P0 Alg. 1, P1 §III), batched.
+
+use super::Scheduler;
+use crate::schedule::{SearchSet, empty_schedule};
+use crate::{commit, conclusion, connection, projection, rendezvous, sampling, selection, steering, validation};
+use bevy_ecs::prelude::{IntoScheduleConfigs, Schedule};
+
+/// Random trees from the start and every goal, grown leaf by leaf through regular and crossed transitions.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Mrrt;
+
+impl Scheduler for Mrrt {
+    fn name(&self) -> &'static str {
+        "mrrt"
+    }
+
+    fn schedule(&self) -> Schedule {
+        let mut schedule = empty_schedule();
+        schedule.add_systems((
+            (sampling::reset_candidates, sampling::sample_configurations).chain().in_set(SearchSet::Sample),
+            (selection::gather_weights, selection::select_nodes, selection::select_transitions)
+                .chain()
+                .in_set(SearchSet::Select),
+            rendezvous::draw_leaves.in_set(SearchSet::Rendezvous),
+            projection::project_waypoints.in_set(SearchSet::Project),
+            steering::steer_legs.in_set(SearchSet::Steer),
+            validation::certify_legs.in_set(SearchSet::Validate),
+            commit::commit_extensions.in_set(SearchSet::Commit),
+            (connection::propose_connections, connection::certify_connections, commit::commit_connections)
+                .chain()
+                .in_set(SearchSet::Connect),
+            conclusion::conclude.in_set(SearchSet::Conclude),
+        ));
+        schedule
+    }
+}

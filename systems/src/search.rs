@@ -1,0 +1,162 @@
+//! A search as a host embeds it: a world, a schedule, and the loop that steps it.
+
+use crate::commit::{self, NewNodes};
+use crate::conclusion::{Ending, Roots};
+use crate::connection::Connections;
+use crate::events::{EventSink, StopSignal};
+use crate::membership::{self, Feasible};
+use crate::model::PlanningModel;
+use crate::path_extraction::extract_path;
+use crate::schedule::StepCounter;
+use crate::schedulers::Scheduler;
+use crate::selection::{ReachedLeaves, TransitionWeights};
+use crate::settings::SearchSettings;
+use bevy_ecs::prelude::{Schedule, World};
+use foliate_components::candidate::CandidateArena;
+use foliate_components::graph::TransitionId;
+use foliate_components::leaf::LeafIndex;
+use foliate_components::outcome::{SearchOutcome, TransitionStatistics};
+use foliate_components::path::ManipulationPath;
+use foliate_components::problem::Goal;
+use foliate_components::roadmap::Roadmap;
+
+/// A search under way. It owns its world; the model is shared.
+pub struct Search {
+    world: World,
+    schedule: Schedule,
+    ending: Option<SearchOutcome>,
+}
+
+impl Search {
+    /// Prepares a search: checks start and goals and makes them the roots of trees.
+    ///
+    /// A start or goal that is out of bounds, in collision or in no state ends the search before it begins
+    /// ([`SearchOutcome::InfeasibleStart`], [`SearchOutcome::InfeasibleGoal`]).
+    #[must_use]
+    pub fn new(
+        model: &PlanningModel,
+        scheduler: &dyn Scheduler,
+        settings: SearchSettings,
+        stop: StopSignal,
+        events: EventSink,
+    ) -> Self {
+        let mut world = World::new();
+        let size = model.problem.robot.space.size();
+        let candidates = settings.candidates.clamp(1, 4096);
+        commit::spawn_graph_and_candidates(&mut world, model, candidates);
+        world.insert_resource(CandidateArena::new(candidates, size));
+        world.insert_resource(Roadmap::new(size));
+        world.init_resource::<LeafIndex>();
+        world.init_resource::<NewNodes>();
+        world.init_resource::<Connections>();
+        world.init_resource::<ReachedLeaves>();
+        world.init_resource::<TransitionWeights>();
+        world.init_resource::<StepCounter>();
+        world.init_resource::<Roots>();
+        world.init_resource::<Ending>();
+        world.insert_resource(model.clone());
+        world.insert_resource(settings);
+        world.insert_resource(stop);
+        world.insert_resource(events);
+        let ending = plant_roots(&mut world, model).err();
+        Self { world, schedule: scheduler.schedule(), ending }
+    }
+
+    /// One step of all candidates. Returns how the search has ended, once it has.
+    pub fn step(&mut self) -> Option<&SearchOutcome> {
+        if self.ending.is_none() {
+            self.schedule.run(&mut self.world);
+            self.ending = self.world.resource::<Ending>().0.clone();
+        }
+        self.ending.as_ref()
+    }
+
+    /// Steps until the search ends, on the threads of the pool in which it is called.
+    ///
+    /// Call it inside `rayon::ThreadPool::install` of a pool that the host owns; the answer does not depend on its size.
+    pub fn run(&mut self) -> SearchOutcome {
+        loop {
+            if let Some(outcome) = self.step() {
+                return outcome.clone();
+            }
+        }
+    }
+
+    /// The path, once the search is solved.
+    #[must_use]
+    pub fn path(&self) -> Option<ManipulationPath> {
+        if self.ending != Some(SearchOutcome::Solved) {
+            return None;
+        }
+        let roadmap = self.world.resource::<Roadmap>();
+        let roots = self.world.resource::<Roots>();
+        let tolerance = self.world.resource::<SearchSettings>().path_tolerance;
+        let goal = roots.reached_goal(roadmap)?;
+        let leaves = self.world.resource::<LeafIndex>();
+        extract_path(self.world.resource::<PlanningModel>(), roadmap, leaves, tolerance, roots.start?, goal)
+    }
+
+    /// The world: roadmap, leaves and statistics, for queries.
+    #[must_use]
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// The world, for systems of the host's own between steps.
+    pub fn world_mut(&mut self) -> &mut World {
+        &mut self.world
+    }
+
+    /// The roadmap.
+    #[must_use]
+    pub fn roadmap(&self) -> &Roadmap {
+        self.world.resource::<Roadmap>()
+    }
+
+    /// Work done so far.
+    #[must_use]
+    pub fn counter(&self) -> StepCounter {
+        *self.world.resource::<StepCounter>()
+    }
+
+    /// What became of the candidates, by transition: the funnel.
+    #[must_use]
+    pub fn statistics(&mut self) -> Vec<(TransitionId, TransitionStatistics)> {
+        let mut query = self.world.query::<(&TransitionId, &TransitionStatistics)>();
+        let mut all: Vec<_> = query.iter(&self.world).map(|(id, s)| (*id, s.clone())).collect();
+        all.sort_by_key(|&(id, _)| id);
+        all
+    }
+}
+
+/// Makes start and goals the roots of trees.
+fn plant_roots(world: &mut World, model: &PlanningModel) -> Result<(), SearchOutcome> {
+    let settings = world.resource::<SearchSettings>().clone();
+    let start = membership::feasible(model, &settings, &model.problem.start).map_err(SearchOutcome::InfeasibleStart)?;
+    let mut goals = Vec::new();
+    let mut complaint = String::from("the problem names no goal");
+    for goal in &model.problem.goals {
+        let found = match goal {
+            Goal::Configuration(q) => membership::feasible(model, &settings, q).map(|f| vec![f]),
+            Goal::ObjectPoses(poses) => membership::sample_goals(model, &settings, &start, poses),
+        };
+        match found {
+            Ok(found) => goals.extend(found),
+            Err(why) => complaint = why,
+        }
+    }
+    if goals.is_empty() {
+        return Err(SearchOutcome::InfeasibleGoal(complaint));
+    }
+    let start = plant(world, &settings, start);
+    let goals = goals.into_iter().map(|goal| plant(world, &settings, goal)).collect();
+    world.insert_resource(Roots { start: Some(start), goals });
+    Ok(())
+}
+
+fn plant(world: &mut World, settings: &SearchSettings, root: Feasible) -> foliate_components::roadmap::NodeId {
+    let mut index = world.resource_mut::<LeafIndex>();
+    let mut intern = |p| index.intern_parameter(p, settings.projection_tolerance);
+    let parameters = root.parameters.into_iter().map(&mut intern).collect();
+    commit::add_root(world, &root.q, foliate_components::leaf::Leaf { state: root.state, parameters })
+}

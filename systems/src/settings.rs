@@ -1,0 +1,68 @@
+//! What a user may change about a search. Each field states its meaning and unit; defaults serve every shipped scene.
+
+use bevy_ecs::prelude::Resource;
+
+/// How a node to extend is chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Selection {
+    /// A tree, then one of the leaves it has reached, then the node of that leaf nearest to q_rand; trees and leaves
+    /// uniformly. Nodes crowd on few leaves, so this spreads effort over what matters: where objects are.
+    #[default]
+    LeafFirst,
+    /// A tree, then one of the states it has reached, then the node of that state nearest to q_rand (HPP's M-RRT).
+    StateFirst,
+    /// The node nearest to q_rand in the whole roadmap (P1 §III-A step 2).
+    Nearest,
+}
+
+/// Settings of a search.
+#[derive(Clone, Debug, PartialEq, Resource)]
+pub struct SearchSettings {
+    /// Seed of every random stream.
+    pub seed: u64,
+    /// B: candidates per step. Part of the problem's answer, so never derived from the number of threads.
+    pub candidates: usize,
+    /// Steps after which the search gives up; 0 for no limit.
+    pub max_steps: u64,
+    /// Roadmap nodes after which the search gives up, a bound on memory.
+    pub max_nodes: usize,
+    /// How a node to extend is chosen.
+    pub selection: Selection,
+    /// Probability that coordinates on which a waypoint does not depend stay where they are instead of moving to q_rand: an
+    /// arm that has nothing to do with a grasp then keeps still.
+    pub still_probability: f64,
+    /// A new node is tried against this many nodes of its leaf in each other tree, nearest first.
+    pub connect_neighbours: usize,
+    /// Residual at which a projection has converged, metres and radians (largest row).
+    pub projection_tolerance: f64,
+    /// Newton iterations per projection.
+    pub projection_iterations: u32,
+    /// Bound that residuals keep between knots, metres and radians.
+    pub path_tolerance: f64,
+    /// Clearance demanded beyond every margin, metres: room for the rounding of other people's checkers.
+    pub clearance_guard: f64,
+    /// Residual at which a given start or goal counts as lying in a state, metres and radians.
+    pub membership_tolerance: f64,
+    /// How many configurations to look for when a goal names only object poses.
+    pub goal_samples: usize,
+}
+
+impl Default for SearchSettings {
+    fn default() -> Self {
+        Self {
+            seed: 1,
+            candidates: 64,
+            max_steps: 0,
+            max_nodes: 2_000_000,
+            selection: Selection::default(),
+            still_probability: 0.75,
+            connect_neighbours: 7,
+            projection_tolerance: 1e-6,
+            projection_iterations: 40,
+            path_tolerance: 2e-4,
+            clearance_guard: 1e-5,
+            membership_tolerance: 1e-4,
+            goal_samples: 8,
+        }
+    }
+}

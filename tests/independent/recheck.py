@@ -1,0 +1,119 @@
+#!/usr/bin/env python3
+"""Prove a path file (`foliate.path/1`) right or wrong from the file and its models alone, with pinocchio and coal.
+
+    recheck.py PATH.json [--package-path DIR ...] [--step MM | --adaptive] [--json]
+
+Exit code 0: no violation found; 1: violations, each printed with segment, parameter (in knots), kind, subject and
+value; 2: the file, or a model that it names, cannot be read.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from pathlib import Path
+
+import coal
+import numpy
+import pinocchio
+
+from clearance import Clearance
+from leaves import check_leaf
+from motion import SegmentMotion
+from packages import InputError, search_directories
+from path_file import read_path_file
+from report import Report
+from scene import Scene
+from structure import check_structure
+
+DEFAULT_STEP_MM = 0.5
+CERTIFICATE_SLACK = 1e-5
+"""How much a claimed clearance may exceed a measured one (m): coal's accuracy and some."""
+
+
+def recheck(file: Path, package_path: list[str], step: float | None) -> Report:
+    """Check a path; `step` in metres, or None to certify the continuum."""
+    report = Report()
+    path = read_path_file(file)
+    scene = Scene(path, search_directories(package_path))
+    report.count("segments", len(path.segments))
+    report.count("knots", sum(len(segment.knots) for segment in path.segments))
+    check_structure(scene, report)
+    motions = [SegmentMotion(scene, segment) for segment in path.segments]
+    clearance = Clearance(scene, report)
+    clearance.check_enclosed(motions[0])
+    for motion in motions:
+        check_leaf(motion, report)
+        clearance.check(motion, step)
+    clearance.check_written_end(motions[-1])
+    _compare_certificate(path.certificate, report)
+    return report
+
+
+def _compare_certificate(certificate: dict, report: Report) -> None:
+    """What the file claims about itself against what was measured."""
+    clearance, residual = certificate.get("min_clearance"), certificate.get("max_residual")
+    measured = report.min_distance
+    if isinstance(clearance, (int, float)) and measured and clearance > measured["value"] + CERTIFICATE_SLACK:
+        subject = f"min_clearance claims {clearance:.6g}, measured at {measured['pair']}"
+        report.violate(measured["segment"], measured["t"], "certificate", subject, measured["value"], clearance)
+    measured = report.max_residual
+    if isinstance(residual, (int, float)) and measured and measured["value"] > residual + 1e-9:
+        report.note(f"max_residual claims {residual:.3g}, measured {measured['value']:.3g} at {measured['subject']}")
+
+
+def _arguments(arguments: list[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("path", type=Path, help="the path file")
+    parser.add_argument("--package-path", action="append", default=[], metavar="DIR",
+                        help="folder that holds packages (repeatable)")
+    how = parser.add_mutually_exclusive_group()
+    how.add_argument("--step", type=float, metavar="MM",
+                     help=f"no point moves farther than this between samples (default {DEFAULT_STEP_MM})")
+    how.add_argument("--adaptive", action="store_true", help="certify the continuum instead of sampling")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parsed = parser.parse_args(arguments)
+    if parsed.step is not None and not parsed.step > 0.0:
+        parser.error("--step must be positive")
+    return parsed
+
+
+def _summary(file: Path, mode: str, seconds: float, report: Report) -> str:
+    lines = [str(violation) for violation in report.violations]
+    lines += [f"note: {note}" for note in report.notes]
+    if report.min_distance:
+        lines.append("smallest distance seen: {value:.6g} m, segment {segment} t={t:.6g}, {pair}"
+                     .format(**report.min_distance))
+    if report.max_residual:
+        lines.append("largest residual seen: {value:.3g}, segment {segment} t={t:.6g}, {subject}"
+                     .format(**report.max_residual))
+    lines.append(", ".join(f"{name} {count}" for name, count in report.counts.items()))
+    verdict = f"{len(report.violations)} violations" if report.violations else "no violation"
+    return "\n".join(lines + [f"{file}: {verdict} ({mode}, {seconds:.1f} s)"])
+
+
+def main(arguments: list[str] | None = None) -> int:
+    options = _arguments(arguments)
+    step_mm = None if options.adaptive else options.step or DEFAULT_STEP_MM
+    mode = "certified" if step_mm is None else f"sampled every {step_mm:g} mm"
+    start = time.perf_counter()
+    try:
+        report = recheck(options.path, options.package_path, None if step_mm is None else step_mm / 1000.0)
+    except InputError as error:
+        print(json.dumps({"ok": False, "error": str(error)}) if options.json else f"error: {error}",
+              file=sys.stdout if options.json else sys.stderr)
+        return 2
+    seconds = time.perf_counter() - start
+    if options.json:
+        versions = {"pinocchio": pinocchio.__version__, "coal": coal.__version__, "numpy": numpy.__version__}
+        told = {"file": str(options.path), **report.to_json(), "mode": mode, "step_mm": step_mm, "seconds": seconds}
+        print(json.dumps({**told, "versions": versions}, indent=1))
+    else:
+        print(_summary(options.path, mode, seconds, report))
+    return 1 if report.violations else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
