@@ -1,0 +1,162 @@
+//! Distance of a mesh to a convex solid or to another mesh: descent over the trees, the nearer child first, with
+//! everything cut off that is farther than what is asked for or already found.
+
+use super::convex::{Convex, Core};
+use super::gjk::{Ask, ROUNDING, Relative, core_distance};
+use super::mesh_tree::{MeshTree, Node};
+use glam::{DMat3, DVec3};
+
+/// Median splits halve: trees over 2³² triangles are 32 deep, and a step leaves at most one node behind per level.
+const STACK: usize = 80;
+
+/// Surface distance of a mesh and a convex solid whose pose in the mesh's frame is `X_MC`: a lower bound that is at least
+/// `ask.needed` or nearly exact.
+pub(super) fn mesh_convex_distance(mesh: &MeshTree, convex: &Convex, X_MC: &Relative, ask: Ask) -> f64 {
+    if mesh.is_empty() {
+        return f64::INFINITY;
+    }
+    let probe = Probe::new(convex, X_MC);
+    let mut least = ask.needed + 2.0 * ROUNDING;
+    let mut stack = [(0_u32, 0.0_f64); STACK];
+    let mut depth = 1;
+    stack[0] = (0, probe.distance_squared(&mesh.nodes[0]));
+    while depth > 0 {
+        depth -= 1;
+        let (index, near) = stack[depth];
+        if beyond(near, least + convex.radius) {
+            continue;
+        }
+        let node = &mesh.nodes[index as usize];
+        if node.is_leaf() {
+            for triangle in leaf(mesh, node) {
+                let ask = Ask { needed: least, ..ask };
+                // Both are in the mesh's frame, the triangle's core carries its place.
+                let core = Core::Triangle(*triangle);
+                least =
+                    smaller(least, core_distance(&core, &convex.core, X_MC, convex.radius, ask, &mut NO_HINT.clone()));
+                if least <= 0.0 {
+                    return least;
+                }
+            }
+            continue;
+        }
+        let children = [index + 1, node.next];
+        let bounds = children.map(|child| probe.distance_squared(&mesh.nodes[child as usize]));
+        let nearer = usize::from(bounds[1] < bounds[0]);
+        for child in [1 - nearer, nearer] {
+            stack[depth] = (children[child], bounds[child]);
+            depth += 1;
+        }
+    }
+    least - ROUNDING
+}
+
+/// Surface distance of two meshes, the second at `X_AB` in the frame of the first.
+pub(super) fn mesh_mesh_distance(a: &MeshTree, b: &MeshTree, X_AB: &Relative, ask: Ask) -> f64 {
+    if a.is_empty() || b.is_empty() {
+        return f64::INFINITY;
+    }
+    let turned = X_AB.rotation.abs();
+    let bound = |i: u32, j: u32| box_distance_squared(&a.nodes[i as usize], &b.nodes[j as usize], X_AB, &turned);
+    let mut least = ask.needed + 2.0 * ROUNDING;
+    let mut stack = [(0_u32, 0_u32, 0.0_f64); 2 * STACK];
+    let mut depth = 1;
+    stack[0] = (0, 0, bound(0, 0));
+    while depth > 0 {
+        depth -= 1;
+        let (i, j, near) = stack[depth];
+        if beyond(near, least) {
+            continue;
+        }
+        let (node_a, node_b) = (&a.nodes[i as usize], &b.nodes[j as usize]);
+        if node_a.is_leaf() && node_b.is_leaf() {
+            least = leaves_distance(leaf(a, node_a), leaf(b, node_b), X_AB, ask, least);
+            if least <= 0.0 {
+                return least;
+            }
+            continue;
+        }
+        // Open the larger one.
+        let open_a =
+            !node_a.is_leaf() && (node_b.is_leaf() || node_a.half.length_squared() >= node_b.half.length_squared());
+        let pairs = if open_a { [(i + 1, j), (node_a.next, j)] } else { [(i, j + 1), (i, node_b.next)] };
+        let bounds = pairs.map(|(i, j)| bound(i, j));
+        let nearer = usize::from(bounds[1] < bounds[0]);
+        for child in [1 - nearer, nearer] {
+            stack[depth] = (pairs[child].0, pairs[child].1, bounds[child]);
+            depth += 1;
+        }
+    }
+    least - ROUNDING
+}
+
+fn leaf<'a>(mesh: &'a MeshTree, node: &Node) -> &'a [[DVec3; 3]] {
+    let first = node.next as usize;
+    &mesh.triangles[first..first + node.count as usize]
+}
+
+fn leaves_distance(a: &[[DVec3; 3]], b: &[[DVec3; 3]], X_AB: &Relative, ask: Ask, mut least: f64) -> f64 {
+    let here = Relative { rotation: DMat3::IDENTITY, translation: DVec3::ZERO };
+    for q in b {
+        let q = Core::Triangle(q.map(|p| X_AB.point(p)));
+        for p in a {
+            let ask = Ask { needed: least, ..ask };
+            least = smaller(least, core_distance(&Core::Triangle(*p), &q, &here, 0.0, ask, &mut NO_HINT.clone()));
+        }
+    }
+    least
+}
+
+/// Triangles come and go: no direction is worth remembering.
+const NO_HINT: DVec3 = DVec3::ZERO;
+
+/// Whether something at this squared distance is at least `least` away.
+fn beyond(squared: f64, least: f64) -> bool {
+    least > 0.0 && squared >= least * least
+}
+
+/// The smaller number, where NaN is smaller than all.
+fn smaller(a: f64, b: f64) -> f64 {
+    if b >= a {
+        a
+    } else if b.is_nan() {
+        f64::NEG_INFINITY
+    } else {
+        b
+    }
+}
+
+/// A convex core as boxes see it: its bounding box along the mesh's axes, and its bounding ball.
+struct Probe {
+    center: DVec3,
+    half: DVec3,
+    radius: f64,
+}
+
+impl Probe {
+    fn new(convex: &Convex, X_MC: &Relative) -> Self {
+        let middle = convex.core.center();
+        Self {
+            center: X_MC.point(middle),
+            half: convex.core.extents_along(&X_MC.rotation),
+            radius: convex.core.farthest_from(middle).distance(middle),
+        }
+    }
+
+    /// At most the squared distance of the core to anything in the node's box.
+    fn distance_squared(&self, node: &Node) -> f64 {
+        let apart = (self.center - node.center).abs();
+        let boxes = (apart - node.half - self.half).max(DVec3::ZERO).length_squared();
+        let ball = (apart - node.half).max(DVec3::ZERO).length() - self.radius;
+        boxes.max(ball.max(0.0) * ball.max(0.0))
+    }
+}
+
+/// At most the squared distance of two boxes: the larger of the gaps along either's axes.
+fn box_distance_squared(a: &Node, b: &Node, X_AB: &Relative, turned: &DMat3) -> f64 {
+    let apart = X_AB.point(b.center) - a.center;
+    let along_a = (apart.abs() - a.half - *turned * b.half).max(DVec3::ZERO).length_squared();
+    let apart = X_AB.direction_back(apart);
+    let along_b = (apart.abs() - b.half - turned.transpose() * a.half).max(DVec3::ZERO).length_squared();
+    along_a.max(along_b)
+}

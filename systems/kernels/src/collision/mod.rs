@@ -1,0 +1,30 @@
+//! Clearance: exact distances, verdicts of configurations, certificates of motions (DESIGN §5.5).
+//!
+//! A [`scene::CollisionScene`] holds what never changes; a [`pairs::PairSet`] what matters on one leaf;
+//! [`verdict::first_collision`] judges one configuration and [`certificate::certify_motion`] a straight motion over the
+//! continuum. Cheap bounds come first: balls of bodies, balls and capsules of shapes, then GJK or the meshes' trees.
+//! Nothing is ever called free that is not proved so: in doubt, in collision.
+
+mod attachment;
+pub mod bounds;
+pub mod certificate;
+pub mod convex;
+pub mod distance;
+mod gjk;
+mod mesh_distance;
+pub mod mesh_tree;
+mod pair_rule;
+pub mod pairs;
+pub mod scene;
+mod scratch;
+mod simplex;
+pub mod velocity_bound;
+pub mod verdict;
+
+pub use certificate::{CertificateSettings, MotionVerdict, certify_motion};
+pub use distance::{Ask, Solid, clearance};
+pub use pair_rule::PairRule;
+pub use pairs::PairSet;
+pub use scene::{CollisionScene, Pair, PairId};
+pub use scratch::CollisionScratch;
+pub use verdict::{Contact, contained, first_collision, min_clearance, pair_clearance};

@@ -1,0 +1,81 @@
+//! The pairs that matter on one leaf.
+
+use super::attachment::AttachmentTree;
+use super::scene::{CollisionScene, PairId};
+use crate::kinematics::Carriage;
+use foliate_components::robot::LinkIndex;
+
+/// The pairs of a scene on a leaf with given carriages: those whose relative pose can change along a motion on the leaf,
+/// and those for which it cannot (P1, future work; DESIGN §5.5). Built once per leaf or transition and kept by the caller.
+#[derive(Clone, Debug)]
+pub struct PairSet {
+    pub(super) tree: AttachmentTree,
+    pub(super) moving: Vec<ActiveGroup>,
+    constant: Vec<u32>,
+    /// By pair of the scene.
+    pub(super) margins: Vec<f64>,
+}
+
+/// A group whose two clusters move relative to each other.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ActiveGroup {
+    pub group: u32,
+    /// Number of joints between each cluster and their common ancestor.
+    pub apart: (u32, u32),
+    /// The largest margin in the group.
+    pub margin: f64,
+}
+
+impl PairSet {
+    /// The pairs of `scene` where `carriages` hold. Margins do not apply to the link pairs in `touching` (those that touch
+    /// by grasp or placement in either end state); those pairs still must not collide.
+    #[must_use]
+    pub fn new(scene: &CollisionScene, carriages: &[Carriage], touching: &[(LinkIndex, LinkIndex)]) -> Self {
+        let tree = AttachmentTree::new(scene, carriages);
+        let touches = |a: LinkIndex, b: LinkIndex| touching.contains(&(a, b)) || touching.contains(&(b, a));
+        let link = |i: u32| scene.solids[i as usize].link;
+        let margins: Vec<f64> = scene
+            .pairs
+            .iter()
+            .map(|p| if p.margin > 0.0 && touches(link(p.first.0), link(p.second.0)) { 0.0 } else { p.margin })
+            .collect();
+        let (mut moving, mut constant) = (Vec::new(), Vec::new());
+        for (index, group) in scene.groups.iter().enumerate().filter(|(_, g)| !g.fixed) {
+            let [a, b] = [group.first, group.second].map(|c| scene.clusters[c as usize].body);
+            if tree.rigid(a, b) {
+                constant.push(index as u32);
+                continue;
+            }
+            let apart = tree.apart(a, b);
+            let margin = margins[group.start as usize..group.end as usize].iter().copied().fold(0.0, f64::max);
+            moving.push(ActiveGroup { group: index as u32, apart: (apart.0 as u32, apart.1 as u32), margin });
+        }
+        Self { tree, moving, constant, margins }
+    }
+
+    /// Pairs that can change their relative pose on the leaf.
+    pub fn moving_pairs<'a>(&'a self, scene: &'a CollisionScene) -> impl Iterator<Item = PairId> + 'a {
+        self.moving.iter().flat_map(|active| pairs_of(scene, active.group))
+    }
+
+    /// Pairs that keep their relative pose on the leaf: one exact test holds for all of it. Pairs that are fixed by locked
+    /// joints are not among them ([`CollisionScene::fixed_pairs`]).
+    pub fn constant_pairs<'a>(&'a self, scene: &'a CollisionScene) -> impl Iterator<Item = PairId> + 'a {
+        self.constant.iter().flat_map(|&group| pairs_of(scene, group))
+    }
+
+    /// How far the two of a pair must stay apart on this leaf, metres.
+    #[must_use]
+    pub fn margin(&self, pair: PairId) -> f64 {
+        self.margins[pair.at()]
+    }
+
+    pub(super) fn constant_groups(&self) -> &[u32] {
+        &self.constant
+    }
+}
+
+fn pairs_of(scene: &CollisionScene, group: u32) -> impl Iterator<Item = PairId> + use<> {
+    let group = &scene.groups[group as usize];
+    (group.start..group.end).map(PairId)
+}

@@ -1,0 +1,183 @@
+//! The exact verdict of one configuration.
+
+use super::bounds::Ball;
+use super::distance::{Ask, Solid, clearance};
+use super::mesh_tree::MeshTree;
+use super::pairs::PairSet;
+use super::scene::{CollisionScene, Pair, PairId, SceneSolid};
+use super::scratch::{CollisionScratch, place_balls};
+use foliate_components::Pose;
+use glam::DVec3;
+
+/// A pair that is too close.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// Which.
+    pub pair: PairId,
+    /// A lower bound of its distance, metres; not positive where the two (may) overlap, −∞ where one contains the other
+    /// or a number is not finite.
+    pub clearance: f64,
+}
+
+/// The first pair of `pairs`, moving and constant ones, that is not at least its margin + `guard` apart, or of which one
+/// lies inside the other (closed meshes are solids). `X_WJ` are the poses of the bodies in the world.
+///
+/// # Panics
+/// If `X_WJ` is shorter than the number of bodies.
+#[must_use]
+pub fn first_collision(
+    scene: &CollisionScene,
+    X_WJ: &[Pose],
+    pairs: &PairSet,
+    guard: f64,
+    scratch: &mut CollisionScratch,
+) -> Option<Contact> {
+    place_balls(scene, X_WJ, &mut scratch.balls);
+    let moving = pairs.moving.iter().map(|active| active.group);
+    let groups = moving.chain(pairs.constant_groups().iter().copied());
+    groups.into_iter().find_map(|g| first_in_group(scene, X_WJ, &pairs.margins, g, guard, &scratch.balls))
+}
+
+/// As [`first_collision`], for the pairs of `pairs` that keep their relative pose on the leaf.
+///
+/// # Panics
+/// If `X_WJ` is shorter than the number of bodies.
+#[must_use]
+pub fn first_constant_collision(
+    scene: &CollisionScene,
+    X_WJ: &[Pose],
+    pairs: &PairSet,
+    guard: f64,
+    scratch: &mut CollisionScratch,
+) -> Option<Contact> {
+    place_balls(scene, X_WJ, &mut scratch.balls);
+    let mut groups = pairs.constant_groups().iter();
+    groups.find_map(|&g| first_in_group(scene, X_WJ, &pairs.margins, g, guard, &scratch.balls))
+}
+
+/// As [`first_collision`], for the pairs of moving ones alone.
+///
+/// # Panics
+/// If `X_WJ` is shorter than the number of bodies.
+#[must_use]
+pub fn first_moving_collision(
+    scene: &CollisionScene,
+    X_WJ: &[Pose],
+    pairs: &PairSet,
+    guard: f64,
+    scratch: &mut CollisionScratch,
+) -> Option<Contact> {
+    place_balls(scene, X_WJ, &mut scratch.balls);
+    let mut groups = pairs.moving.iter();
+    groups.find_map(|g| first_in_group(scene, X_WJ, &pairs.margins, g.group, guard, &scratch.balls))
+}
+
+fn first_in_group(
+    scene: &CollisionScene,
+    X_WJ: &[Pose],
+    margins: &[f64],
+    group: u32,
+    guard: f64,
+    balls: &[Ball],
+) -> Option<Contact> {
+    let group = &scene.groups[group as usize];
+    let range = group.start as usize..group.end as usize;
+    let margin = margins[range.clone()].iter().copied().fold(0.0, f64::max);
+    if apart(&balls[group.first as usize], &balls[group.second as usize], margin + guard) {
+        return None;
+    }
+    range.into_iter().find_map(|index| {
+        let needed = margins[index] + guard;
+        let id = PairId(index as u32);
+        let found =
+            pair_clearance(scene, id, X_WJ, Ask { relative: 0.01, ..Ask::exact(needed) }, &mut DVec3::ZERO.clone());
+        // Compared so that NaN collides.
+        let clear = found >= needed;
+        if !clear {
+            return Some(Contact { pair: id, clearance: found });
+        }
+        contained(scene, id, X_WJ).then_some(Contact { pair: id, clearance: f64::NEG_INFINITY })
+    })
+}
+
+/// The pair of `pairs` (moving and constant) with the least clearance, to within a micrometre; `None` without pairs.
+/// Where several overlap it is the first of them. Containment counts.
+///
+/// # Panics
+/// If `X_WJ` is shorter than the number of bodies.
+#[must_use]
+pub fn min_clearance(scene: &CollisionScene, X_WJ: &[Pose], pairs: &PairSet) -> Option<Contact> {
+    let mut least: Option<Contact> = None;
+    for id in pairs.moving_pairs(scene).chain(pairs.constant_pairs(scene)) {
+        let so_far = least.map_or(f64::MAX, |c| c.clearance);
+        let found = if contained(scene, id, X_WJ) {
+            f64::NEG_INFINITY
+        } else {
+            pair_clearance(scene, id, X_WJ, Ask::exact(so_far.max(0.0)), &mut DVec3::ZERO.clone())
+        };
+        let farther = found >= so_far;
+        if !farther {
+            least = Some(Contact { pair: id, clearance: found });
+        }
+    }
+    least
+}
+
+/// Clearance of one pair: balls, then capsules, then the exact query.
+///
+/// # Panics
+/// If `X_WJ` is shorter than the number of bodies.
+#[must_use]
+pub fn pair_clearance(scene: &CollisionScene, id: PairId, X_WJ: &[Pose], ask: Ask, hint: &mut DVec3) -> f64 {
+    let Pair { first, second, .. } = scene.pairs[id.at()];
+    let (a, b) = (&scene.solids[first.at()], &scene.solids[second.at()]);
+    let (X_WA, X_WB) = (body_pose(a, X_WJ), body_pose(b, X_WJ));
+    let between = X_WA.transform_point(a.ball.center).distance(X_WB.transform_point(b.ball.center));
+    let balls = between - a.ball.radius - b.ball.radius;
+    if balls >= ask.needed {
+        return balls;
+    }
+    let capsules = a.capsule.moved(&X_WA).distance(&b.capsule.moved(&X_WB));
+    if capsules >= ask.needed {
+        return capsules;
+    }
+    clearance(&a.solid, &(X_WA * a.X_JS), &b.solid, &(X_WB * b.X_JS), ask, hint)
+}
+
+/// Whether one solid of a pair, whose surfaces are apart, lies inside the other: a closed mesh around it.
+///
+/// Along a motion it need not be asked again: what starts outside and never touches the surface stays outside.
+///
+/// # Panics
+/// If `X_WJ` is shorter than the number of bodies.
+#[must_use]
+pub fn contained(scene: &CollisionScene, id: PairId, X_WJ: &[Pose]) -> bool {
+    let Pair { first, second, .. } = scene.pairs[id.at()];
+    let (a, b) = (&scene.solids[first.at()], &scene.solids[second.at()]);
+    holds_some_of(a, b, X_WJ) || holds_some_of(b, a, X_WJ)
+}
+
+fn holds_some_of(outer: &SceneSolid, inner: &SceneSolid, X_WJ: &[Pose]) -> bool {
+    let Solid::Mesh(mesh) = &outer.solid else { return false };
+    if !mesh.is_closed() {
+        return false;
+    }
+    let X_OI = (body_pose(outer, X_WJ) * outer.X_JS).inverse() * (body_pose(inner, X_WJ) * inner.X_JS);
+    let holds = |mesh: &MeshTree, p: DVec3| mesh.contains(X_OI.transform_point(p));
+    match &inner.solid {
+        Solid::Convex(convex) => holds(mesh, convex.core.center()),
+        Solid::Mesh(other) => other.witnesses.iter().any(|&p| holds(mesh, p)),
+    }
+}
+
+/// Whether two balls are at least `needed` apart; false in doubt.
+#[inline]
+pub(super) fn apart(a: &Ball, b: &Ball, needed: f64) -> bool {
+    let reach = a.radius + b.radius + needed;
+    reach >= 0.0 && a.center.distance_squared(b.center) >= reach * reach
+}
+
+#[inline]
+pub(super) fn body_pose(solid: &SceneSolid, X_WJ: &[Pose]) -> Pose {
+    solid.body.map_or(Pose::IDENTITY, |body| X_WJ[body.at()])
+}
