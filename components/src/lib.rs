@@ -18,5 +18,6 @@ pub mod pose;
 pub mod problem;
 pub mod roadmap;
 pub mod robot;
+pub mod sample_problems;
 
 pub use pose::Pose;

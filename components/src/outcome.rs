@@ -14,6 +14,8 @@ pub enum Rejection {
     NoLeafToAimAt,
     /// The projection of a waypoint did not converge (number of the leg).
     ProjectionFailed(u8),
+    /// A waypoint that the projection found has an object outside its bounds (number of the leg).
+    OutOfBounds(u8),
     /// A waypoint that the projection found is in collision (number of the leg).
     WaypointBlocked(u8),
     /// A leg could not be kept on its leaf between the waypoints (number of the leg).
@@ -35,6 +37,7 @@ impl Rejection {
             Self::NoTransition => "no transition leaves the state",
             Self::NoLeafToAimAt => "no leaf of another tree to aim at",
             Self::ProjectionFailed(_) => "projection did not converge",
+            Self::OutOfBounds(_) => "object out of its bounds",
             Self::WaypointBlocked(_) => "waypoint in collision",
             Self::SteeringFailed(_) => "motion left its leaf",
             Self::MotionBlocked(_) => "motion in collision",
@@ -48,6 +51,7 @@ impl Rejection {
     pub fn leg(self) -> Option<u8> {
         match self {
             Self::ProjectionFailed(leg)
+            | Self::OutOfBounds(leg)
             | Self::WaypointBlocked(leg)
             | Self::SteeringFailed(leg)
             | Self::MotionBlocked(leg) => Some(leg),

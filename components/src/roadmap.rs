@@ -154,6 +154,12 @@ impl Roadmap {
         Self { size, ..Self::default() }
     }
 
+    /// Length of a configuration.
+    #[must_use]
+    pub fn configuration_size(&self) -> usize {
+        self.size
+    }
+
     /// Adds a node to the tree `component`, or as the root of a new tree.
     ///
     /// # Panics

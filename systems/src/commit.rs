@@ -25,7 +25,7 @@ pub struct EntityTable {
     pub candidates: Vec<Entity>,
 }
 
-/// Nodes that this step has added.
+/// Nodes that have been added since connections were last proposed.
 #[derive(Clone, Debug, Default, Resource)]
 pub struct NewNodes(pub Vec<NodeId>);
 
@@ -40,11 +40,11 @@ pub fn commit_extensions(world: &mut World) {
             let legs = std::mem::take(&mut arena.legs[index]);
             count(world, &candidate, !legs.is_empty(), arena.complete[index]);
             if let (Some(near), Some(transition), false) = (candidate.near, candidate.transition, legs.is_empty()) {
-                let complete = arena.complete[index];
-                new_nodes.push(add_extension(world, near, transition, legs, complete));
+                new_nodes.push(add_extension(world, near, transition, legs));
             }
         }
-        world.resource_mut::<NewNodes>().0 = new_nodes;
+        // Roots stand in the list before the first step.
+        world.resource_mut::<NewNodes>().0.extend(new_nodes);
     });
     let pool = world.resource::<EntityTable>().candidates.len() as u64;
     let mut counter = world.resource_mut::<StepCounter>();
@@ -67,7 +67,9 @@ pub fn commit_connections(world: &mut World) {
 /// Adds a root node: a start or a goal. Its parameters must be interned already.
 pub fn add_root(world: &mut World, q: &[f64], leaf: Leaf) -> NodeId {
     let leaf_id = intern_leaf(world, leaf);
-    add_node(world, q, leaf_id, None)
+    let node = add_node(world, q, leaf_id, None);
+    world.resource_mut::<NewNodes>().0.push(node);
+    node
 }
 
 fn count(world: &mut World, candidate: &Candidate, kept: bool, complete: bool) {
@@ -85,15 +87,9 @@ fn count(world: &mut World, candidate: &Candidate, kept: bool, complete: bool) {
     }
 }
 
-fn add_extension(
-    world: &mut World,
-    near: NodeId,
-    transition: TransitionId,
-    legs: Vec<PlannedLeg>,
-    complete: bool,
-) -> NodeId {
+fn add_extension(world: &mut World, near: NodeId, transition: TransitionId, legs: Vec<PlannedLeg>) -> NodeId {
     let mut fresh = Vec::new();
-    let size = world.resource::<CandidateArena>().configuration_size();
+    let size = world.resource::<Roadmap>().configuration_size();
     let mut motions = Vec::with_capacity(legs.len());
     let mut end = None;
     for leg in legs {
@@ -112,7 +108,6 @@ fn add_extension(
         }
         end = Some((q, leaf));
     }
-    let _ = complete;
     let component = world.resource::<Roadmap>().node(near).component;
     let Some((q, leaf)) = end else { return near };
     let node = add_node(world, &q, leaf, Some(component));

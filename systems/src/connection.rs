@@ -12,6 +12,7 @@ use crate::{steering, validation};
 use bevy_ecs::prelude::{Res, ResMut, Resource};
 use foliate_components::leaf::LeafIndex;
 use foliate_components::roadmap::{ComponentId, Motion, NodeId, Roadmap};
+use foliate_kernels::collision::CollisionScratch;
 use rayon::prelude::*;
 
 /// A motion that would join two trees.
@@ -34,11 +35,10 @@ pub fn propose_connections(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
     roadmap: Res<'_, Roadmap>,
-    new: Res<'_, NewNodes>,
+    mut new: ResMut<'_, NewNodes>,
     mut connections: ResMut<'_, Connections>,
 ) {
-    let proposals: Vec<Vec<Connection>> = new
-        .0
+    let proposals: Vec<Vec<Connection>> = std::mem::take(&mut new.0)
         .par_iter()
         .map(|&node| {
             let nodes = neighbours(&model, &roadmap, node, settings.connect_neighbours);
@@ -82,9 +82,9 @@ pub fn certify_connections(
     leaves: Res<'_, LeafIndex>,
     mut connections: ResMut<'_, Connections>,
 ) {
-    connections.0.par_iter_mut().for_each(|connection| {
+    connections.0.par_iter_mut().for_each_init(CollisionScratch::new, |scratch, connection| {
         if !stop.is_raised() {
-            connection.certified = connect(&model, &settings, &roadmap, &leaves, connection);
+            connection.certified = connect(&model, &settings, &roadmap, &leaves, connection, scratch);
         }
     });
 }
@@ -95,13 +95,15 @@ fn connect(
     roadmap: &Roadmap,
     leaves: &LeafIndex,
     connection: &Connection,
+    scratch: &mut CollisionScratch,
 ) -> Option<Motion> {
     let row = roadmap.node(connection.from);
     let transition = model.graph.loop_of(row.state)?;
     let leaf = leaves.leaf(row.leaf);
     let carriages = model.carriages_of_leaf(leaf, leaves);
     let (a, b) = (roadmap.configuration(connection.from), roadmap.configuration(connection.to));
-    let steered = steering::steer_whole(model, settings, row.state, &carriages, a, b)?;
-    let clearance = validation::certify_whole(model, settings, row.state, &carriages, &steered.knots)?;
+    let steered = steering::steer_whole(model, settings, leaf, leaves, a, b)?;
+    let clearance =
+        validation::certify_whole(model, settings, transition, row.state, &carriages, &steered.knots, scratch)?;
     Some(Motion { transition, leg: 0, leaf: row.leaf, knots: steered.knots, clearance, residual: steered.residual })
 }

@@ -1,13 +1,16 @@
 //! Which state a configuration lies in, on which leaf, and whether it may be a start or a goal.
 
-use crate::model::{Model, PlanningModel, hanging};
+use crate::model::{Model, ObjectModel, PlanningModel, hanging};
 use crate::random::{Purpose, stream};
 use crate::settings::SearchSettings;
 use foliate_components::Pose;
+use foliate_components::constraint::{Constraint, Placement, RelativePose};
 use foliate_components::graph::{ConstraintId, ConstraintKind, StateId};
 use foliate_components::leaf::Parameter;
 use foliate_components::robot::{PartIndex, Robot};
-use foliate_kernels::constraints;
+use foliate_kernels::collision::CollisionScratch;
+use foliate_kernels::constraints::{placement, placement_of, relative_pose};
+use foliate_kernels::projection::{CarriageTemplate, ConstraintProgram, Scratch, Settings, project};
 
 /// A configuration that may be a root: its state and the values of the state's foliating constraints.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,7 +48,8 @@ pub fn feasible(model: &PlanningModel, settings: &SearchSettings, q: &[f64]) -> 
     model.kinematics.forward(&locked, &mut X_WJ);
     let state = state_of(model, &X_WJ, settings.membership_tolerance)
         .ok_or_else(|| format!("it lies in no state: {}", why_no_state(model, &X_WJ, settings.membership_tolerance)))?;
-    if let Some(collision) = model.first_collision(&X_WJ, settings.clearance_guard, true) {
+    if let Some(collision) = model.first_collision(state, &X_WJ, settings.clearance_guard, &mut CollisionScratch::new())
+    {
         return Err(format!("{} collide ({})", model.pair_name(collision.pair), in_words(collision.clearance)));
     }
     let parameters = parameters_of(model, state, &X_WJ);
@@ -69,20 +73,32 @@ pub fn residual(model: &Model, constraint: ConstraintId, X_WJ: &[Pose]) -> f64 {
             let Some(grasp) = model.grasp(constraint) else { return f64::INFINITY };
             let pregrasp = matches!(kind, ConstraintKind::Pregrasp { .. });
             let relative = if pregrasp { grasp.pregrasp() } else { grasp.constraint() };
-            constraints::relative_pose::residual(&relative, X_WJ)
+            relative_pose_residual(&relative, X_WJ)
         }
         ConstraintKind::Placement { object } | ConstraintKind::Preplacement { object } => {
             let Some(placement) = &model.objects()[object as usize].placement else { return f64::INFINITY };
             if matches!(kind, ConstraintKind::Placement { .. }) {
-                constraints::placement::residual(placement, X_WJ)
+                placement_residual(placement, X_WJ)
             } else {
                 let lifted = placement.lifted(model.problem.graph.preplacement_distance);
-                constraints::placement::residual(&lifted, X_WJ)
+                placement_residual(&lifted, X_WJ)
             }
         }
         // It stays wherever it is: no rows.
         ConstraintKind::Rest { .. } => 0.0,
     }
+}
+
+fn relative_pose_residual(constraint: &RelativePose, X_WJ: &[Pose]) -> f64 {
+    let (a, b) = (placement_of(&constraint.a), placement_of(&constraint.b));
+    let value = relative_pose::value(&a, &b, &Pose::identity(), X_WJ);
+    let held = value.iter().zip(&constraint.rows).filter(|(_, row)| row.is_some());
+    held.map(|(v, _)| v.abs()).fold(0.0, f64::max)
+}
+
+fn placement_residual(constraint: &Placement, X_WJ: &[Pose]) -> f64 {
+    let value = placement::value(constraint, placement::contact(constraint, X_WJ), X_WJ);
+    value.iter().map(|v| v.abs()).fold(0.0, f64::max)
 }
 
 /// The values that the foliating constraints of a state have where the bodies are.
@@ -145,7 +161,7 @@ pub fn sample_goals(
         model.lock(&mut q);
         model.place_objects(&start.q, poses, &mut q);
         let state = StateId(attempt % model.graph.states.len().max(1) as u32);
-        if model.project_onto_grasps(settings, state, &mut q).is_none() {
+        if !grasp_where_it_stands(model, settings, state, &mut q) {
             continue;
         }
         match feasible(model, settings, &q) {
@@ -162,8 +178,28 @@ pub fn sample_goals(
     Ok(found)
 }
 
+/// Moves the robots of `q` so that all grasps of a state hold, with the objects where they are; false where that fails.
+fn grasp_where_it_stands(model: &Model, settings: &SearchSettings, state: StateId, q: &mut [f64]) -> bool {
+    let grasps = model.graph.state(state).manifold.iter().filter_map(|&c| model.grasp(c));
+    let constraints: Vec<_> = grasps.map(|g| Constraint::RelativePose(g.constraint())).collect();
+    let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
+    model.kinematics.forward(q, &mut X_WJ);
+    let standing = |o: &ObjectModel| CarriageTemplate::fixed(o.root, None, X_WJ[o.root.at()]);
+    let carriages: Vec<_> = model.objects().iter().map(standing).collect();
+    let (robot, locked) = (&model.problem.robot, &model.problem.graph.locked);
+    let Ok(program) = ConstraintProgram::compile(robot, &model.kinematics, &constraints, &carriages, locked) else {
+        return false;
+    };
+    let solve = Settings { tolerance: settings.projection_tolerance, ..Settings::default() };
+    project(&program, q, &[], &solve, &mut Scratch::default()).is_converged()
+}
+
 fn in_words(clearance: f64) -> String {
-    if clearance > 0.0 { format!("{:.2} mm apart", clearance * 1e3) } else { format!("{:.2} mm deep", -clearance * 1e3) }
+    if clearance > 0.0 {
+        format!("{:.2} mm apart", clearance * 1e3)
+    } else {
+        format!("{:.2} mm deep", -clearance * 1e3)
+    }
 }
 
 /// The name of a configuration number, for messages.

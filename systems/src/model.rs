@@ -3,17 +3,23 @@
 //! One model serves any number of searches on any number of threads. What belongs to single states and transitions is
 //! compiled when it is first asked for, so that a graph with thousands of states starts at once.
 
-use crate::constraint_programs::LegProgram;
+use crate::constraint_programs::{LegProgram, parameter_in};
 use bevy_ecs::prelude::Resource;
 use foliate_components::Pose;
+use foliate_components::candidate::PlannedLeg;
 use foliate_components::constraint::{Grasp, Placement};
 use foliate_components::graph::{ConstraintGraph, ConstraintId, ConstraintKind, State, StateId, TransitionId};
 use foliate_components::leaf::{Leaf, LeafIndex, Parameter};
+use foliate_components::path::Attachment;
+use foliate_components::pose::{log_so3, pose_to_array};
 use foliate_components::problem::Problem;
-use foliate_components::robot::{JointIndex, Robot, Source};
 use foliate_components::roadmap::{NodeId, Roadmap};
-use foliate_kernels::collision::{CollisionScene, PairRule, PairSet};
+use foliate_components::robot::{JointIndex, LinkIndex, PartIndex, Robot, ShapeIndex, Source, SurfaceIndex};
+use foliate_kernels::collision::{
+    CollisionScene, CollisionScratch, Contact, PairId, PairRule, PairSet, first_collision,
+};
 use foliate_kernels::kinematics::{Carriage, Kinematics};
+use foliate_kernels::projection::CompileError;
 use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
 
@@ -48,10 +54,16 @@ pub struct Model {
     grasps: Vec<Option<Grasp>>,
     /// Values that the locked joints keep, by configuration index.
     locked: Vec<(usize, f64)>,
-    legs: Vec<Vec<OnceLock<LegProgram>>>,
-    loops: Vec<OnceLock<LegProgram>>,
-    pairs: Vec<OnceLock<PairSet>>,
+    legs: Vec<Vec<OnceLock<Compiled>>>,
+    interiors: Vec<OnceLock<Compiled>>,
+    state_pairs: Vec<OnceLock<PairSet>>,
+    /// By transition: pairs of the motions in the state it leaves and in the state it reaches, where there are margins.
+    transition_pairs: Vec<[OnceLock<PairSet>; 2]>,
+    /// Every pair, for verdicts.
+    all_pairs: PairSet,
 }
+
+type Compiled = Result<LegProgram, CompileError>;
 
 /// A movable object.
 #[derive(Clone, Debug)]
@@ -102,8 +114,13 @@ impl Model {
             })
             .collect::<Result<_, _>>()?;
         let locked_joints: Vec<JointIndex> = problem.graph.locked.iter().map(|&(joint, _)| joint).collect();
-        let rule =
-            PairRule { ignored: &problem.ignored_pairs, margins: &problem.margins, locked: &locked_joints };
+        let rule = PairRule {
+            ignored: &problem.ignored_pairs,
+            margins: &problem.margins,
+            locked: &locked_joints,
+            ..PairRule::default()
+        };
+        let collision = CollisionScene::new(robot, &rule);
         let weights = coordinate_weights(robot);
         let mut robot_weights = weights.clone();
         for object in &objects {
@@ -113,14 +130,16 @@ impl Model {
         }
         Ok(Self {
             kinematics: Kinematics::new(robot),
-            collision: CollisionScene::new(robot, &rule),
             weights,
             robot_weights,
             grasps,
             locked: locked_coordinates(&problem),
             legs: graph.transitions.iter().map(|t| t.legs.iter().map(|_| OnceLock::new()).collect()).collect(),
-            loops: graph.states.iter().map(|_| OnceLock::new()).collect(),
-            pairs: graph.states.iter().map(|_| OnceLock::new()).collect(),
+            interiors: graph.states.iter().map(|_| OnceLock::new()).collect(),
+            state_pairs: graph.states.iter().map(|_| OnceLock::new()).collect(),
+            transition_pairs: graph.transitions.iter().map(|_| [OnceLock::new(), OnceLock::new()]).collect(),
+            all_pairs: PairSet::new(&collision, &[], &[]),
+            collision,
             objects,
             graph,
             problem,
@@ -147,22 +166,87 @@ impl Model {
     }
 
     /// The program of a transition's leg.
-    #[must_use]
-    pub fn leg_program(&self, transition: TransitionId, leg: usize) -> &LegProgram {
-        self.legs[transition.at()][leg].get_or_init(|| LegProgram::of_leg(self, transition, leg))
+    ///
+    /// # Errors
+    /// What a graph that was built by hand may ask for and no program can say.
+    pub fn leg_program(&self, transition: TransitionId, leg: usize) -> Result<&LegProgram, &CompileError> {
+        self.legs[transition.at()][leg].get_or_init(|| LegProgram::of_leg(self, transition, leg)).as_ref()
     }
 
     /// The program of motions within a state.
-    #[must_use]
-    pub fn state_program(&self, state: StateId) -> &LegProgram {
-        self.loops[state.at()].get_or_init(|| LegProgram::of_state(self, state))
+    ///
+    /// # Errors
+    /// As [`Self::leg_program`].
+    pub fn interior_program(&self, state: StateId) -> Result<&LegProgram, &CompileError> {
+        self.interiors[state.at()].get_or_init(|| LegProgram::of_state(self, state)).as_ref()
     }
 
-    /// The pairs of shapes whose relative motion changes within a state.
+    /// The pairs of shapes on motions of a transition that lie in `state`. Which pairs move depends on who carries whom,
+    /// which the state decides; margins are lifted from what touches at either end of the transition.
     #[must_use]
-    pub fn moving_pairs(&self, state: StateId, carriages: &[Carriage]) -> &PairSet {
-        // Which pairs move depends on who carries whom, which the state decides, not on how.
-        self.pairs[state.at()].get_or_init(|| PairSet::new(&self.collision, carriages))
+    pub fn pairs(&self, transition: TransitionId, state: StateId, carriages: &[Carriage]) -> &PairSet {
+        if self.problem.margins.is_empty() {
+            return self.state_pairs[state.at()].get_or_init(|| PairSet::new(&self.collision, carriages, &[]));
+        }
+        let ends = self.graph.transition(transition);
+        let side = usize::from(state != ends.from);
+        self.transition_pairs[transition.at()][side].get_or_init(|| {
+            let mut touching = self.touching(ends.from);
+            touching.extend(self.touching(ends.to));
+            PairSet::new(&self.collision, carriages, &touching)
+        })
+    }
+
+    /// The links that touch by grasp or placement in a state.
+    fn touching(&self, state: StateId) -> Vec<(LinkIndex, LinkIndex)> {
+        let robot = &self.problem.robot;
+        let mut links = Vec::new();
+        for &constraint in &self.graph.state(state).manifold {
+            match self.graph.constraint(constraint).kind {
+                ConstraintKind::Grasp { gripper, handle } | ConstraintKind::Pregrasp { gripper, handle } => {
+                    links.push((robot.grippers[gripper.at()].link, robot.handles[handle.at()].link));
+                }
+                ConstraintKind::Placement { object } | ConstraintKind::Preplacement { object } => {
+                    for surface in &self.graph.objects[object as usize].surfaces {
+                        let on = |s: &SurfaceIndex| (robot.surfaces[surface.at()].link, robot.surfaces[s.at()].link);
+                        links.extend(self.problem.graph.supports.iter().map(on));
+                    }
+                }
+                ConstraintKind::Rest { .. } => {}
+            }
+        }
+        links
+    }
+
+    /// The first pair of shapes that is too close where the bodies are, margins of touching pairs in `state` lifted.
+    #[must_use]
+    pub fn first_collision(
+        &self,
+        state: StateId,
+        X_WJ: &[Pose],
+        guard: f64,
+        scratch: &mut CollisionScratch,
+    ) -> Option<Contact> {
+        if self.problem.margins.is_empty() {
+            return first_collision(&self.collision, X_WJ, &self.all_pairs, guard, scratch);
+        }
+        let pairs = PairSet::new(&self.collision, &[], &self.touching(state));
+        first_collision(&self.collision, X_WJ, &pairs, guard, scratch)
+    }
+
+    /// Names of the shapes of a pair.
+    #[must_use]
+    pub fn pair_shapes(&self, pair: PairId) -> (ShapeIndex, ShapeIndex) {
+        let pair = self.collision.pairs()[pair.at()];
+        (pair.first, pair.second)
+    }
+
+    /// Names of the shapes of a pair, for messages.
+    #[must_use]
+    pub fn pair_name(&self, pair: PairId) -> String {
+        let (a, b) = self.pair_shapes(pair);
+        let shapes = &self.problem.robot.shapes;
+        format!("{} and {}", shapes[a.at()].name, shapes[b.at()].name)
     }
 
     /// What carries an object in a state: the constraint whose value says how.
@@ -189,7 +273,7 @@ impl Model {
                 let (carrier, X_CO) = (value.carrier, value.carrier_from_object);
                 return Some(Carriage { object: object.root, carrier, X_CO });
             }
-            let (carrier, X_CO) = self.grasp(constraint)?.carried();
+            let (carrier, X_CO) = solid_grasp(self.grasp(constraint)?);
             Some(Carriage { object: object.root, carrier, X_CO })
         };
         self.objects.iter().enumerate().filter_map(carriage).collect()
@@ -203,6 +287,100 @@ impl Model {
             let position = foliation.iter().position(|&c| c == constraint)?;
             Some(leaves.parameter(leaf.parameters[position]))
         })
+    }
+
+    /// How every object hangs on what carries it, along a leg.
+    #[must_use]
+    pub fn carriages_of_leg(&self, leg: &PlannedLeg, leaves: &LeafIndex) -> Vec<Carriage> {
+        self.carriages(leg.state, |constraint| parameter_in(self, leaves, leg.state, &leg.parameters, constraint))
+    }
+
+    /// What every object hangs on, on a leaf, for output; an object's carrier comes first.
+    #[must_use]
+    pub fn attachments(&self, leaf: &Leaf, leaves: &LeafIndex) -> Vec<Attachment> {
+        let state = self.graph.state(leaf.state);
+        let mut attachments = Vec::new();
+        for (index, object) in self.objects.iter().enumerate() {
+            let carrier = self.carrier_of(state, index);
+            for &constraint in &state.manifold {
+                match self.graph.constraint(constraint).kind {
+                    ConstraintKind::Grasp { gripper, handle }
+                        if self.graph.objects[index].handles.contains(&handle) =>
+                    {
+                        let carrier = carrier == Some(constraint);
+                        attachments.push(Attachment::Grasp { object: object.root, gripper, handle, carrier });
+                    }
+                    ConstraintKind::Placement { object: o } if o as usize == index => {
+                        attachments.extend(self.contact(leaf, leaves, constraint, index));
+                    }
+                    ConstraintKind::Rest { object: o } if o as usize == index => {
+                        attachments.push(Attachment::Rest { object: object.root });
+                    }
+                    _ => {}
+                }
+            }
+        }
+        attachments
+    }
+
+    /// Which surfaces touch where an object lies on a leaf.
+    fn contact(&self, leaf: &Leaf, leaves: &LeafIndex, constraint: ConstraintId, object: usize) -> Option<Attachment> {
+        let position = self.graph.state(leaf.state).foliation.iter().position(|&c| c == constraint)?;
+        let parameter = leaves.parameter(leaf.parameters[position]);
+        let model = &self.objects[object];
+        let lying = model.placement.as_ref()?;
+        let mut X_WJ = vec![Pose::identity(); self.kinematics.bodies()];
+        X_WJ[model.root.at()] = parameter.carrier_from_object;
+        let touching = foliate_kernels::constraints::placement::contact(lying, &X_WJ);
+        let surface = numbered(&self.problem.robot, &self.graph.objects[object].surfaces, touching.object)?;
+        let support = numbered(&self.problem.robot, &self.problem.graph.supports, touching.support)?;
+        Some(Attachment::Contact { object: model.root, surface, support })
+    }
+
+    /// How far the objects' coordinates in the knots of a motion are from where their carriers take them: at the joint
+    /// knots of two segments an object has the next leaf's exact pose. Metres and radians.
+    #[must_use]
+    pub fn carrier_gap(&self, leaf: &Leaf, leaves: &LeafIndex, knots: &[Vec<f64>]) -> f64 {
+        let carriages = self.carriages_of_leaf(leaf, leaves);
+        let mut X_WJ = vec![Pose::identity(); self.kinematics.bodies()];
+        let mut gap = 0.0_f64;
+        for q in knots {
+            self.kinematics.forward(q, &mut X_WJ);
+            let written: Vec<Pose> = carriages.iter().map(|c| X_WJ[c.object.at()]).collect();
+            self.kinematics.carry(q, &carriages, &mut X_WJ);
+            for (carriage, written) in carriages.iter().zip(written) {
+                let carried = X_WJ[carriage.object.at()];
+                let turn = log_so3(written.rotation.conjugate() * carried.rotation).length();
+                gap = gap.max(carried.translation.distance(written.translation)).max(turn);
+            }
+        }
+        gap
+    }
+
+    /// Whether an object is outside the bounds of its coordinates.
+    #[must_use]
+    pub fn object_out_of_bounds(&self, q: &[f64]) -> bool {
+        let space = &self.problem.robot.space;
+        self.objects.iter().any(|object| match self.problem.robot.joints[object.root.at()].source {
+            Source::Coordinates { q: first, .. } => {
+                (first..first + 3).any(|i| !(q[i] >= space.lower[i] - 1e-9 && q[i] <= space.upper[i] + 1e-9))
+            }
+            Source::Follows { .. } => false,
+        })
+    }
+
+    /// Puts the movable objects of `q` where `poses` say, or else where `start` has them.
+    pub fn place_objects(&self, start: &[f64], poses: &[(PartIndex, Pose)], q: &mut [f64]) {
+        for (record, object) in self.graph.objects.iter().zip(&self.objects) {
+            let Source::Coordinates { q: first, .. } = self.problem.robot.joints[object.root.at()].source else {
+                continue;
+            };
+            let numbers = match poses.iter().find(|(part, _)| *part == record.part) {
+                Some((_, pose)) => pose_to_array(pose),
+                None => std::array::from_fn(|i| start[first + i]),
+            };
+            q[first..first + 7].copy_from_slice(&numbers);
+        }
     }
 
     /// The node nearest to `q` among `nodes`, by weighted distance; ties by lowest id.
@@ -227,6 +405,18 @@ impl Model {
     }
 }
 
+/// The surface and the number in it of the `count`-th polygon of some surfaces.
+fn numbered(robot: &Robot, surfaces: &[SurfaceIndex], mut count: usize) -> Option<(SurfaceIndex, u32)> {
+    for &surface in surfaces {
+        let polygons = robot.surfaces[surface.at()].polygons.len();
+        if count < polygons {
+            return Some((surface, count as u32));
+        }
+        count -= polygons;
+    }
+    None
+}
+
 fn object_models(problem: &Problem, graph: &ConstraintGraph) -> Result<Vec<ObjectModel>, ModelError> {
     let (robot, options) = (&problem.robot, &problem.graph);
     let model = |object: &foliate_components::problem::ObjectOptions| {
@@ -237,8 +427,7 @@ fn object_models(problem: &Problem, graph: &ConstraintGraph) -> Result<Vec<Objec
         let placement = if object.surfaces.is_empty() {
             None
         } else {
-            let placement =
-                Placement::new(robot, &object.surfaces, &options.supports, options.placement_margin);
+            let placement = Placement::new(robot, &object.surfaces, &options.supports, options.placement_margin);
             Some(placement.map_err(|e| ModelError::Document(format!("object `{}`: {e}", part.name)))?)
         };
         Ok(ObjectModel { root, placement })
@@ -283,6 +472,12 @@ fn coordinate_weights(robot: &Robot) -> Vec<f64> {
         }
     }
     weights
+}
+
+/// How a solid grasp carries: the gripper's body, and the pose of the object's root in it when both frames coincide.
+#[must_use]
+pub fn solid_grasp(grasp: &Grasp) -> (Option<JointIndex>, Pose) {
+    (grasp.gripper.joint, grasp.gripper.joint_from_frame * grasp.handle.joint_from_frame.inverse())
 }
 
 /// The pose of an object's root in its carrier, from the poses of all bodies.

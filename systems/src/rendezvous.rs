@@ -101,9 +101,10 @@ impl Draw<'_> {
     }
 
     fn shared_rows_agree(&self, target: &Leaf) -> bool {
-        foliation(self.model, target.state).iter().zip(&target.parameters).all(|(&constraint, &value)| {
-            value_of(self.model, self.source, constraint).is_none_or(|own| own == value)
-        })
+        foliation(self.model, target.state)
+            .iter()
+            .zip(&target.parameters)
+            .all(|(&constraint, &value)| value_of(self.model, self.source, constraint).is_none_or(|own| own == value))
     }
 }
 

@@ -127,12 +127,7 @@ fn members(roadmap: &Roadmap, tree: ComponentId) -> impl Iterator<Item = Compone
 }
 
 /// One of the leaves that a tree has reached, uniformly.
-fn leaf_of(
-    roadmap: &Roadmap,
-    leaves: &ReachedLeaves,
-    tree: ComponentId,
-    rng: &mut impl rand::Rng,
-) -> Option<LeafId> {
+fn leaf_of(roadmap: &Roadmap, leaves: &ReachedLeaves, tree: ComponentId, rng: &mut impl rand::Rng) -> Option<LeafId> {
     let total: usize = members(roadmap, tree).map(|c| leaves.by_component[c.at()].len()).sum();
     if total == 0 {
         return None;

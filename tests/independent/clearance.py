@@ -11,8 +11,8 @@ shift is one. Two ways to use it:
 * `sample`: samples so close that no point of any shape moves more than the step from one to the next; every pair is
   tested at each.
 * `certify`: a pair with clearance d at a sample is free as long as V < d; intervals are halved until they are covered.
-  Where a pair comes closer than `RESOLUTION`, intervals in which it moves less than that pass if both ends of the
-  argument do: a certified motion never penetrates deeper than about `RESOLUTION`.
+  An interval in which a pair moves less than `RESOLUTION` is not halved again: it passes when its middle is free. So
+  a certified motion never penetrates deeper than `RESOLUTION` and coal's accuracy.
 
 Bounding spheres and boxes only ever decide "far enough"; coal decides the rest.
 """
@@ -25,7 +25,7 @@ import coal
 import numpy as np
 
 from motion import SegmentMotion, attachment_links
-from parts import read_disabled_pairs
+from parts import Shape, read_disabled_pairs
 from path_file import Segment
 from report import Report
 from rigid import Poses
@@ -35,6 +35,8 @@ RESOLUTION = 1e-6
 """Intervals of less relative movement (m) than this are not divided further."""
 COAL_ACCURACY = 2e-6
 """coal's distances are trusted to this (m); its GJK stops at 1e-6."""
+MESH_MARGIN = 0.02
+"""coal is asked whether meshes are farther apart than this (m) only by their boxes; intervals are halved instead."""
 CHUNK = 256
 """Samples whose poses are computed at once when certifying..."""
 RUN = 64
@@ -94,6 +96,12 @@ def _ignored_pairs(scene: Scene, report: Report) -> set[frozenset[str]]:
     return {frozenset((one, other)) for one, other, _ in scene.path.ignored_pairs}
 
 
+def _margins(scene: Scene) -> dict[frozenset[str], float]:
+    for one, other, _ in scene.path.margins:
+        scene.link(one), scene.link(other)
+    return {frozenset((one, other)): margin for one, other, margin in scene.path.margins}
+
+
 class Clearance:
     """Tests the selected pairs along segments."""
 
@@ -111,6 +119,7 @@ class Clearance:
         self.radii = np.array([shape.shape.radius for shape in self.shapes])
         self.reach = np.array([shape.shape.reach for shape in self.shapes])
         self.exact = ExactQueries(self.shapes, report)
+        self.margins = _margins(scene)
 
     def check(self, motion: SegmentMotion, step: float | None) -> None:
         """One segment: certified when `step` is None, else sampled with that step (m)."""
@@ -155,14 +164,13 @@ class Clearance:
     def _thresholds(self, segment: Segment) -> np.ndarray:
         """Smallest distance allowed for each pair: zero, or the file's margin unless the pair touches by grasp or
         placement in this segment or one beside it."""
-        margins = {frozenset((one, other)): margin for one, other, margin in self.scene.path.margins}
         thresholds = np.zeros(len(self.pairs))
-        if not margins:
+        if not self.margins:
             return thresholds
         touching = self._touching_bodies(segment)
         for pair, (first, second) in enumerate(zip(self.pairs.first, self.pairs.second)):
             one, other = self.shapes[first], self.shapes[second]
-            margin = margins.get(frozenset((one.link, other.link)), 0.0)
+            margin = self.margins.get(frozenset((one.link, other.link)), 0.0)
             if frozenset((one.body, other.body)) not in touching:
                 thresholds[pair] = margin
         return thresholds
@@ -224,7 +232,10 @@ class Clearance:
             intervals = np.concatenate([kept[0] for kept in keep])
             pairs = np.concatenate([kept[1] for kept in keep])
             used, intervals = np.unique(intervals, return_inverse=True)
-            low, high = (np.stack([low[used], middle[used]], 1).ravel(), np.stack([middle[used], high[used]], 1).ravel())
+            low, high = (
+                np.stack([low[used], middle[used]], axis=1).ravel(),
+                np.stack([middle[used], high[used]], axis=1).ravel(),
+            )
             entries = np.concatenate([2 * intervals, 2 * intervals + 1]), np.concatenate([pairs, pairs])
             order = np.argsort(entries[0], kind="stable")
             entries = entries[0][order], entries[1][order]
@@ -243,7 +254,7 @@ class Clearance:
         undecided = []
         for entry in self._near(poses, samples, pairs, wanted):
             sample, pair = int(samples[entry]), int(pairs[entry])
-            if self.exact.farther_than(placed[sample], *self._shapes_of(pair), float(wanted[entry])):
+            if self.exact.surely_farther_than(placed[sample], *self._shapes_of(pair), float(wanted[entry])):
                 continue
             parameter = float(clock.parameters(middle[used[sample]]))
             if self._test(motion, parameter, placed[sample], pair, thresholds[pair]):
@@ -374,6 +385,13 @@ class Placed:
             self._transforms[shape] = known
         return known
 
+    def transform_of_box(self, shape: int, what: Shape) -> coal.Transform3s:
+        """Where the local box of a mesh is; any other shape is where it is."""
+        if not what.is_mesh:
+            return self.transform(shape)
+        center = self.poses.rotation[shape] @ what.center + self.poses.translation[shape]
+        return coal.Transform3s(self.poses.rotation[shape], center)
+
 
 class ExactQueries:
     """coal's answers for pairs of shapes."""
@@ -384,6 +402,10 @@ class ExactQueries:
         self.meshes = [shape.shape.is_mesh for shape in shapes]
         self.distance_request, self.distance_result = coal.DistanceRequest(), coal.DistanceResult()
         self.collision_request, self.collision_result = coal.CollisionRequest(), coal.CollisionResult()
+        self.boxes = [
+            coal.Box(2.0 * shape.shape.half_extents) if shape.shape.is_mesh else shape.shape.geometry
+            for shape in shapes
+        ]
         self.margin_request = coal.CollisionRequest()
         self._closed: dict[int, np.ndarray | None] = {}
 
@@ -396,14 +418,33 @@ class ExactQueries:
             self.distance_request, self.distance_result,
         )
 
+    def box_distance(self, placed: Placed, one: int, other: int) -> float:
+        """A lower bound of the distance: meshes stand in their local boxes."""
+        self.report.count("distance_queries")
+        self.distance_result.clear()
+        return coal.distance(
+            self.boxes[one], placed.transform_of_box(one, self.shapes[one].shape), self.boxes[other],
+            placed.transform_of_box(other, self.shapes[other].shape), self.distance_request, self.distance_result,
+        )
+
     def collide(self, placed: Placed, one: int, other: int) -> bool:
         return self._collide(placed, one, other, self.collision_request)
 
+    def surely_farther_than(self, placed: Placed, one: int, other: int, wanted: float) -> bool:
+        """Whether the distance is known to be more than `wanted`. Where that would take long (meshes and more than
+        `MESH_MARGIN`), only their boxes are asked: no is then no answer."""
+        meshes = self.meshes[one] or self.meshes[other]
+        if meshes and wanted > MESH_MARGIN:
+            return self.box_distance(placed, one, other) > wanted
+        return self.farther_than(placed, one, other, wanted)
+
     def farther_than(self, placed: Placed, one: int, other: int, wanted: float) -> bool:
         """Whether the distance is more than `wanted`. For meshes coal is asked for a collision within a margin,
-        which it decides without computing the distance."""
+        which for small margins it decides much faster than a distance."""
         if not (self.meshes[one] or self.meshes[other]):
             return self.distance(placed, one, other) > wanted
+        if self.box_distance(placed, one, other) > wanted:
+            return True
         self.margin_request.security_margin = wanted
         return not self._collide(placed, one, other, self.margin_request)
 

@@ -35,6 +35,7 @@ def check_leaf(motion: SegmentMotion, report: Report) -> None:
     report.count("residual_samples", len(parameters))
     worlds = motion.body_poses(parameters)
     for attachment in segment.attachments:
+        _note_idle_carrier(motion, attachment, report)
         check = _check_grasp if attachment.is_grasp else _check_placement
         check(motion, attachment, parameters, worlds, report)
     for constraint in segment.constraints:
@@ -80,6 +81,12 @@ def _check_carriers(motion: SegmentMotion, report: Report) -> None:
                 if error > tolerance:
                     subject = f"{carry.member.name} ({carry.by or 'no carrier'}): {what}"
                     report.violate(motion.segment.index, knot, kind, subject, error, tolerance)
+
+
+def _note_idle_carrier(motion: SegmentMotion, attachment: Attachment, report: Report) -> None:
+    member = motion.scene.by_name.get(attachment.object.partition("/")[0])
+    if attachment.carrier and member and not member.floats:
+        report.note(f"{attachment} carries {attachment.object}, which has no free-flying root: checked, not followed")
 
 
 # Grasps and constraints
@@ -142,7 +149,8 @@ def _check_constraint(motion: SegmentMotion, constraint: Constraint, parameters,
     elif constraint.kind in ("centre_of_mass", "center_of_mass"):
         relative = _centre_of_mass(motion, constraint, parameters, worlds)
     else:
-        report.violate(motion.segment.index, None, "unchecked-constraint", f"{subject}: this checker knows no such kind")
+        subject = f"{subject}: this checker knows no such kind"
+        report.violate(motion.segment.index, None, "unchecked-constraint", subject)
         return
     value = relative[0] if constraint.value is None else Poses.from_array(constraint.value)
     errors = zero_errors(value.inverse() @ relative, mask)

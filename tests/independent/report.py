@@ -54,6 +54,9 @@ class Report:
         if value is not None and known.value is not None and _worse(value, known.value, known.limit):
             known.value = value
 
+    def has(self, kind: str) -> bool:
+        return any(violation.kind == kind for violation in self.violations)
+
     def note(self, text: str) -> None:
         if text not in self.notes:
             self.notes.append(text)

@@ -58,31 +58,40 @@ def _check_quaternions(scene: Scene, segment: Segment, report: Report) -> None:
 def _check_limits(scene: Scene, segment: Segment, report: Report) -> None:
     """Joints and robots' roots along the whole motion. They are linear, so knots suffice, but for quaternions, whose
     extremes on the geodesic are computed. Floating objects only where they rest."""
-    path = scene.path
+    everywhere = range(len(segment.knots))
     for member in scene.members:
         for column in member.joint_columns.values():
-            _check_column(path, segment, column, range(len(segment.knots)), "limit", report)
+            _check_column(scene, segment, column, everywhere, "limit", report)
         if member.floats:
             for column in member.root_columns:
-                _check_column(path, segment, column, _resting_knots(path, segment, member), "object-bounds", report)
+                _check_column(scene, segment, column, _resting_knots(segment, member), "object-bounds", report)
             continue
         linear, turning = (member.root_columns[:3], member.root_columns[3:])
         for column in linear:
-            _check_column(path, segment, column, range(len(segment.knots)), "limit", report)
+            _check_column(scene, segment, column, everywhere, "limit", report)
         if turning:
-            _check_turning(path, segment, turning, report)
+            _check_turning(scene, segment, turning, report)
 
 
-def _resting_knots(path: PathFile, segment: Segment, member: Member) -> list[int]:
+def _resting_knots(segment: Segment, member: Member) -> list[int]:
     """Knots that begin or end a segment in which the object rests: placed, or attached to nothing."""
     mine = [item for item in segment.attachments if item.object.partition("/")[0] == member.name]
     rests = not mine or any(not item.is_grasp for item in mine)
     return [0, len(segment.knots) - 1] if rests else []
 
 
-def _check_column(path, segment: Segment, column: int, knots, kind: str, report: Report) -> None:
-    name = path.coordinates[column]
-    low, high = path.limits.get(name, (-np.inf, np.inf))
+def _limits(scene: Scene, name: str) -> tuple[float, float]:
+    """The file's limits of a coordinate; where it gives none, the URDF's; for roots, none."""
+    if name in scene.path.limits:
+        return scene.path.limits[name]
+    part, _, joint = name.partition("/")
+    known = scene.by_name[part].part.joint_by_name.get(joint)
+    return (known.low, known.high) if known else (-np.inf, np.inf)
+
+
+def _check_column(scene: Scene, segment: Segment, column: int, knots, kind: str, report: Report) -> None:
+    name = scene.path.coordinates[column]
+    low, high = _limits(scene, name)
     for knot in knots:
         _check_value(segment.index, knot, kind, name, segment.knots[knot, column], low, high, report)
 
@@ -94,13 +103,13 @@ def _check_value(segment: int, t: float, kind: str, name: str, value: float, low
         report.violate(segment, t, kind, f"{name} above", value, high)
 
 
-def _check_turning(path: PathFile, segment: Segment, columns: list[int], report: Report) -> None:
+def _check_turning(scene: Scene, segment: Segment, columns: list[int], report: Report) -> None:
     for knot in range(len(segment.knots)):
         first = segment.knots[knot, columns]
         second = segment.knots[min(knot + 1, len(segment.knots) - 1), columns]
         for column, low_end, high_end in zip(columns, *_geodesic_extremes(first, second)):
-            name = path.coordinates[column]
-            low, high = path.limits.get(name, (-np.inf, np.inf))
+            name = scene.path.coordinates[column]
+            low, high = _limits(scene, name)
             _check_value(segment.index, knot, "limit", name, low_end, low, high, report)
             _check_value(segment.index, knot, "limit", name, high_end, low, high, report)
 
@@ -167,9 +176,13 @@ def _note_urdf_limits(scene: Scene, report: Report) -> None:
     for member in scene.members:
         for joint in member.part.free_joints():
             name = f"{member.name}/{joint.name}"
-            if name not in path.coordinates:
+            if name not in scene.columns:
                 continue
-            low, high = path.limits.get(name, (-np.inf, np.inf))
+            if name not in path.limits:
+                if not joint.continuous:
+                    report.note(f"no limits of {name}: the URDF's [{joint.low:g}, {joint.high:g}] taken")
+                continue
+            low, high = path.limits[name]
             if abs(low - joint.low) > LIMIT_SLACK or abs(high - joint.high) > LIMIT_SLACK:
                 report.note(f"limits of {name} are [{low:g}, {high:g}], the URDF says [{joint.low:g}, {joint.high:g}]")
 

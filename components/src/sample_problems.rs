@@ -1,0 +1,82 @@
+//! Small manipulation problems in code, for tests, benches and examples that load no files.
+
+use crate::Pose;
+use crate::pose::pose_to_array;
+use crate::problem::{Goal, GraphOptions, ObjectOptions, Problem};
+use crate::robot::{ComposeError, Robot};
+use crate::sample_models::{block, environment, fixed_robot, movable_object, seven_axis_arm, table};
+use glam::{DQuat, DVec3};
+
+/// Side of the boxes, metres.
+const SIDE: f64 = 0.06;
+
+/// One seven-axis arm above a table with `starts.len()` boxes; box i starts at `starts[i]` and shall end at `goals[i]`
+/// (x, y on the table, metres).
+///
+/// # Errors
+/// None in practice: the models are fixed.
+pub fn boxes_on_a_table(starts: &[(f64, f64)], goals: &[(f64, f64)]) -> Result<Problem, ComposeError> {
+    let (arm, board, cube) = (seven_axis_arm(), table(DVec3::new(1.2, 1.6, 0.05)), block(DVec3::splat(SIDE)));
+    let mut parts = vec![
+        (&arm, fixed_robot("arm", Pose::from_translation(DVec3::Z * 0.3))),
+        (&board, environment("table", Pose::from_translation(DVec3::new(0.9, 0.0, 0.0)))),
+    ];
+    for index in 0..starts.len() {
+        parts.push((&cube, movable_object(&format!("box{index}"))));
+    }
+    let robot = Robot::compose(&parts)?;
+    let names: Vec<String> = (0..starts.len()).map(|i| format!("box{i}")).collect();
+    let objects = names.iter().filter_map(|name| {
+        Some(ObjectOptions {
+            part: robot.part(name)?,
+            handles: vec![robot.handle(&format!("{name}/top"))?],
+            surfaces: vec![robot.surface(&format!("{name}/bottom"))?],
+        })
+    });
+    let graph = GraphOptions {
+        grippers: robot.gripper("arm/hand").into_iter().collect(),
+        objects: objects.collect(),
+        supports: robot.surface("table/top").into_iter().collect(),
+        placement_margin: 1e-3,
+        preplacement_distance: 0.05,
+        ..GraphOptions::default()
+    };
+    let configuration = |places: &[(f64, f64)]| {
+        let mut q = vec![0.0; robot.space.size() - 7 * places.len()];
+        for (value, bent) in q.iter_mut().zip([0.0, -0.6, 0.0, 1.4, 0.0, 0.8, 0.0]) {
+            *value = bent;
+        }
+        for &(x, y) in places {
+            let at = Pose::from_parts(DVec3::new(x, y, 0.5 * SIDE + 1e-3), DQuat::IDENTITY);
+            q.extend(pose_to_array(&at));
+        }
+        q
+    };
+    let (start, goal) = (configuration(starts), configuration(goals));
+    Ok(Problem {
+        name: "boxes on a table".into(),
+        robot,
+        graph,
+        ignored_pairs: Vec::new(),
+        margins: Vec::new(),
+        start,
+        goals: vec![Goal::Configuration(goal)],
+    })
+}
+
+/// Two boxes that change places: the smallest problem that no monotone plan solves (P0 §III-B's example).
+///
+/// # Errors
+/// As [`boxes_on_a_table`].
+pub fn swap_two_boxes() -> Result<Problem, ComposeError> {
+    let (a, b) = ((0.6, 0.15), (0.6, -0.15));
+    boxes_on_a_table(&[a, b], &[b, a])
+}
+
+/// One box that is moved aside.
+///
+/// # Errors
+/// As [`boxes_on_a_table`].
+pub fn move_one_box() -> Result<Problem, ComposeError> {
+    boxes_on_a_table(&[(0.6, 0.15)], &[(0.7, -0.2)])
+}

@@ -1,0 +1,191 @@
+//! Set Validate: certifies the legs over the continuum and keeps the valid prefix (P1 Alg. 2 line 10).
+
+use crate::events::StopSignal;
+use crate::model::PlanningModel;
+use crate::schedule::StepCounter;
+use crate::settings::SearchSettings;
+use bevy_ecs::prelude::{Query, Res, ResMut};
+use foliate_components::Pose;
+use foliate_components::candidate::{Candidate, CandidateArena, PlannedLeg};
+use foliate_components::graph::{StateId, TransitionId, TransitionKind};
+use foliate_components::leaf::LeafIndex;
+use foliate_components::outcome::Rejection;
+use foliate_kernels::collision::{CertificateSettings, CollisionScratch, MotionVerdict, certify_motion};
+use foliate_kernels::kinematics::Carriage;
+use rayon::prelude::*;
+
+/// Buffers of one thread.
+struct Scratch {
+    collision: CollisionScratch,
+    X_WJ: Vec<Pose>,
+}
+
+impl Scratch {
+    fn new(model: &PlanningModel) -> Self {
+        Self { collision: CollisionScratch::new(), X_WJ: vec![Pose::identity(); model.kinematics.bodies()] }
+    }
+}
+
+/// Certifies every candidate's legs in order; after the first that is only free in part, nothing more is kept.
+pub fn certify_legs(
+    model: Res<'_, PlanningModel>,
+    settings: Res<'_, SearchSettings>,
+    stop: Res<'_, StopSignal>,
+    leaves: Res<'_, LeafIndex>,
+    mut counter: ResMut<'_, StepCounter>,
+    mut arena: ResMut<'_, CandidateArena>,
+    mut candidates: Query<'_, '_, &mut Candidate>,
+) {
+    let mut pool: Vec<_> = candidates.iter_mut().collect();
+    pool.sort_unstable_by_key(|c| c.index);
+    counter.validated += pool.iter().filter(|c| c.is_alive()).count() as u64;
+    let CandidateArena { legs, complete, .. } = &mut *arena;
+    let slots = legs.par_iter_mut().zip(complete.par_iter_mut());
+    pool.par_iter_mut().zip(slots).for_each_init(
+        || Scratch::new(&model),
+        |scratch, (candidate, (legs, complete))| {
+            if stop.is_raised() {
+                candidate.reject(Rejection::Stopped);
+            }
+            if candidate.is_alive() {
+                *complete = certify_candidate(&model, &settings, &leaves, candidate, legs, scratch);
+            } else {
+                legs.clear();
+            }
+        },
+    );
+}
+
+/// Returns whether all legs are certified; cuts `legs` to what is.
+fn certify_candidate(
+    model: &PlanningModel,
+    settings: &SearchSettings,
+    leaves: &LeafIndex,
+    candidate: &mut Candidate,
+    legs: &mut Vec<PlannedLeg>,
+    scratch: &mut Scratch,
+) -> bool {
+    let Some(transition) = candidate.transition else { return false };
+    let is_loop = model.graph.transition(transition).kind == TransitionKind::Loop;
+    if !is_loop && !waypoints_are_free(model, settings, candidate, legs, scratch) {
+        legs.clear();
+        return false;
+    }
+    for index in 0..legs.len() {
+        let leg = &mut legs[index];
+        let carriages = model.carriages_of_leg(leg, leaves);
+        let free = certify_leg(model, settings, transition, &carriages, leg, candidate, &mut scratch.collision);
+        if !free {
+            let kept = if leg.knots.len() > model.problem.robot.space.size() { index + 1 } else { index };
+            legs.truncate(kept);
+            return false;
+        }
+    }
+    true
+}
+
+/// Exact verdict of every waypoint, all pairs: also of those that a leg keeps in constant relative pose, for which this is
+/// the one test that holds for the whole leaf. Cheap beside certifying a motion that leads nowhere.
+fn waypoints_are_free(
+    model: &PlanningModel,
+    settings: &SearchSettings,
+    candidate: &mut Candidate,
+    legs: &[PlannedLeg],
+    scratch: &mut Scratch,
+) -> bool {
+    let size = model.problem.robot.space.size();
+    for leg in legs {
+        let q = &leg.knots[leg.knots.len() - size..];
+        model.kinematics.forward(q, &mut scratch.X_WJ);
+        let contact = model.first_collision(leg.state, &scratch.X_WJ, settings.clearance_guard, &mut scratch.collision);
+        if let Some(contact) = contact {
+            candidate.reject(Rejection::WaypointBlocked(leg.leg as u8));
+            candidate.blocked_by = Some(model.pair_shapes(contact.pair));
+            return false;
+        }
+    }
+    true
+}
+
+/// Certifies one leg; cuts its knots to the certified prefix (to nothing but the start, where nothing is free).
+fn certify_leg(
+    model: &PlanningModel,
+    settings: &SearchSettings,
+    transition: TransitionId,
+    carriages: &[Carriage],
+    leg: &mut PlannedLeg,
+    candidate: &mut Candidate,
+    scratch: &mut CollisionScratch,
+) -> bool {
+    let size = model.problem.robot.space.size();
+    let certificate = certificate_settings(settings, false);
+    let pairs = model.pairs(transition, leg.state, carriages);
+    leg.clearance = f64::INFINITY;
+    for start in (0..leg.knots.len() - size).step_by(size) {
+        let (a, b) = (&leg.knots[start..start + size], &leg.knots[start + size..start + 2 * size]);
+        match certify_motion(&model.collision, &model.kinematics, carriages, a, b, pairs, &certificate, scratch) {
+            MotionVerdict::Free { min_clearance_lower_bound } => {
+                leg.clearance = leg.clearance.min(min_clearance_lower_bound);
+            }
+            MotionVerdict::FreeUntil { t, blocked_by } => {
+                candidate.reject(Rejection::MotionBlocked(leg.leg as u8));
+                candidate.blocked_by = blocked_by.map(|c| model.pair_shapes(c.pair));
+                cut(model, carriages, leg, start, t);
+                return false;
+            }
+        }
+    }
+    true
+}
+
+/// Cuts a leg's knots at parameter `t` of the piece that starts at `start`.
+fn cut(model: &PlanningModel, carriages: &[Carriage], leg: &mut PlannedLeg, start: usize, t: f64) {
+    let space = &model.problem.robot.space;
+    let size = space.size();
+    let mut end = vec![0.0; size];
+    space.interpolate(&leg.knots[start..start + size], &leg.knots[start + size..start + 2 * size], t, &mut end);
+    let moved = space.distance(&leg.knots[start..start + size], &end, &model.weights);
+    leg.knots.truncate(start + size);
+    if moved < LEAST_PROGRESS {
+        return;
+    }
+    let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
+    model.kinematics.forward(&end, &mut X_WJ);
+    model.kinematics.carry(&end, carriages, &mut X_WJ);
+    model.kinematics.write_back(carriages, &X_WJ, &mut end);
+    leg.knots.extend_from_slice(&end);
+    // The prefix keeps at least the guard; how much more is not known of a motion that ends in front of something.
+    leg.clearance = 0.0;
+}
+
+/// A prefix shorter than this (weighted metres) is no progress.
+const LEAST_PROGRESS: f64 = 0.01;
+
+/// Certifies a polyline whole or not at all; returns the proven clearance.
+#[must_use]
+pub fn certify_whole(
+    model: &PlanningModel,
+    settings: &SearchSettings,
+    transition: TransitionId,
+    state: StateId,
+    carriages: &[Carriage],
+    knots: &[f64],
+    scratch: &mut CollisionScratch,
+) -> Option<f64> {
+    let size = model.problem.robot.space.size();
+    let pairs = model.pairs(transition, state, carriages);
+    let certificate = certificate_settings(settings, true);
+    let mut clearance = f64::INFINITY;
+    for start in (0..knots.len() - size).step_by(size) {
+        let (a, b) = (&knots[start..start + size], &knots[start + size..start + 2 * size]);
+        match certify_motion(&model.collision, &model.kinematics, carriages, a, b, pairs, &certificate, scratch) {
+            MotionVerdict::Free { min_clearance_lower_bound } => clearance = clearance.min(min_clearance_lower_bound),
+            MotionVerdict::FreeUntil { .. } => return None,
+        }
+    }
+    Some(clearance)
+}
+
+fn certificate_settings(settings: &SearchSettings, all_or_nothing: bool) -> CertificateSettings {
+    CertificateSettings { clearance_guard: settings.clearance_guard, all_or_nothing, ..CertificateSettings::default() }
+}
