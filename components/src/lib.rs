@@ -9,8 +9,10 @@
 #![forbid(unsafe_code)]
 
 pub mod configuration;
+pub mod constraint;
 pub mod pose;
 pub mod problem;
 pub mod robot;
+pub mod sample_models;
 
 pub use pose::Pose;
