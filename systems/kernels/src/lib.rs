@@ -6,4 +6,7 @@
 // Frames stand in names as the field writes them: `X_WG` is the pose of G in W, so that `X_WG * X_GH` reads right.
 #![allow(non_snake_case, reason = "pose names carry their frames")]
 
+pub mod constraints;
 pub mod kinematics;
+pub mod linear;
+pub mod projection;
