@@ -10,6 +10,7 @@
 
 pub mod candidate;
 pub mod configuration;
+pub mod constraint;
 pub mod graph;
 pub mod leaf;
 pub mod outcome;
@@ -18,6 +19,7 @@ pub mod pose;
 pub mod problem;
 pub mod roadmap;
 pub mod robot;
+pub mod sample_models;
 pub mod sample_problems;
 
 pub use pose::Pose;

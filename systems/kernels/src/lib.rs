@@ -7,4 +7,7 @@
 #![allow(non_snake_case, reason = "pose names carry their frames")]
 
 pub mod collision;
+pub mod constraints;
 pub mod kinematics;
+pub mod linear;
+pub mod projection;

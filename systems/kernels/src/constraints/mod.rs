@@ -1,0 +1,29 @@
+//! Values and Jacobians of constraints, one file per kind.
+//!
+//! Every function takes the poses of bodies in the world and writes rows; which velocity coordinates matter is compiled
+//! beforehand into [`Column`](crate::kinematics::Column)s. Rows are metres and radians.
+
+pub mod locked;
+pub mod placement;
+pub mod relative_pose;
+
+use crate::kinematics::Placement;
+use foliate_components::constraint::Frame;
+
+/// The frame of a constraint as kinematics names it.
+#[must_use]
+pub fn placement_of(frame: &Frame) -> Placement {
+    Placement { joint: frame.joint, X_JF: frame.joint_from_frame }
+}
+
+/// Where a constraint writes its rows: values, and a Jacobian of `width` columns row by row. The Jacobian must be zero
+/// before.
+#[derive(Debug)]
+pub struct RowsOut<'a> {
+    /// One value per row.
+    pub values: &'a mut [f64],
+    /// `values.len()` × `width`.
+    pub jacobian: &'a mut [f64],
+    /// Number of columns.
+    pub width: usize,
+}

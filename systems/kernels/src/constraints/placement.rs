@@ -1,0 +1,183 @@
+//! An object on a support: which polygons touch, the five rows of contact and the three of its complement.
+//!
+//! The value is piecewise smooth: the pair of polygons and whether the object's centre is inside the support are found at
+//! each evaluation and held constant in the Jacobian.
+
+use super::{RowsOut, placement_of, relative_pose};
+use crate::kinematics::Column;
+use foliate_components::Pose;
+use foliate_components::constraint::{Placement, Row, Rows};
+use foliate_components::pose::{exp_so3, log_so3};
+use glam::{DVec2, DVec3};
+
+/// The pair of polygons in contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Contact {
+    /// Index among the object's polygons.
+    pub object: usize,
+    /// Index among the supports' polygons.
+    pub support: usize,
+    /// Whether the centre of the object's polygon is above the inside of the support's.
+    pub inside: bool,
+}
+
+/// The rows of contact as rows of a relative pose: outside, the centres are to meet.
+const OUTSIDE: Rows = [Some(Row::Zero), Some(Row::Zero), Some(Row::Zero), None, Some(Row::Zero), Some(Row::Zero)];
+/// The rows of the complement as rows of a relative pose: place and turn in the plane.
+const IN_PLANE: Rows = [None, Some(Row::Parameter), Some(Row::Parameter), Some(Row::Parameter), None, None];
+
+/// The pair of polygons that is nearest to contact (P0 eq. 3; the first wins a tie). Outside a support the distance to its
+/// boundary counts, as in HPP; the paper takes the distance to its centre.
+///
+/// # Panics
+/// If `X_WJ` is too short.
+#[must_use]
+pub fn contact(placement: &Placement, X_WJ: &[Pose]) -> Contact {
+    let mut best = Contact { object: 0, support: 0, inside: false };
+    let mut least = f64::INFINITY;
+    for (object, lying) in placement.object.iter().enumerate() {
+        let center = placement_of(&lying.frame).in_world(X_WJ).translation;
+        for (support, carrying) in placement.supports.iter().enumerate() {
+            let local = placement_of(&carrying.frame).in_world(X_WJ).inverse_transform_point(center);
+            let aside = carrying.signed_distance(DVec2::new(local.y, local.z));
+            let inside = aside < 0.0;
+            let cost = local.x * local.x + if inside { 0.0 } else { aside * aside };
+            if cost < least {
+                least = cost;
+                best = Contact { object, support, inside };
+            }
+        }
+    }
+    best
+}
+
+/// The pose of the object's polygon in the support's.
+///
+/// # Panics
+/// If `X_WJ` is too short or the contact is not of this placement.
+#[must_use]
+pub fn pose(placement: &Placement, contact: Contact, X_WJ: &[Pose]) -> Pose {
+    let support = placement_of(&placement.supports[contact.support].frame);
+    relative_pose::pose(&support, &placement_of(&placement.object[contact.object].frame), X_WJ)
+}
+
+/// P_f: `[x + margin, 0, 0, ry, rz]` inside, `[x + margin, y, z, ry, rz]` outside (P0 eq. 4).
+///
+/// # Panics
+/// If `X_WJ` is too short or the contact is not of this placement.
+#[must_use]
+pub fn value(placement: &Placement, contact: Contact, X_WJ: &[Pose]) -> [f64; 5] {
+    let X_SO = pose(placement, contact, X_WJ);
+    let (t, turn) = (X_SO.translation, log_so3(X_SO.rotation));
+    let (y, z) = if contact.inside { (0.0, 0.0) } else { (t.y, t.z) };
+    [t.x + placement.margin, y, z, turn.y, turn.z]
+}
+
+/// P̄_f: `[y + 2jM, z + 2iM, rx]` inside, `[2jM, 2iM, rx]` outside (P0 eq. 5), j the support, i the object's polygon: the
+/// same numbers mean the same polygons.
+///
+/// # Panics
+/// If `X_WJ` is too short or the contact is not of this placement.
+#[must_use]
+pub fn complement(placement: &Placement, contact: Contact, X_WJ: &[Pose]) -> [f64; 3] {
+    let X_SO = pose(placement, contact, X_WJ);
+    let (y, z) = if contact.inside { (X_SO.translation.y, X_SO.translation.z) } else { (0.0, 0.0) };
+    let stride = 2.0 * placement.stride;
+    [y + contact.support as f64 * stride, z + contact.object as f64 * stride, log_so3(X_SO.rotation).x]
+}
+
+/// The complement as a leaf parameter: its first two rows as y and z of a translation, the third as a turn about x.
+///
+/// # Panics
+/// If `X_WJ` is too short.
+#[must_use]
+pub fn parameter(placement: &Placement, X_WJ: &[Pose]) -> Pose {
+    let [y, z, turn] = complement(placement, contact(placement, X_WJ), X_WJ);
+    Pose::from_parts(DVec3::new(0.0, y, z), exp_so3(DVec3::X * turn))
+}
+
+/// Which polygons touch, and the pose of the object's in the support's, on the leaf of that parameter. `None` where the
+/// parameter names a pair that the placement does not have.
+#[must_use]
+pub fn decode(placement: &Placement, parameter: &Pose) -> Option<(Contact, Pose)> {
+    let stride = 2.0 * placement.stride;
+    let (y, z) = (parameter.translation.y, parameter.translation.z);
+    let (support, object) = ((y / stride + 0.5).floor(), (z / stride + 0.5).floor());
+    let exists = |index: f64, count: usize| index >= 0.0 && index < count as f64;
+    if !exists(support, placement.supports.len()) || !exists(object, placement.object.len()) {
+        return None;
+    }
+    let (y, z) = (y - support * stride, z - object * stride);
+    let (support, object) = (support as usize, object as usize);
+    let inside = placement.supports[support].signed_distance(DVec2::new(y, z)) < 0.0;
+    let translation = DVec3::new(-placement.margin, y, z);
+    Some((Contact { object, support, inside }, Pose::from_parts(translation, parameter.rotation)))
+}
+
+/// The pose of the object's body in the support's body (or in the world) on the leaf of that parameter: the explicit form
+/// of contact and complement together.
+#[must_use]
+pub fn hold(placement: &Placement, parameter: &Pose) -> Option<(Contact, Pose)> {
+    let (contact, X_SO) = decode(placement, parameter)?;
+    let X_CS = placement.supports[contact.support].frame.joint_from_frame;
+    let X_JO = placement.object[contact.object].frame.joint_from_frame;
+    Some((contact, X_CS * X_SO * X_JO.inverse()))
+}
+
+/// Writes the five rows of contact and their Jacobian; `columns` are those of the object against the contact's support.
+///
+/// # Panics
+/// If a slice is too short or the contact is not of this placement.
+pub fn linearise(placement: &Placement, contact: Contact, columns: &[Column], X_WJ: &[Pose], out: RowsOut<'_>) {
+    let target = Pose::from_translation(DVec3::X * -placement.margin);
+    let RowsOut { values, jacobian, width } = out;
+    let rows = RowsOut { values: &mut *values, jacobian: &mut *jacobian, width };
+    linearise_pair(placement, contact, &target, &OUTSIDE, columns, X_WJ, rows);
+    if contact.inside {
+        // Rows 1 and 2 stay in place as zeros: the number of rows does not depend on the configuration.
+        values[1..3].fill(0.0);
+        jacobian[width..3 * width].fill(0.0);
+    }
+}
+
+/// Writes the three rows of the complement against the leaf parameter that [`decode`] has read, and their Jacobian.
+///
+/// # Panics
+/// If a slice is too short or the contact is not of this placement.
+pub fn linearise_complement(
+    placement: &Placement,
+    (contact, X_SO): &(Contact, Pose),
+    columns: &[Column],
+    X_WJ: &[Pose],
+    out: RowsOut<'_>,
+) {
+    linearise_pair(placement, *contact, X_SO, &IN_PLANE, columns, X_WJ, out);
+}
+
+/// Writes all six rows of contact and complement against the leaf parameter that [`decode`] has read.
+///
+/// # Panics
+/// If a slice is too short or the contact is not of this placement.
+pub fn linearise_hold(
+    placement: &Placement,
+    (contact, X_SO): &(Contact, Pose),
+    columns: &[Column],
+    X_WJ: &[Pose],
+    out: RowsOut<'_>,
+) {
+    linearise_pair(placement, *contact, X_SO, &[Some(Row::Parameter); 6], columns, X_WJ, out);
+}
+
+fn linearise_pair(
+    placement: &Placement,
+    contact: Contact,
+    target: &Pose,
+    rows: &Rows,
+    columns: &[Column],
+    X_WJ: &[Pose],
+    out: RowsOut<'_>,
+) {
+    let support = placement_of(&placement.supports[contact.support].frame);
+    let object = placement_of(&placement.object[contact.object].frame);
+    relative_pose::linearise(&support, &object, target, rows, columns, X_WJ, out);
+}

@@ -1,0 +1,219 @@
+//! How fast frames move: geometric Jacobians along the attachment tree.
+//!
+//! The *attachment tree* is the robot's tree with every carried object hung on its carrier instead of the world: what
+//! moves a held box is the arm, not the box's own free-flyer. Velocities are those of the configuration space: a
+//! free-flyer translates in its joint frame and turns in the moving frame, a follower adds `multiplier` times its column
+//! to its leader's coordinate.
+
+use foliate_components::Pose;
+use foliate_components::robot::{JointIndex, Motion, Robot, Source};
+use glam::DVec3;
+
+/// The robot's tree with carried objects hung on their carriers.
+#[derive(Clone, Debug)]
+pub struct AttachmentTree<'a> {
+    robot: &'a Robot,
+    /// For each joint the carrier, where it is carried.
+    carrier: Vec<Option<Option<JointIndex>>>,
+}
+
+impl<'a> AttachmentTree<'a> {
+    /// The robot's own tree.
+    #[must_use]
+    pub fn new(robot: &'a Robot) -> Self {
+        Self { robot, carrier: vec![None; robot.joints.len()] }
+    }
+
+    /// The robot's tree with the given objects (free-flyer roots) hung on their carriers. Objects that cannot be hung as
+    /// asked (see [`Self::hang`]) stay where they were.
+    #[must_use]
+    pub fn with_carried(robot: &'a Robot, carried: impl IntoIterator<Item = (JointIndex, Option<JointIndex>)>) -> Self {
+        let mut tree = Self::new(robot);
+        for (object, carrier) in carried {
+            tree.hang(object, carrier);
+        }
+        tree
+    }
+
+    /// Hangs an object on a carrier. Returns false, and changes nothing, where the object is carried already or would
+    /// carry itself.
+    ///
+    /// # Panics
+    /// If the robot has no such joints.
+    pub fn hang(&mut self, object: JointIndex, carrier: Option<JointIndex>) -> bool {
+        if self.is_carried(object) || self.chain(carrier).any(|joint| joint == object) {
+            return false;
+        }
+        self.carrier[object.at()] = Some(carrier);
+        true
+    }
+
+    /// Whether the joint is an eliminated object's root.
+    #[must_use]
+    pub fn is_carried(&self, joint: JointIndex) -> bool {
+        self.carrier[joint.at()].is_some()
+    }
+
+    /// The body on which this one hangs.
+    #[must_use]
+    pub fn parent(&self, joint: JointIndex) -> Option<JointIndex> {
+        self.carrier[joint.at()].unwrap_or(self.robot.joints[joint.at()].parent)
+    }
+
+    /// The body and those on which it hangs, outermost first.
+    pub fn chain(&self, joint: Option<JointIndex>) -> impl Iterator<Item = JointIndex> + '_ {
+        std::iter::successors(joint, |&j| self.parent(j))
+    }
+
+    /// The bodies between two: those above `a` (outermost first) and those above `b` (innermost first), without the
+    /// bodies that both hang on, for these move neither relative to the other.
+    #[must_use]
+    pub fn between(&self, a: Option<JointIndex>, b: Option<JointIndex>) -> (Vec<JointIndex>, Vec<JointIndex>) {
+        let (mut up, mut down): (Vec<_>, Vec<_>) = (self.chain(a).collect(), self.chain(b).collect());
+        while let (Some(x), Some(y)) = (up.last(), down.last())
+            && x == y
+        {
+            up.pop();
+            down.pop();
+        }
+        down.reverse();
+        (up, down)
+    }
+
+    /// How the velocity coordinates that `variable` numbers move frames on `b` relative to frames on `a`.
+    ///
+    /// `variable` gives for a velocity coordinate its column, or `None` where it is not free.
+    #[must_use]
+    pub fn columns(
+        &self,
+        a: Option<JointIndex>,
+        b: Option<JointIndex>,
+        variable: impl Fn(usize) -> Option<usize>,
+    ) -> Vec<Column> {
+        let (up, down) = self.between(a, b);
+        let mut columns = Vec::new();
+        for (joints, sign) in [(up, -1.0), (down, 1.0)] {
+            for joint in joints.into_iter().filter(|&j| !self.is_carried(j)) {
+                self.columns_of(joint, sign, &variable, &mut columns);
+            }
+        }
+        columns
+    }
+
+    fn columns_of(
+        &self,
+        index: JointIndex,
+        sign: f64,
+        variable: &impl Fn(usize) -> Option<usize>,
+        out: &mut Vec<Column>,
+    ) {
+        let joint = &self.robot.joints[index.at()];
+        let (v, scale) = match joint.source {
+            Source::Coordinates { v, .. } => (v, sign),
+            Source::Follows { leader, multiplier, .. } => match self.robot.joints[leader.at()].source {
+                Source::Coordinates { v, .. } => (v, sign * multiplier),
+                Source::Follows { .. } => return, // composing a robot resolves chains of followers
+            },
+        };
+        // A slide's axis is fixed in the body on which the joint sits.
+        let slide = |axis: DVec3| (Some(joint.parent), joint.parent_from_joint.rotation * axis * scale);
+        let turn = |axis: DVec3| (None, axis * scale);
+        let mut push = |offset: usize, (frame, axis): (Option<Option<JointIndex>>, DVec3)| {
+            let Some(variable) = variable(v + offset) else { return };
+            out.push(match frame {
+                Some(frame) => Column::Slide { variable, frame, axis },
+                None => Column::Turn { variable, body: index, axis },
+            });
+        };
+        match joint.motion {
+            Motion::Revolute { axis } => push(0, turn(axis)),
+            Motion::Prismatic { axis } => push(0, slide(axis)),
+            Motion::Planar => {
+                push(0, slide(DVec3::X));
+                push(1, slide(DVec3::Y));
+                push(2, turn(DVec3::Z));
+            }
+            Motion::FreeFlyer => {
+                for (k, axis) in DVec3::AXES.into_iter().enumerate() {
+                    push(k, slide(axis));
+                    push(k + 3, turn(axis));
+                }
+            }
+        }
+    }
+}
+
+/// What one velocity coordinate does to the frames beyond one joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Column {
+    /// Turns them about an axis through a body's origin.
+    Turn {
+        /// Column of the coordinate.
+        variable: usize,
+        /// The body; its own motion leaves the axis in place.
+        body: JointIndex,
+        /// Axis in that body's frame, times multiplier and sign.
+        axis: DVec3,
+    },
+    /// Moves them along an axis.
+    Slide {
+        /// Column of the coordinate.
+        variable: usize,
+        /// The body in which the axis is fixed; `None` for the world.
+        frame: Option<JointIndex>,
+        /// Axis in that body's frame, or in the world, times multiplier and sign.
+        axis: DVec3,
+    },
+}
+
+impl Column {
+    /// Column of the coordinate.
+    #[inline]
+    #[must_use]
+    pub fn variable(&self) -> usize {
+        match *self {
+            Self::Turn { variable, .. } | Self::Slide { variable, .. } => variable,
+        }
+    }
+
+    pub(crate) fn variable_mut(&mut self) -> &mut usize {
+        match self {
+            Self::Turn { variable, .. } | Self::Slide { variable, .. } => variable,
+        }
+    }
+
+    /// The velocity at unit speed of a point (given in the world) that moves with the frames, and their angular velocity;
+    /// both in the world.
+    ///
+    /// # Panics
+    /// If `X_WJ` is too short.
+    #[inline]
+    #[must_use]
+    pub fn twist(&self, X_WJ: &[Pose], point: DVec3) -> (DVec3, DVec3) {
+        match *self {
+            Self::Turn { body, axis, .. } => {
+                let X_WB = &X_WJ[body.at()];
+                let turn = X_WB.rotation * axis;
+                (turn.cross(point - X_WB.translation), turn)
+            }
+            Self::Slide { frame: Some(body), axis, .. } => (X_WJ[body.at()].rotation * axis, DVec3::ZERO),
+            Self::Slide { frame: None, axis, .. } => (axis, DVec3::ZERO),
+        }
+    }
+}
+
+/// The geometric Jacobian, 6 × `width` row by row: velocity of `point` (given in the world, moving with the frames that
+/// the columns move) and angular velocity, both in the world.
+///
+/// # Panics
+/// If a slice is too short.
+pub fn geometric_jacobian(columns: &[Column], X_WJ: &[Pose], point: DVec3, width: usize, out: &mut [f64]) {
+    out[..6 * width].fill(0.0);
+    for column in columns {
+        let (linear, angular) = column.twist(X_WJ, point);
+        for k in 0..3 {
+            out[k * width + column.variable()] += linear[k];
+            out[(k + 3) * width + column.variable()] += angular[k];
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! Damped normal equations (J·Jᵀ + λ²·1) x = b through LDLᵀ.
+//!
+//! A singular value decomposition costs 15 to 90 times as much at these sizes; with damping the matrix is positive
+//! definite, and what rank loss there is shows in the pivots.
+
+/// A = J·Jᵀ + `damping`·1 for J of `rows` × `width`, row by row; only the lower triangle of A is written.
+///
+/// # Panics
+/// If a slice is too short.
+pub fn damped_gram(jacobian: &[f64], rows: usize, width: usize, damping: f64, gram: &mut [f64]) {
+    for i in 0..rows {
+        let row = &jacobian[i * width..(i + 1) * width];
+        for k in 0..=i {
+            let other = &jacobian[k * width..(k + 1) * width];
+            gram[i * rows + k] = row.iter().zip(other).map(|(a, b)| a * b).sum();
+        }
+        gram[i * rows + i] += damping;
+    }
+}
+
+/// Factors the lower triangle of a symmetric positive definite matrix in place: unit lower L below the diagonal, D on it.
+/// Returns the smallest pivot; where that is not positive the matrix was not positive definite and must not be solved with.
+///
+/// # Panics
+/// If the slice is shorter than `size`².
+pub fn factor(matrix: &mut [f64], size: usize) -> f64 {
+    let mut smallest = f64::INFINITY;
+    for i in 0..size {
+        let (above, rest) = matrix.split_at_mut(i * size);
+        let row = &mut rest[..size];
+        let mut pivot = row[i];
+        for k in 0..i {
+            let other = &above[k * size..k * size + k];
+            // row[k] still lacks the division by D_k: it is L_ik · D_k.
+            let mut sum = row[k];
+            for (a, b) in row[..k].iter().zip(other) {
+                sum -= a * b;
+            }
+            row[k] = sum;
+        }
+        for k in 0..i {
+            let scaled = row[k] / above[k * size + k];
+            pivot -= scaled * row[k];
+            row[k] = scaled;
+        }
+        row[i] = pivot;
+        // A pivot that is not a number must not hide behind `min`.
+        if pivot.is_nan() || pivot <= 0.0 {
+            return pivot.min(0.0);
+        }
+        smallest = smallest.min(pivot);
+    }
+    smallest
+}
+
+/// Solves with a matrix that [`factor`] has factored; `b` becomes the solution.
+///
+/// # Panics
+/// If a slice is too short.
+pub fn solve(factored: &[f64], size: usize, b: &mut [f64]) {
+    for i in 0..size {
+        let row = &factored[i * size..i * size + i];
+        let known: f64 = row.iter().zip(&b[..i]).map(|(l, x)| l * x).sum();
+        b[i] -= known;
+    }
+    for i in 0..size {
+        b[i] /= factored[i * size + i];
+    }
+    for i in (0..size).rev() {
+        for k in i + 1..size {
+            b[i] -= factored[k * size + i] * b[k];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn solving_agrees_with_nalgebra(
+            (rows, width) in (1usize..12, 1usize..15),
+            numbers in prop::collection::vec(-1.0..1.0f64, 12 * 15 + 12),
+        ) {
+            let damping = 1e-3;
+            let jacobian = &numbers[..rows * width];
+            let mut b = numbers[12 * 15..12 * 15 + rows].to_vec();
+            let mut gram = vec![0.0; rows * rows];
+            damped_gram(jacobian, rows, width, damping, &mut gram);
+            prop_assert!(factor(&mut gram, rows) > 0.0);
+            let j = nalgebra::DMatrix::from_row_slice(rows, width, jacobian);
+            let a = &j * j.transpose() + nalgebra::DMatrix::identity(rows, rows) * damping;
+            let expected = a.lu().solve(&nalgebra::DVector::from_vec(b.clone())).unwrap();
+            solve(&gram, rows, &mut b);
+            for (x, y) in b.iter().zip(expected.iter()) {
+                prop_assert!((x - y).abs() < 1e-9 * (1.0 + y.abs()), "{x} {y}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_matrix_that_is_not_positive_definite_is_noticed() {
+        assert!(factor(&mut [1.0, 0.0, 2.0, 1.0], 2) <= 0.0);
+        assert!(factor(&mut [f64::NAN], 1) <= 0.0);
+    }
+}

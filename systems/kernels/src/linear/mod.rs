@@ -1,0 +1,5 @@
+//! Small dense linear algebra on slices that the caller owns; nothing here allocates.
+
+mod ldlt;
+
+pub use ldlt::{damped_gram, factor, solve};

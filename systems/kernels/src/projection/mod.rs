@@ -1,0 +1,26 @@
+//! Projection onto constraints: f(q) = 0 and g(q) = given, with everything that can be eliminated eliminated.
+//!
+//! A [`ConstraintProgram`] is compiled once per set of constraints and is immutable; right-hand sides (leaf parameters)
+//! are arguments of each solve. [`project`] solves one candidate, [`project_batch`] a block of [`LANES`];
+//! [`project_motion`] keeps a whole motion on its leaf.
+
+mod batch;
+mod blocks;
+mod bodies;
+mod carriage;
+mod compile;
+mod hessian_bound;
+mod merge;
+mod motion;
+mod newton;
+mod program;
+mod scratch;
+
+pub use batch::{ArgumentBlock, LANES, LaneBlock, LaneMask, project_batch};
+pub use carriage::{CarriageTemplate, Relation};
+pub use compile::CompileError;
+pub use hessian_bound::ResidualBound;
+pub use motion::{MotionEnd, MotionScratch, MotionSettings, project_motion};
+pub use newton::{Outcome, Settings, project};
+pub use program::{ConstraintProgram, Deviation};
+pub use scratch::Scratch;

@@ -1,0 +1,259 @@
+//! Damped Gauss–Newton on the free coordinates, with saturation at joint limits.
+
+use super::blocks::locked_value;
+use super::bodies;
+use super::program::{ConstraintProgram, Move, largest};
+use super::scratch::Scratch;
+use crate::linear;
+use foliate_components::Pose;
+use foliate_components::configuration::quaternion;
+use foliate_components::pose::exp_so3;
+use glam::DVec3;
+
+/// How a solve works.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// A solve has converged when no row is larger than this; metres and radians.
+    pub tolerance: f64,
+    /// Largest number of Newton steps.
+    pub iterations: u32,
+    /// Largest change of a coordinate in one step, radians or metres.
+    pub step_limit: f64,
+    /// A solve is given up when the squared residual has not halved in this many steps.
+    pub patience: u32,
+    /// λ² = `damping` · |e|² + `damping_floor`.
+    pub damping: f64,
+    /// See `damping`.
+    pub damping_floor: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { tolerance: 1e-6, iterations: 40, step_limit: 0.7, patience: 6, damping: 1e-3, damping_floor: 1e-9 }
+    }
+}
+
+/// How a solve ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Outcome {
+    /// All rows are within the tolerance, all free coordinates within their bounds, eliminated objects in place.
+    Converged {
+        /// Newton steps taken.
+        iterations: u32,
+        /// Largest row.
+        residual: f64,
+    },
+    /// The residual stopped falling: a local minimum, or out of reach.
+    Stagnated {
+        /// Newton steps taken.
+        iterations: u32,
+        /// Largest row.
+        residual: f64,
+    },
+    /// The limit of iterations was reached.
+    LimitReached {
+        /// Largest row.
+        residual: f64,
+    },
+    /// A constraint that no free coordinate can change does not hold: no start would converge.
+    Contradicted {
+        /// Which: index among the constraints of [`ConstraintProgram::compile`], carriages counted before them.
+        constraint: usize,
+        /// Its largest row.
+        residual: f64,
+    },
+    /// Configuration or arguments do not fit the program: wrong length, not finite, or a placement's parameter that names
+    /// polygons it does not have.
+    Malformed,
+    /// The lane was not active.
+    Idle,
+}
+
+impl Outcome {
+    /// Whether the configuration satisfies the program.
+    #[must_use]
+    pub fn is_converged(&self) -> bool {
+        matches!(self, Self::Converged { .. })
+    }
+}
+
+/// Moves `q` onto the program's constraints, with the leaf parameters `arguments`.
+///
+/// Coordinates that no row looks at keep their values; locked ones get theirs; free ones end within their bounds exactly.
+/// Eliminated objects are written where their carriers take them (their own bounds are not looked at). Where the outcome
+/// is not `Converged`, `q` holds the last iterate and objects are stale.
+#[must_use]
+pub fn project(
+    program: &ConstraintProgram,
+    q: &mut [f64],
+    arguments: &[Pose],
+    settings: &Settings,
+    scratch: &mut Scratch,
+) -> Outcome {
+    if !program.fits(q, arguments) {
+        return Outcome::Malformed;
+    }
+    scratch.prepare(program);
+    if !program.resolve(arguments, scratch) {
+        return Outcome::Malformed;
+    }
+    for lock in &program.locked {
+        q[lock.coordinate] = locked_value(lock.value, arguments);
+    }
+    program.clamp(q);
+    bodies::run(&program.bodies.still, q, &scratch.carriages, &mut scratch.X_WJ);
+    let (failed, residual) = program.failed_check(q, arguments, settings.tolerance, scratch);
+    if let Some(constraint) = failed {
+        return Outcome::Contradicted { constraint, residual };
+    }
+    let outcome = program.iterate(q, arguments, settings, scratch);
+    if outcome.is_converged() {
+        program.close(q, scratch);
+    }
+    outcome
+}
+
+impl ConstraintProgram {
+    fn iterate(&self, q: &mut [f64], arguments: &[Pose], settings: &Settings, scratch: &mut Scratch) -> Outcome {
+        let rows = self.rows();
+        let mut best = f64::INFINITY;
+        let mut since_halved = 0;
+        for iterations in 0..=settings.iterations {
+            bodies::run(&self.bodies.moving, q, &scratch.carriages, &mut scratch.X_WJ);
+            let residual = self.evaluate(q, arguments, scratch);
+            if residual <= settings.tolerance {
+                return Outcome::Converged { iterations, residual };
+            }
+            let squared: f64 = scratch.values[..rows].iter().map(|e| e * e).sum();
+            since_halved += 1;
+            if squared <= 0.5 * best {
+                (best, since_halved) = (squared, 0);
+            }
+            if since_halved >= settings.patience || !squared.is_finite() {
+                return Outcome::Stagnated { iterations, residual };
+            }
+            if iterations == settings.iterations {
+                return Outcome::LimitReached { residual };
+            }
+            if !self.newton_step(q, squared, settings, scratch) {
+                return Outcome::Stagnated { iterations, residual };
+            }
+        }
+        Outcome::Malformed // not reached: the last round returns
+    }
+
+    /// One step; false where nothing can move.
+    fn newton_step(&self, q: &mut [f64], squared: f64, settings: &Settings, scratch: &mut Scratch) -> bool {
+        let damping = settings.damping * squared + settings.damping_floor;
+        scratch.frozen[..self.active.len()].fill(false);
+        self.freeze_by_gradient(q, scratch);
+        // A coordinate at its bound that the step would push out is frozen too, and the step taken again without it.
+        for _ in 0..3 {
+            if !self.solve_step(damping, scratch) {
+                return false;
+            }
+            if !self.freeze_by_step(q, scratch) {
+                break;
+            }
+        }
+        let most = largest(&scratch.step[..self.active.len()]);
+        if most <= 1e-14 || most == f64::INFINITY {
+            return false;
+        }
+        let scale = if most > settings.step_limit { settings.step_limit / most } else { 1.0 };
+        self.integrate(q, scale, &scratch.step);
+        true
+    }
+
+    /// Solves (J·Jᵀ + λ²) y = e, step = −Jᵀ·y.
+    fn solve_step(&self, damping: f64, scratch: &mut Scratch) -> bool {
+        let (rows, width) = (self.rows(), self.active.len());
+        let Scratch { values, jacobian, gram, multipliers, step, .. } = scratch;
+        linear::damped_gram(jacobian, rows, width, damping, gram);
+        if linear::factor(gram, rows) <= 0.0 {
+            return false;
+        }
+        multipliers[..rows].copy_from_slice(&values[..rows]);
+        linear::solve(gram, rows, multipliers);
+        step[..width].fill(0.0);
+        for (row, y) in jacobian.chunks_exact(width.max(1)).zip(&multipliers[..rows]) {
+            for (s, j) in step[..width].iter_mut().zip(row) {
+                *s -= j * y;
+            }
+        }
+        true
+    }
+
+    /// Freezes coordinates at a bound that the gradient of ½|e|² pushes outward: their columns become zero.
+    fn freeze_by_gradient(&self, q: &[f64], scratch: &mut Scratch) {
+        let (rows, width) = (self.rows(), self.active.len());
+        for change in &self.moves {
+            let Some((variable, side)) = change.at_bound(q) else { continue };
+            let column = scratch.jacobian[variable..].iter().step_by(width);
+            let gradient: f64 = column.zip(&scratch.values[..rows]).map(|(j, e)| j * e).sum();
+            if side * -gradient > 0.0 {
+                freeze(variable, width, rows, scratch);
+            }
+        }
+    }
+
+    /// Freezes coordinates at a bound that the step pushes outward; whether there were any.
+    fn freeze_by_step(&self, q: &[f64], scratch: &mut Scratch) -> bool {
+        let (rows, width) = (self.rows(), self.active.len());
+        let mut any = false;
+        for change in &self.moves {
+            let Some((variable, side)) = change.at_bound(q) else { continue };
+            if !scratch.frozen[variable] && side * scratch.step[variable] > 0.0 {
+                freeze(variable, width, rows, scratch);
+                any = true;
+            }
+        }
+        any
+    }
+
+    fn integrate(&self, q: &mut [f64], scale: f64, step: &[f64]) {
+        for change in &self.moves {
+            match *change {
+                Move::Scalar { variable, coordinate, lower, upper } => {
+                    q[coordinate] = (q[coordinate] + scale * step[variable]).max(lower).min(upper);
+                }
+                Move::Turn { variable: v, coordinate } => {
+                    let turn = DVec3::new(step[v], step[v + 1], step[v + 2]) * scale;
+                    let r = (quaternion(q, coordinate) * exp_so3(turn)).normalize();
+                    q[coordinate + 3..coordinate + 7].copy_from_slice(&[r.x, r.y, r.z, r.w]);
+                }
+            }
+        }
+    }
+
+    fn clamp(&self, q: &mut [f64]) {
+        for change in &self.moves {
+            if let Move::Scalar { coordinate, lower, upper, .. } = *change {
+                q[coordinate] = q[coordinate].max(lower).min(upper);
+            }
+        }
+    }
+}
+
+fn freeze(variable: usize, width: usize, rows: usize, scratch: &mut Scratch) {
+    scratch.frozen[variable] = true;
+    for row in 0..rows {
+        scratch.jacobian[row * width + variable] = 0.0;
+    }
+}
+
+impl Move {
+    /// The variable and the side (−1 lower, 1 upper) where the coordinate is at a bound. Coordinates are clamped onto
+    /// their bounds exactly; the tolerance catches starts that are a rounding error inside.
+    fn at_bound(&self, q: &[f64]) -> Option<(usize, f64)> {
+        let Self::Scalar { variable, coordinate, lower, upper } = *self else { return None };
+        let slack = 1e-12;
+        if q[coordinate] >= upper - slack {
+            Some((variable, 1.0))
+        } else if q[coordinate] <= lower + slack {
+            Some((variable, -1.0))
+        } else {
+            None
+        }
+    }
+}

@@ -1,0 +1,255 @@
+//! A compiled set of constraints.
+
+use super::blocks::{Block, Inputs, Kind, locked_value};
+use super::bodies::{self, Bodies};
+use super::carriage::CarriageTemplate;
+use super::hessian_bound::ResidualBound;
+use super::scratch::Scratch;
+use crate::constraints::placement;
+use crate::kinematics::Carriage;
+use foliate_components::Pose;
+use foliate_components::constraint::LockedValue;
+use foliate_components::pose::log_so3;
+use foliate_components::robot::JointIndex;
+use glam::DVec3;
+
+/// Constraints in the form in which they are solved: eliminated objects, locked coordinates, and a small Newton problem
+/// in those free coordinates that its rows look at. Immutable; leaf parameters are arguments of each solve.
+#[derive(Clone, Debug)]
+pub struct ConstraintProgram {
+    /// Free velocity coordinates: joints neither locked nor eliminated.
+    pub(super) variables: Vec<usize>,
+    /// Those of them that rows look at: the columns of the Newton problem.
+    pub(super) active: Vec<usize>,
+    /// How the active variables move a configuration.
+    pub(super) moves: Vec<Move>,
+    pub(super) locked: Vec<LockedCoordinate>,
+    /// In dependency order: a carrier's own carriage comes first.
+    pub(super) carriages: Vec<CarriageTemplate>,
+    /// How each carried object is written into a configuration, as `carriages`.
+    pub(super) written: Vec<WriteBack>,
+    pub(super) blocks: Vec<Block>,
+    /// Constraints that no variable touches.
+    pub(super) checks: Vec<Block>,
+    pub(super) check_rows: usize,
+    pub(super) decoded: usize,
+    pub(super) bodies: Bodies,
+    pub(super) bodies_count: usize,
+    pub(super) arguments: usize,
+    pub(super) size: usize,
+    pub(super) bound: ResidualBound,
+}
+
+/// How active variables move a configuration.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Move {
+    /// q[coordinate] += step[variable], within bounds.
+    Scalar { variable: usize, coordinate: usize, lower: f64, upper: f64 },
+    /// The quaternion of the free-flyer whose seven numbers start at `coordinate`, by a rotation vector in the moving
+    /// frame whose first component is `variable`.
+    Turn { variable: usize, coordinate: usize },
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LockedCoordinate {
+    pub coordinate: usize,
+    pub value: LockedValue,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct WriteBack {
+    pub object: JointIndex,
+    /// First of the object's seven numbers.
+    pub coordinate: usize,
+    /// X_JW of the object's root joint; `None` where that is the identity, so that poses are copied bit for bit.
+    pub X_JW: Option<Pose>,
+}
+
+/// How far a configuration is from satisfying a program.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Deviation {
+    /// Largest row of the implicit constraints and checks, with eliminated objects where their carriers take them; m, rad.
+    pub rows: f64,
+    /// Largest component of the difference between eliminated objects' poses in the configuration and where their
+    /// carriers take them; m, rad.
+    pub objects: f64,
+}
+
+impl ConstraintProgram {
+    /// Free velocity coordinates: those of joints that are neither locked nor eliminated, in ascending order.
+    #[must_use]
+    pub fn variables(&self) -> &[usize] {
+        &self.variables
+    }
+
+    /// The free velocity coordinates that rows look at, in ascending order; a solve changes no other.
+    #[must_use]
+    pub fn active(&self) -> &[usize] {
+        &self.active
+    }
+
+    /// Number of implicit rows: the equations of the Newton problem.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.blocks.iter().map(|block| block.rows).sum()
+    }
+
+    /// Number of constraints that no variable touches.
+    #[must_use]
+    pub fn checks(&self) -> usize {
+        self.checks.len()
+    }
+
+    /// Eliminated objects, in dependency order.
+    #[must_use]
+    pub fn carriages(&self) -> &[CarriageTemplate] {
+        &self.carriages
+    }
+
+    /// How many arguments a solve needs: one more than the largest slot that is named.
+    #[must_use]
+    pub fn arguments(&self) -> usize {
+        self.arguments
+    }
+
+    /// Length of a configuration.
+    #[must_use]
+    pub fn configuration_size(&self) -> usize {
+        self.size
+    }
+
+    /// The bound on how far the rows leave zero between two knots.
+    #[must_use]
+    pub fn residual_bound(&self) -> &ResidualBound {
+        &self.bound
+    }
+
+    /// The carriages with their poses taken from the arguments, for [`Kinematics::carry`](crate::kinematics::Kinematics::carry). Returns false where an argument
+    /// is missing or names polygons that its placement does not have; `out` is then incomplete.
+    pub fn resolve_carriages(&self, arguments: &[Pose], out: &mut Vec<Carriage>) -> bool {
+        out.clear();
+        out.extend(self.carriages.iter().map_while(|template| template.resolve(arguments)));
+        out.len() == self.carriages.len()
+    }
+
+    /// How far `q` is from satisfying the program; `None` where configuration or arguments do not fit it.
+    ///
+    /// Locked joints count among the rows.
+    #[must_use]
+    pub fn deviation(&self, q: &[f64], arguments: &[Pose], scratch: &mut Scratch) -> Option<Deviation> {
+        let implicit = self.residual(q, arguments, scratch)?;
+        let lock = |l: &LockedCoordinate| (q[l.coordinate] - locked_value(l.value, arguments)).abs();
+        let rows = self.locked.iter().map(lock).fold(implicit, f64::max);
+        let objects = self.written.iter().map(|w| w.distance(q, &scratch.X_WJ)).fold(0.0, f64::max);
+        Some(Deviation { rows, objects })
+    }
+
+    /// The largest implicit row or check at `q`, with eliminated objects where their carriers take them; `None` where
+    /// configuration or arguments do not fit the program. Objects and locked joints in `q` are not compared.
+    #[must_use]
+    pub fn residual(&self, q: &[f64], arguments: &[Pose], scratch: &mut Scratch) -> Option<f64> {
+        if !self.fits(q, arguments) {
+            return None;
+        }
+        scratch.prepare(self);
+        if !self.resolve(arguments, scratch) {
+            return None;
+        }
+        for steps in [&self.bodies.still, &self.bodies.moving, &self.bodies.closing] {
+            bodies::run(steps, q, &scratch.carriages, &mut scratch.X_WJ);
+        }
+        let checks = self.failed_check(q, arguments, 0.0, scratch).1;
+        Some(checks.max(self.evaluate(q, arguments, scratch)))
+    }
+
+    /// Whether sizes fit and every number is finite.
+    pub(super) fn fits(&self, q: &[f64], arguments: &[Pose]) -> bool {
+        q.len() == self.size
+            && arguments.len() >= self.arguments
+            && q.iter().all(|x| x.is_finite())
+            && arguments[..self.arguments].iter().all(Pose::is_finite)
+    }
+
+    /// Reads the arguments: carriages and placements' parameters.
+    pub(super) fn resolve(&self, arguments: &[Pose], scratch: &mut Scratch) -> bool {
+        if !self.resolve_carriages(arguments, &mut scratch.carriages) {
+            return false;
+        }
+        scratch.decoded.clear();
+        for block in self.blocks.iter().chain(&self.checks) {
+            let Kind::Contact(contact) = &block.kind else { continue };
+            let Some(slot) = contact.part.slot() else { continue };
+            let Some(decoded) = placement::decode(&contact.placement, &arguments[slot]) else { return false };
+            scratch.decoded.push(decoded);
+        }
+        scratch.decoded.len() == self.decoded
+    }
+
+    /// Values and Jacobian of the implicit rows at the current poses; returns the largest absolute value.
+    pub(super) fn evaluate(&self, q: &[f64], arguments: &[Pose], scratch: &mut Scratch) -> f64 {
+        let (rows, width) = (self.rows(), self.active.len());
+        let Scratch { X_WJ, decoded, values, jacobian, .. } = scratch;
+        jacobian[..rows * width].fill(0.0);
+        for block in &self.blocks {
+            block.linearise(Inputs { q, arguments, decoded, X_WJ }, values, jacobian, width);
+        }
+        largest(&values[..rows])
+    }
+
+    /// The first check whose residual is above the tolerance, and the largest residual so far.
+    pub(super) fn failed_check(
+        &self,
+        q: &[f64],
+        arguments: &[Pose],
+        tolerance: f64,
+        scratch: &mut Scratch,
+    ) -> (Option<usize>, f64) {
+        let (mut failed, mut worst) = (None, 0.0_f64);
+        let Scratch { X_WJ, decoded, values, .. } = scratch;
+        for check in &self.checks {
+            check.linearise(Inputs { q, arguments, decoded, X_WJ }, values, &mut [], 0);
+            let residual = largest(&values[check.first..check.first + check.rows]);
+            worst = worst.max(residual);
+            if failed.is_none() && residual > tolerance {
+                failed = Some(check.source);
+            }
+        }
+        (failed, worst)
+    }
+
+    /// Writes eliminated objects where their carriers take them. The numbers depend on nothing but the free coordinates
+    /// and the arguments: the same leaf gives the same object pose, bit for bit.
+    pub(super) fn close(&self, q: &mut [f64], scratch: &mut Scratch) {
+        bodies::run(&self.bodies.closing, q, &scratch.carriages, &mut scratch.X_WJ);
+        for write in &self.written {
+            write.write(&scratch.X_WJ, q);
+        }
+    }
+}
+
+/// The largest absolute value; infinite where one of them is not a number.
+pub(super) fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most: f64, v| if v.is_nan() { f64::INFINITY } else { most.max(v.abs()) })
+}
+
+impl WriteBack {
+    fn pose(&self, X_WJ: &[Pose]) -> Pose {
+        match self.X_JW {
+            None => X_WJ[self.object.at()],
+            Some(X_JW) => X_JW * X_WJ[self.object.at()],
+        }
+    }
+
+    fn write(&self, X_WJ: &[Pose], q: &mut [f64]) {
+        let pose = self.pose(X_WJ);
+        let (t, r) = (pose.translation, pose.rotation);
+        q[self.coordinate..self.coordinate + 7].copy_from_slice(&[t.x, t.y, t.z, r.x, r.y, r.z, r.w]);
+    }
+
+    fn distance(&self, q: &[f64], X_WJ: &[Pose]) -> f64 {
+        let (i, pose) = (self.coordinate, self.pose(X_WJ));
+        let apart = DVec3::new(q[i], q[i + 1], q[i + 2]) - pose.translation;
+        let turned = foliate_components::configuration::quaternion(q, i).conjugate() * pose.rotation;
+        apart.abs().max_element().max(log_so3(turned).abs().max_element())
+    }
+}
