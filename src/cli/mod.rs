@@ -1,0 +1,83 @@
+//! The commands, one file each. Exit codes: 0 done, 1 no solution or a check that fails, 2 wrong usage or input.
+
+mod inspect;
+mod models;
+mod scenes;
+
+use clap::{Parser, Subcommand};
+use foliate::scene::{PackagePath, SceneError};
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Plans manipulation: grasp, carry, regrasp, hand over, put down.
+#[derive(Parser)]
+#[command(name = "foliate", version, arg_required_else_help = true)]
+struct Cli {
+    /// Directory that holds packages, for package:// URLs; may be given several times
+    #[arg(long, global = true, value_name = "DIR")]
+    package_path: Vec<PathBuf>,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Inspect(inspect::Arguments),
+    Models(models::Arguments),
+    Scenes(scenes::Arguments),
+}
+
+/// How a command ended that did what it was asked.
+pub(crate) enum Ending {
+    /// Exit code 0.
+    Done,
+    /// Exit code 1: no solution within limits, a check that fails, something that is not there.
+    Failed,
+}
+
+/// Why a command did not do what it was asked: exit code 2, and what is said on standard error.
+pub(crate) struct Refusal(pub String);
+
+impl From<SceneError> for Refusal {
+    fn from(error: SceneError) -> Self {
+        Self(error.to_string())
+    }
+}
+
+/// Reads the command line, runs the command, tells how it ended.
+pub(crate) fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let packages = PackagePath::from_environment(&cli.package_path);
+    let ending = match &cli.command {
+        Command::Inspect(arguments) => inspect::run(arguments, &packages),
+        Command::Models(arguments) => models::run(arguments),
+        Command::Scenes(arguments) => scenes::run(arguments),
+    };
+    match ending {
+        Ok(Ending::Done) => ExitCode::SUCCESS,
+        Ok(Ending::Failed) => ExitCode::from(1),
+        Err(Refusal(message)) => {
+            say(&format!("error: {message}\n"));
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Writes to standard output. A reader that has gone away is not an error.
+pub(crate) fn print(text: &str) {
+    let mut out = std::io::stdout().lock();
+    let _gone = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+}
+
+/// Writes to standard error.
+pub(crate) fn say(text: &str) {
+    let _gone = std::io::stderr().lock().write_all(text.as_bytes());
+}
+
+/// Writes an object as one line of JSON.
+pub(crate) fn print_json(value: &impl serde::Serialize) -> Result<(), Refusal> {
+    let text = serde_json::to_string(value).map_err(|e| Refusal(format!("cannot write JSON: {e}")))?;
+    print(&format!("{text}\n"));
+    Ok(())
+}

@@ -1,0 +1,280 @@
+//! `start`, `goal`, `locked`: configurations by name or as whole vectors.
+
+use crate::scene::error::{SceneError, did_you_mean, quoted};
+use crate::scene::keys::{Item, Keys};
+use foliate_components::pose::{pose_from_array, pose_to_array};
+use foliate_components::problem::Goal;
+use foliate_components::robot::{Joint, JointIndex, Motion, Part, PartIndex, PartKind, Robot, RootJoint, Source};
+use std::collections::{HashMap, HashSet};
+
+/// Names of the coordinates in order: `part/joint`, for a free-flyer root `part/x` … `part/qw`, for a planar root
+/// `part/x`, `part/y`, `part/theta`; a free or planar joint inside a part has its own name in between.
+#[must_use]
+pub fn coordinate_names(robot: &Robot) -> Vec<String> {
+    let mut names = Vec::with_capacity(robot.space.size());
+    for (index, joint) in robot.joints.iter().enumerate() {
+        if !matches!(joint.source, Source::Coordinates { .. }) {
+            continue;
+        }
+        let part = &robot.parts[joint.part.at()];
+        let is_root = part.root_joint == Some(JointIndex(index as u32));
+        let prefix = if is_root { &part.name } else { &joint.name };
+        match axes(joint.motion) {
+            [] => names.push(joint.name.clone()),
+            axes => names.extend(axes.iter().map(|axis| format!("{prefix}/{axis}"))),
+        }
+    }
+    names
+}
+
+fn axes(motion: Motion) -> &'static [&'static str] {
+    match motion {
+        Motion::Revolute { .. } | Motion::Prismatic { .. } => &[],
+        Motion::Planar => &["x", "y", "theta"],
+        Motion::FreeFlyer => &["x", "y", "z", "qx", "qy", "qz", "qw"],
+    }
+}
+
+/// `[locked]`: joints that never move.
+pub(super) fn locked(keys: &mut Keys<'_>, robot: &Robot) -> Result<Vec<(JointIndex, f64)>, SceneError> {
+    let Some(item) = keys.optional("locked") else { return Ok(Vec::new()) };
+    let has_number = |j: &Joint| matches!(j.source, Source::Coordinates { .. }) && axes(j.motion).is_empty();
+    let mut locked = Vec::new();
+    for (name, item) in item.keys()?.entries() {
+        let found = robot.joint(name).filter(|j| has_number(&robot.joints[j.at()]));
+        let known = robot.joints.iter().filter(|j| has_number(j)).map(|j| j.name.as_str());
+        let joint = found.ok_or_else(|| {
+            item.error("there is no joint with one coordinate of this name").hint(did_you_mean(name, known))
+        })?;
+        locked.push((joint, item.number()?));
+    }
+    Ok(locked)
+}
+
+/// `coordinates`: the names that whole vectors of this scene are written in, as places in a configuration.
+pub(super) fn order(keys: &mut Keys<'_>, robot: &Robot) -> Result<Option<Vec<usize>>, SceneError> {
+    let Some(item) = keys.optional("coordinates") else { return Ok(None) };
+    let names = coordinate_names(robot);
+    let place: HashMap<&str, usize> = names.iter().enumerate().map(|(i, n)| (n.as_str(), i)).collect();
+    let (mut order, mut seen) = (Vec::new(), HashSet::new());
+    for item in item.list()? {
+        let name = item.string()?;
+        let known = names.iter().map(String::as_str);
+        let index = place.get(name).copied().ok_or_else(|| {
+            item.error(format!("there is no coordinate `{}`", quoted(name))).hint(did_you_mean(name, known))
+        })?;
+        if !seen.insert(index) {
+            return Err(item.error(format!("`{name}` is named a second time")));
+        }
+        order.push(index);
+    }
+    match names.iter().enumerate().find(|(i, _)| !seen.contains(i)) {
+        Some((_, name)) => Err(item.error(format!("coordinate `{name}` is missing")).hint("name every coordinate")),
+        None => Ok(Some(order)),
+    }
+}
+
+/// Reads configurations of one robot.
+pub(super) struct Reader<'a> {
+    pub robot: &'a Robot,
+    pub locked: &'a [(JointIndex, f64)],
+    pub order: Option<&'a [usize]>,
+}
+
+impl Reader<'_> {
+    /// The start: joints that are not named stand at their locked value, or at 0; objects must be named.
+    pub fn start(&self, item: &Item<'_>) -> Result<Vec<f64>, SceneError> {
+        let mut q = self.robot.space.neutral();
+        let mut known = vec![false; q.len()];
+        for &(joint, value) in self.locked {
+            if let Source::Coordinates { q: i, .. } = self.robot.joints[joint.at()].source {
+                (q[i], known[i]) = (value, true);
+            }
+        }
+        self.configuration(item, &mut q, &mut known)?;
+        self.check_locked(item, &q)?;
+        for (i, name) in coordinate_names(self.robot).iter().enumerate().filter(|(i, _)| !known[*i]) {
+            let (low, high) = (self.robot.space.lower[i], self.robot.space.upper[i]);
+            let is_root = self.is_root(i);
+            if is_root || !(low <= 0.0 && 0.0 <= high) {
+                let why = if is_root { "" } else { ", and 0 is out of its bounds" };
+                return Err(item.error(format!("says nothing about `{name}`{why}")));
+            }
+        }
+        Ok(q)
+    }
+
+    /// Goals: what a whole configuration does not name stands as in the start.
+    pub fn goals(&self, item: &Item<'_>, start: &[f64]) -> Result<Vec<Goal>, SceneError> {
+        let mut goals = Vec::new();
+        for item in item.list()? {
+            let mut keys = item.keys()?;
+            let goal = match (keys.optional("configuration"), keys.optional("objects")) {
+                (Some(whole), None) => {
+                    let mut q = start.to_vec();
+                    let mut known = vec![false; q.len()];
+                    self.configuration(&whole, &mut q, &mut known)?;
+                    self.check_locked(&whole, &q)?;
+                    Goal::Configuration(q)
+                }
+                (None, Some(objects)) => self.object_poses(&objects)?,
+                _ => return Err(item.error("wants either `configuration` or `objects`")),
+            };
+            keys.finish()?;
+            goals.push(goal);
+        }
+        match goals.is_empty() {
+            true => Err(item.error("is empty").hint("a problem has at least one goal")),
+            false => Ok(goals),
+        }
+    }
+
+    fn object_poses(&self, item: &Item<'_>) -> Result<Goal, SceneError> {
+        let objects = || self.robot.parts.iter().filter(|p| p.kind == PartKind::Object);
+        let mut poses = Vec::new();
+        for (name, item) in item.keys()?.entries() {
+            let part = self.robot.parts.iter().position(|p| {
+                p.name == name && p.kind == PartKind::Object && p.root == RootJoint::FreeFlyer
+            });
+            let known = objects().map(|p| p.name.as_str());
+            let part = part.ok_or_else(|| {
+                item.error("there is no freely moving object of this name").hint(did_you_mean(name, known))
+            })?;
+            poses.push((PartIndex(part as u32), item.pose()?));
+        }
+        match poses.is_empty() {
+            true => Err(item.error("is empty").hint("name at least one object and its pose")),
+            false => Ok(Goal::ObjectPoses(poses)),
+        }
+    }
+
+    /// A whole vector, or a table of names.
+    fn configuration(&self, item: &Item<'_>, q: &mut [f64], known: &mut [bool]) -> Result<(), SceneError> {
+        match item.is_table() {
+            true => self.by_name(item, q, known)?,
+            false => self.vector(item, q, known)?,
+        }
+        self.normalise(item, q)
+    }
+
+    fn vector(&self, item: &Item<'_>, q: &mut [f64], known: &mut [bool]) -> Result<(), SceneError> {
+        let Some(order) = self.order else {
+            return Err(item.error("a whole vector needs the names of its numbers").hint("give `coordinates = […]`"));
+        };
+        let numbers = item.numbers()?;
+        if numbers.len() != order.len() {
+            return Err(item.error(format!("wants {} numbers, as `coordinates`, got {}", order.len(), numbers.len())));
+        }
+        for (&i, x) in order.iter().zip(numbers) {
+            (q[i], known[i]) = (x, true);
+        }
+        Ok(())
+    }
+
+    /// Names of joints and coordinates, of parts with their root's pose or a named configuration.
+    fn by_name(&self, item: &Item<'_>, q: &mut [f64], known: &mut [bool]) -> Result<(), SceneError> {
+        let names = coordinate_names(self.robot);
+        let place: HashMap<&str, usize> = names.iter().enumerate().map(|(i, n)| (n.as_str(), i)).collect();
+        let entries = item.keys()?.entries();
+        // Named configurations first: what is named beside them holds.
+        for (name, item) in entries.iter().filter(|(_, item)| item.is_string()) {
+            let part = self.robot.parts.iter().find(|p| p.name == *name);
+            let part = part.ok_or_else(|| self.unknown(item, name, &names))?;
+            self.group_state(part, item, &place, q, known)?;
+        }
+        for (name, item) in entries.iter().filter(|(_, item)| !item.is_string()) {
+            if let Some(&i) = place.get(name) {
+                (q[i], known[i]) = (item.number()?, true);
+            } else if let Some(part) = self.robot.parts.iter().find(|p| p.name == *name) {
+                self.root(part, item, q, known)?;
+            } else {
+                return Err(self.unknown(item, name, &names));
+            }
+        }
+        Ok(())
+    }
+
+    fn unknown(&self, item: &Item<'_>, name: &str, names: &[String]) -> SceneError {
+        let parts = self.robot.parts.iter().map(|p| p.name.as_str());
+        let hint = did_you_mean(name, names.iter().map(String::as_str).chain(parts));
+        item.error("there is no coordinate or part of this name").hint(hint)
+    }
+
+    fn group_state(
+        &self,
+        part: &Part,
+        item: &Item<'_>,
+        place: &HashMap<&str, usize>,
+        q: &mut [f64],
+        known: &mut [bool],
+    ) -> Result<(), SceneError> {
+        let name = item.string()?;
+        let Some(state) = part.group_states.iter().find(|s| s.name == name) else {
+            let states = part.group_states.iter().map(|s| s.name.as_str());
+            let message = format!("`{}` has no configuration `{}`", part.name, quoted(name));
+            return Err(item.error(message).hint(did_you_mean(name, states)));
+        };
+        for (joint, value) in &state.values {
+            if let Some(&i) = place.get(format!("{}/{joint}", part.name).as_str()) {
+                (q[i], known[i]) = (*value, true);
+            }
+        }
+        Ok(())
+    }
+
+    /// A part's root: a pose in the world (free-flyer), or x, y, θ in its plane (planar).
+    fn root(&self, part: &Part, item: &Item<'_>, q: &mut [f64], known: &mut [bool]) -> Result<(), SceneError> {
+        let joint = part.root_joint.map(|j| &self.robot.joints[j.at()]);
+        let Some((joint, Source::Coordinates { q: i, .. })) = joint.map(|j| (j, j.source)) else {
+            return Err(item.error(format!("the root of `{}` does not move", part.name)));
+        };
+        match joint.motion {
+            Motion::Planar => q[i..i + 3].copy_from_slice(&item.array::<3>("x y theta")?),
+            _ => q[i..i + 7].copy_from_slice(&pose_to_array(&item.pose()?)),
+        }
+        let size = joint.motion.configuration_size();
+        known[i..i + size].iter_mut().for_each(|k| *k = true);
+        Ok(())
+    }
+
+    /// Quaternions are scaled to one; what is far from one is a slip.
+    fn normalise(&self, item: &Item<'_>, q: &mut [f64]) -> Result<(), SceneError> {
+        for joint in &self.robot.joints {
+            let Source::Coordinates { q: i, .. } = joint.source else { continue };
+            if joint.motion != Motion::FreeFlyer {
+                continue;
+            }
+            let mut numbers = [0.0; 7];
+            numbers.copy_from_slice(&q[i..i + 7]);
+            let length = numbers[3..].iter().map(|x| x * x).sum::<f64>().sqrt();
+            let pose = pose_from_array(numbers).filter(|_| (length - 1.0).abs() < 1e-3).ok_or_else(|| {
+                item.error(format!("the quaternion of `{}` has length {length:.4}", joint.name))
+                    .hint("order is x y z w; a rotation has length 1")
+            })?;
+            q[i..i + 7].copy_from_slice(&pose_to_array(&pose));
+        }
+        Ok(())
+    }
+
+    /// Locked joints stand at their values.
+    fn check_locked(&self, item: &Item<'_>, q: &[f64]) -> Result<(), SceneError> {
+        for &(joint, value) in self.locked {
+            let joint = &self.robot.joints[joint.at()];
+            if let Source::Coordinates { q: i, .. } = joint.source
+                && (q[i] - value).abs() > 1e-9
+            {
+                let message = format!("`{}` is {} here, and locked at {value}", joint.name, q[i]);
+                return Err(item.error(message).hint("a locked joint never moves"));
+            }
+        }
+        Ok(())
+    }
+
+    fn is_root(&self, coordinate: usize) -> bool {
+        self.robot.parts.iter().filter_map(|p| p.root_joint).any(|j| {
+            let joint = &self.robot.joints[j.at()];
+            let Source::Coordinates { q, .. } = joint.source else { return false };
+            (q..q + joint.motion.configuration_size()).contains(&coordinate)
+        })
+    }
+}

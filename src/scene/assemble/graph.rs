@@ -1,0 +1,179 @@
+//! `[graph]`: who may hold what, where things may lie.
+
+use crate::scene::error::{SceneError, did_you_mean, quoted};
+use crate::scene::keys::{Item, Keys};
+use foliate_components::problem::{GraphOptions, ObjectOptions, Rule};
+use foliate_components::robot::{
+    GripperIndex, HandleIndex, JointIndex, LinkIndex, PartIndex, PartKind, Robot, SurfaceIndex,
+};
+
+/// Gap between an object and its support where a scene gives none, metres.
+const PLACEMENT_MARGIN: f64 = 1e-3;
+/// Lift before a transfer where a scene gives none, metres.
+const PREPLACEMENT_DISTANCE: f64 = 0.05;
+/// Most grasps of a table.
+const GRASPS: usize = 100_000;
+
+pub(super) fn read(
+    keys: &mut Keys<'_>,
+    robot: &Robot,
+    locked: Vec<(JointIndex, f64)>,
+) -> Result<GraphOptions, SceneError> {
+    let mut options = GraphOptions {
+        grippers: (0..robot.grippers.len() as u32).map(GripperIndex).collect(),
+        objects: objects(robot),
+        supports: supports(robot),
+        placement_margin: PLACEMENT_MARGIN,
+        preplacement_distance: PREPLACEMENT_DISTANCE,
+        locked,
+        ..GraphOptions::default()
+    };
+    let Some(item) = keys.optional("graph") else { return Ok(options) };
+    let mut keys = item.keys()?;
+    if let Some(item) = keys.optional("grippers") {
+        options.grippers = names(&item, |i| gripper(i, robot))?;
+    }
+    if let Some(item) = keys.optional("supports") {
+        options.supports = names(&item, |i| surface(i, robot))?;
+    }
+    if let Some(item) = keys.optional("objects") {
+        for (name, item) in item.keys()?.entries() {
+            object(name, &item, robot, &mut options.objects)?;
+        }
+    }
+    if let Some(item) = keys.optional("grasps") {
+        options.grasps = Some(grasps(&item, robot)?);
+    }
+    for item in keys.optional("rules").map_or(Ok(Vec::new()), |i| i.list())? {
+        options.rules.push(rule(&item, robot)?);
+    }
+    if let Some(item) = keys.optional("placement_margin") {
+        options.placement_margin = item.distance()?;
+    }
+    if let Some(item) = keys.optional("preplacement_distance") {
+        options.preplacement_distance = item.distance()?;
+    }
+    keys.finish()?;
+    Ok(options)
+}
+
+/// Every object part, with all its handles and surfaces.
+fn objects(robot: &Robot) -> Vec<ObjectOptions> {
+    (0..robot.parts.len())
+        .filter(|&p| robot.parts[p].kind == PartKind::Object)
+        .map(|p| ObjectOptions {
+            part: PartIndex(p as u32),
+            handles: on_part(p, robot, robot.handles.iter().map(|h| h.link)).map(HandleIndex).collect(),
+            surfaces: on_part(p, robot, robot.surfaces.iter().map(|s| s.link)).map(SurfaceIndex).collect(),
+        })
+        .collect()
+}
+
+/// Every surface of an environment.
+fn supports(robot: &Robot) -> Vec<SurfaceIndex> {
+    let of_environment = |s: &usize| {
+        let link = &robot.links[robot.surfaces[*s].link.at()];
+        robot.parts[link.part.at()].kind == PartKind::Environment
+    };
+    (0..robot.surfaces.len()).filter(of_environment).map(|s| SurfaceIndex(s as u32)).collect()
+}
+
+/// Numbers of the documents that are on a part.
+fn on_part(part: usize, robot: &Robot, links: impl Iterator<Item = LinkIndex>) -> impl Iterator<Item = u32> {
+    links.enumerate().filter(move |(_, link)| robot.links[link.at()].part.at() == part).map(|(i, _)| i as u32)
+}
+
+/// A list of names, each at most once.
+fn names<T: PartialEq>(
+    item: &Item<'_>,
+    find: impl Fn(&Item<'_>) -> Result<T, SceneError>,
+) -> Result<Vec<T>, SceneError> {
+    let mut found = Vec::new();
+    for item in item.list()? {
+        let index = find(&item)?;
+        if found.contains(&index) {
+            return Err(item.error("is named a second time"));
+        }
+        found.push(index);
+    }
+    Ok(found)
+}
+
+fn unknown<'a>(item: &Item<'_>, what: &str, name: &str, known: impl Iterator<Item = &'a str>) -> SceneError {
+    item.error(format!("there is no {what} `{}`", quoted(name))).hint(did_you_mean(name, known))
+}
+
+fn gripper(item: &Item<'_>, robot: &Robot) -> Result<GripperIndex, SceneError> {
+    named_gripper(item, item.string()?, robot)
+}
+
+fn named_gripper(item: &Item<'_>, name: &str, robot: &Robot) -> Result<GripperIndex, SceneError> {
+    let known = || robot.grippers.iter().map(|g| g.name.as_str());
+    robot.gripper(name).ok_or_else(|| unknown(item, "gripper", name, known()))
+}
+
+fn surface(item: &Item<'_>, robot: &Robot) -> Result<SurfaceIndex, SceneError> {
+    let name = item.string()?;
+    let known = || robot.surfaces.iter().map(|s| s.name.as_str());
+    robot.surface(name).ok_or_else(|| unknown(item, "surface", name, known()))
+}
+
+fn handle(item: &Item<'_>, robot: &Robot) -> Result<HandleIndex, SceneError> {
+    let name = item.string()?;
+    let known = || robot.handles.iter().map(|h| h.name.as_str());
+    robot.handle(name).ok_or_else(|| unknown(item, "handle", name, known()))
+}
+
+/// `[graph.objects.NAME]`: which of an object's documents take part. Names may leave the part out.
+fn object(name: &str, item: &Item<'_>, robot: &Robot, objects: &mut [ObjectOptions]) -> Result<(), SceneError> {
+    let known = objects.iter().map(|o| robot.parts[o.part.at()].name.as_str()).collect::<Vec<_>>();
+    let Some(position) = known.iter().position(|n| *n == name) else {
+        return Err(item.error("there is no object of this name").hint(did_you_mean(name, known)));
+    };
+    let object = &mut objects[position];
+    let mut keys = item.keys()?;
+    let own = |item: &Item<'_>, names: Vec<(u32, &str)>| -> Result<u32, SceneError> {
+        let wanted = item.string()?;
+        let found = names.iter().find(|(_, n)| *n == wanted || n.strip_prefix(name) == Some(&format!("/{wanted}")));
+        let known = names.iter().map(|(_, n)| *n);
+        found.map(|(i, _)| *i).ok_or_else(|| unknown(item, "document of this object", wanted, known))
+    };
+    if let Some(item) = keys.optional("handles") {
+        let all = || object.handles.iter().map(|h| (h.0, robot.handles[h.at()].name.as_str())).collect();
+        object.handles = names(&item, |i| own(i, all()).map(HandleIndex))?;
+    }
+    if let Some(item) = keys.optional("surfaces") {
+        let all = || object.surfaces.iter().map(|s| (s.0, robot.surfaces[s.at()].name.as_str())).collect();
+        object.surfaces = names(&item, |i| own(i, all()).map(SurfaceIndex))?;
+    }
+    keys.finish()
+}
+
+/// `grasps = { "robot/gripper" = ["object/handle", …] }`.
+fn grasps(item: &Item<'_>, robot: &Robot) -> Result<Vec<(GripperIndex, HandleIndex)>, SceneError> {
+    let mut all = Vec::new();
+    for (name, item) in item.keys()?.entries() {
+        let gripper = named_gripper(&item, name, robot)?;
+        all.extend(names(&item, |i| handle(i, robot))?.into_iter().map(|h| (gripper, h)));
+        if all.len() > GRASPS {
+            return Err(item.error(format!("there are more than {GRASPS} grasps")));
+        }
+    }
+    Ok(all)
+}
+
+/// `{ when = { "robot/gripper" = "object/handle" or "empty" }, allow = … }`.
+fn rule(item: &Item<'_>, robot: &Robot) -> Result<Rule, SceneError> {
+    let mut keys = item.keys()?;
+    let mut rule = Rule { grasps: Vec::new(), allowed: keys.required("allow")?.boolean()? };
+    for (name, item) in keys.required("when")?.keys()?.entries() {
+        let gripper = named_gripper(&item, name, robot)?;
+        let held = match item.string()? {
+            "empty" => None,
+            _ => Some(handle(&item, robot)?),
+        };
+        rule.grasps.push((gripper, held));
+    }
+    keys.finish()?;
+    Ok(rule)
+}

@@ -1,0 +1,121 @@
+//! From a scene file to a problem.
+
+mod configuration;
+mod graph;
+mod pairs;
+mod part;
+
+pub use configuration::coordinate_names;
+pub use part::PartSource;
+
+use super::error::{SceneError, quoted};
+use super::input;
+use super::keys::{File, Keys};
+use super::mesh::Meshes;
+use super::package::PackagePath;
+use super::source::{Place, SceneBase, locate, sha256};
+use foliate_components::problem::Problem;
+use foliate_components::robot::Robot;
+use std::path::Path;
+
+/// The first line of every scene file.
+pub(crate) const FORMAT: &str = "foliate.scene/1";
+/// Most parts of a scene.
+const PARTS: usize = 1000;
+
+/// A problem, and what output says about where it came from.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// The problem.
+    pub problem: Problem,
+    /// One sentence about it.
+    pub description: String,
+    /// The parts' files, in the order of the parts.
+    pub parts: Vec<PartSource>,
+    /// Remarks that did not stop the reading.
+    pub warnings: Vec<SceneError>,
+}
+
+/// What is at hand while a scene is read.
+pub(crate) struct Loader<'a> {
+    pub packages: &'a PackagePath,
+    pub base: SceneBase,
+    pub meshes: Meshes<'a>,
+    pub warnings: Vec<SceneError>,
+}
+
+/// Reads a scene from its text. `name` is what messages call the file.
+pub(crate) fn load(name: &str, text: &str, base: SceneBase, packages: &PackagePath) -> Result<Scene, SceneError> {
+    let file = File::new(name, text);
+    let table = file.parse(text)?;
+    let mut keys = Keys::root(&file, &table);
+    let format = keys.required("format")?;
+    if format.string()? != FORMAT {
+        return Err(format.error(format!("`{}` is no format of scenes", quoted(format.string()?)))
+            .hint(format!("this version reads \"{FORMAT}\"")));
+    }
+    let scene_name = keys.required("name")?.string()?.to_owned();
+    let description = keys.optional("description").map_or(Ok(""), |i| i.string())?.to_owned();
+    let mut loader = Loader { packages, base, meshes: Meshes::new(packages), warnings: Vec::new() };
+
+    let part_items = keys.required("part")?;
+    let items = part_items.list()?;
+    if items.is_empty() || items.len() > PARTS {
+        return Err(part_items.error(format!("{} parts are given, 1 to {PARTS} are read", items.len())));
+    }
+    let mut parts = Vec::with_capacity(items.len());
+    for item in &items {
+        parts.push(part::read(item, &mut loader)?);
+    }
+    let composed: Vec<_> = parts.iter().map(|p| (&p.model, p.placement.clone())).collect();
+    let robot = Robot::compose(&composed).map_err(|error| {
+        let at = parts.iter().find(|p| error.to_string().contains(&format!("`{}`", p.placement.name)));
+        at.map_or(&part_items, |p| &p.item).error(error.to_string())
+    })?;
+
+    check_sums(&mut keys, &mut loader)?;
+    let mut ignored_pairs = pairs::of_parts(&parts, &robot)?;
+    ignored_pairs.extend(pairs::ignored(&mut keys, &robot)?);
+    let margins = pairs::margins(&mut keys, &robot)?;
+    let locked = configuration::locked(&mut keys, &robot)?;
+    let order = configuration::order(&mut keys, &robot)?;
+    let (start, goals) = {
+        let reader = configuration::Reader { robot: &robot, locked: &locked, order: order.as_deref() };
+        let start = reader.start(&keys.required("start")?)?;
+        let goals = reader.goals(&keys.required("goal")?, &start)?;
+        (start, goals)
+    };
+    let graph = graph::read(&mut keys, &robot, locked)?;
+    keys.finish()?;
+    let problem = Problem { name: scene_name, robot, graph, ignored_pairs, margins, start, goals };
+    let parts = parts.into_iter().map(|p| p.source).collect();
+    Ok(Scene { problem, description, parts, warnings: loader.warnings })
+}
+
+/// `[sha256]`: says when a file differs from the one that the scene was made with.
+fn check_sums(keys: &mut Keys<'_>, loader: &mut Loader<'_>) -> Result<(), SceneError> {
+    let Some(item) = keys.optional("sha256") else { return Ok(()) };
+    for (url, item) in item.keys()?.entries() {
+        let noted = item.string()?.to_ascii_lowercase();
+        if noted.len() != 64 || !noted.bytes().all(|b| b.is_ascii_hexdigit()) {
+            return Err(item.error("a SHA-256 has 64 hexadecimal digits"));
+        }
+        let content = match locate(url, &loader.base, loader.packages) {
+            Ok(Place::Path(path)) => input::bytes(&path, input::MESH_CAP)?,
+            Ok(Place::Program(content)) => content.as_bytes().to_vec(),
+            Err((message, hint)) => return Err(item.error(message).hint(hint)),
+        };
+        if sha256(&content) != noted {
+            let message = "the file differs from the one that the scene was made with";
+            loader.warnings.push(item.error(message).hint("results may differ from published ones"));
+        }
+    }
+    Ok(())
+}
+
+/// Reads a scene file from disk.
+pub(crate) fn load_path(path: &Path, packages: &PackagePath) -> Result<Scene, SceneError> {
+    let text = input::text(path, input::SCENE_CAP)?;
+    let directory = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    load(&path.display().to_string(), &text, SceneBase::Directory(directory.to_owned()), packages)
+}

@@ -1,0 +1,125 @@
+//! `ignore` and `margins`: pairs of links.
+
+use super::part::LoadedPart;
+use crate::scene::error::{SceneError, did_you_mean, quoted};
+use crate::scene::keys::{Item, Keys};
+use foliate_components::problem::Margin;
+use foliate_components::robot::{DisabledPair, JointIndex, LinkIndex, Part, Robot};
+
+/// Most pairs that a scene's lists unfold to.
+const PAIRS: usize = 4_000_000;
+
+/// What the parts' own `ignore` asks for: neighbours where a part has no SRDF, unless it says otherwise.
+pub(super) fn of_parts(parts: &[LoadedPart<'_>], robot: &Robot) -> Result<Vec<DisabledPair>, SceneError> {
+    let mut pairs = Vec::new();
+    for (loaded, part) in parts.iter().zip(&robot.parts) {
+        match &loaded.ignore {
+            None if part.has_srdf => {}
+            None => neighbours(part, robot, &mut pairs),
+            Some(item) if item.is_string() => word(item, part, robot, &mut pairs)?,
+            Some(item) => {
+                for item in item.list()? {
+                    match item.is_string() {
+                        true => word(&item, part, robot, &mut pairs)?,
+                        false => own_pair(&item, part, robot, &mut pairs)?,
+                    }
+                }
+            }
+        }
+    }
+    Ok(pairs)
+}
+
+fn word(item: &Item<'_>, part: &Part, robot: &Robot, pairs: &mut Vec<DisabledPair>) -> Result<(), SceneError> {
+    match item.string()? {
+        "adjacent" => neighbours(part, robot, pairs),
+        "none" => {}
+        other => {
+            let message = format!("`{}` is neither \"adjacent\" nor \"none\" nor a pair of links", quoted(other));
+            return Err(item.error(message).hint(did_you_mean(other, ["adjacent", "none"])));
+        }
+    }
+    Ok(())
+}
+
+/// All pairs of links on two bodies that one moving joint of the part connects.
+fn neighbours(part: &Part, robot: &Robot, pairs: &mut Vec<DisabledPair>) {
+    let on_body = |body: Option<JointIndex>| {
+        part.links.clone().filter(move |&l| robot.links[l].joint == body).map(|l| LinkIndex(l as u32))
+    };
+    let own_root = robot.links[part.root_link.at()].joint;
+    for joint in part.joints.clone().map(|j| JointIndex(j as u32)).filter(|j| Some(*j) != part.root_joint) {
+        let parent = robot.joints[joint.at()].parent.or(own_root);
+        for first in on_body(parent) {
+            pairs.extend(on_body(Some(joint)).map(|second| DisabledPair { first, second, reason: "adjacent".into() }));
+        }
+    }
+}
+
+/// `["link", "link"]`, without the part's name.
+fn own_pair(item: &Item<'_>, part: &Part, robot: &Robot, pairs: &mut Vec<DisabledPair>) -> Result<(), SceneError> {
+    let find = |item: &Item<'_>| {
+        let name = item.string()?;
+        let full = format!("{}/{name}", part.name);
+        let index = part.links.clone().find(|&l| robot.links[l].name == full);
+        let known = part.links.clone().filter_map(|l| robot.links[l].name.split_once('/').map(|(_, n)| n));
+        index.map(|l| LinkIndex(l as u32)).ok_or_else(|| {
+            item.error(format!("there is no link `{}` in this part", quoted(name))).hint(did_you_mean(name, known))
+        })
+    };
+    let (first, second) = two(item)?;
+    pairs.push(DisabledPair { first: find(&first)?, second: find(&second)?, reason: "scene".into() });
+    Ok(())
+}
+
+fn two<'f>(item: &Item<'f>) -> Result<(Item<'f>, Item<'f>), SceneError> {
+    match <[Item<'f>; 2]>::try_from(item.list()?) {
+        Ok([first, second]) => Ok((first, second)),
+        Err(list) => Err(item.error(format!("wants two names, got {}", list.len()))),
+    }
+}
+
+/// The links that `part/link` or `part` names.
+fn links(item: &Item<'_>, robot: &Robot) -> Result<Vec<LinkIndex>, SceneError> {
+    let name = item.string()?;
+    if let Some(link) = robot.link(name) {
+        return Ok(vec![link]);
+    }
+    if let Some(part) = robot.part(name) {
+        return Ok(robot.parts[part.at()].links.clone().map(|l| LinkIndex(l as u32)).collect());
+    }
+    let known = robot.links.iter().map(|l| l.name.as_str()).chain(robot.parts.iter().map(|p| p.name.as_str()));
+    Err(item.error(format!("there is no link or part `{}`", quoted(name))).hint(did_you_mean(name, known)))
+}
+
+fn all_pairs(item: &Item<'_>, robot: &Robot, so_far: usize) -> Result<Vec<(LinkIndex, LinkIndex)>, SceneError> {
+    let (first, second) = two(item)?;
+    let (first, second) = (links(&first, robot)?, links(&second, robot)?);
+    if so_far + first.len() * second.len() > PAIRS {
+        return Err(item.error(format!("with this there are more than {PAIRS} pairs of links")));
+    }
+    Ok(first.iter().flat_map(|&a| second.iter().map(move |&b| (a, b))).filter(|(a, b)| a != b).collect())
+}
+
+/// `ignore = [["a/link", "b"], …]`: a part's name stands for all its links.
+pub(super) fn ignored(keys: &mut Keys<'_>, robot: &Robot) -> Result<Vec<DisabledPair>, SceneError> {
+    let mut pairs = Vec::new();
+    for item in keys.optional("ignore").map_or(Ok(Vec::new()), |i| i.list())? {
+        let all = all_pairs(&item, robot, pairs.len())?;
+        pairs.extend(all.into_iter().map(|(first, second)| DisabledPair { first, second, reason: "scene".into() }));
+    }
+    Ok(pairs)
+}
+
+/// `margins = [{ pair = ["a/link", "b"], distance = 0.01 }, …]`.
+pub(super) fn margins(keys: &mut Keys<'_>, robot: &Robot) -> Result<Vec<Margin>, SceneError> {
+    let mut margins = Vec::new();
+    for item in keys.optional("margins").map_or(Ok(Vec::new()), |i| i.list())? {
+        let mut keys = item.keys()?;
+        let all = all_pairs(&keys.required("pair")?, robot, margins.len())?;
+        let distance = keys.required("distance")?.distance()?;
+        keys.finish()?;
+        margins.extend(all.into_iter().map(|(first, second)| Margin { first, second, distance }));
+    }
+    Ok(margins)
+}

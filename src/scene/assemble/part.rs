@@ -1,0 +1,338 @@
+//! `[[part]]`: one robot, object or environment, read and placed.
+
+use super::Loader;
+use crate::scene::error::{SceneError, did_you_mean, quoted};
+use crate::scene::keys::{Item, Keys};
+use crate::scene::mesh::UpAxis;
+use crate::scene::source::{ModelFile, OpenError, Opened, open};
+use crate::scene::srdf::{check_mask, check_polygons};
+use crate::scene::{srdf, urdf};
+use foliate_components::Pose;
+use foliate_components::robot::model::{
+    GripperModel, HandleModel, JointKind, Model, SurfaceModel,
+};
+use foliate_components::robot::{PartKind, PartPlacement, RootJoint};
+use glam::{DQuat, DVec3};
+use std::collections::HashMap;
+
+/// A part, ready to be composed.
+pub(crate) struct LoadedPart<'f> {
+    pub model: Model,
+    pub placement: PartPlacement,
+    pub source: PartSource,
+    /// The part's `ignore`, to be read once links have numbers.
+    pub ignore: Option<Item<'f>>,
+    /// Where the part stands in the scene file.
+    pub item: Item<'f>,
+}
+
+/// The files that a part came from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PartSource {
+    /// The part's name.
+    pub name: String,
+    /// Its URDF.
+    pub urdf: ModelFile,
+    /// Its SRDF, where it has one.
+    pub srdf: Option<ModelFile>,
+}
+
+pub(super) fn read<'f>(item: &Item<'f>, loader: &mut Loader<'_>) -> Result<LoadedPart<'f>, SceneError> {
+    let mut keys = item.keys()?;
+    let name = part_name(&keys.required("name")?)?;
+    let kind = kind(&keys.required("kind")?)?;
+    let up_axis = match keys.optional("mesh_up_axis") {
+        Some(item) => one_of(&item, &[("as-written", UpAxis::AsWritten), ("declared", UpAxis::Declared)])?,
+        None => UpAxis::AsWritten,
+    };
+    let urdf_file = opened(&keys.required("urdf")?, loader)?;
+    let base = urdf_file.file.base();
+    let mut context =
+        urdf::Context { meshes: &mut loader.meshes, base: &base, up_axis, warnings: &mut loader.warnings };
+    let mut model = urdf::read(&urdf_file.label, &urdf_file.text, &mut context)?;
+    let srdf_file = keys.optional("srdf").map(|item| opened(&item, loader)).transpose()?;
+    if let Some(file) = &srdf_file {
+        srdf::read(&file.label, &file.text, &mut model, &mut loader.warnings)?;
+    }
+    documents(&mut keys, &mut model)?;
+    let placement = placement(&mut keys, name, kind, &model)?;
+    if kind == PartKind::Environment {
+        freeze(&mut keys, &mut model, placement.mimic_follows)?;
+    }
+    let ignore = keys.optional("ignore");
+    keys.finish()?;
+    let source =
+        PartSource { name: name.to_owned(), urdf: urdf_file.file, srdf: srdf_file.map(|opened| opened.file) };
+    Ok(LoadedPart { model, placement, source, ignore, item: item.clone() })
+}
+
+/// The value that a word stands for.
+fn one_of<T: Copy>(item: &Item<'_>, words: &[(&'static str, T)]) -> Result<T, SceneError> {
+    let word = item.string()?;
+    match words.iter().find(|(w, _)| *w == word) {
+        Some((_, value)) => Ok(*value),
+        None => {
+            let known: Vec<_> = words.iter().map(|(w, _)| *w).collect();
+            let message = format!("`{}` is none of {}", quoted(word), known.join(", "));
+            Err(item.error(message).hint(did_you_mean(word, known)))
+        }
+    }
+}
+
+fn part_name<'f>(item: &Item<'f>) -> Result<&'f str, SceneError> {
+    let name = item.string()?;
+    match name.chars().all(|c| c.is_alphanumeric() || matches!(c, '_' | '-' | '.')) && name.len() <= 64 {
+        true => Ok(name),
+        false => Err(item.error("a part's name is at most 64 letters, digits, `_`, `-` and `.`")),
+    }
+}
+
+fn kind(item: &Item<'_>) -> Result<PartKind, SceneError> {
+    let kinds =
+        [("robot", PartKind::Robot), ("object", PartKind::Object), ("environment", PartKind::Environment)];
+    one_of(item, &kinds)
+}
+
+fn opened(item: &Item<'_>, loader: &Loader<'_>) -> Result<Opened, SceneError> {
+    let url = item.string()?;
+    open(url, &loader.base, loader.packages).map_err(|error| match error {
+        OpenError::Name(message, hint) => item.error(format!("`{}`: {message}", quoted(url))).hint(hint),
+        OpenError::File(error) => error,
+    })
+}
+
+fn placement(keys: &mut Keys<'_>, name: &str, kind: PartKind, model: &Model) -> Result<PartPlacement, SceneError> {
+    let roots =
+        [("fixed", RootJoint::Fixed), ("freeflyer", RootJoint::FreeFlyer), ("planar", RootJoint::Planar)];
+    let root = match keys.optional("root") {
+        Some(item) => {
+            let root = one_of(&item, &roots)?;
+            if kind == PartKind::Environment && root != RootJoint::Fixed {
+                return Err(item.error("an environment never moves").hint("make it an object, or leave `root` out"));
+            }
+            root
+        }
+        None if kind == PartKind::Object => RootJoint::FreeFlyer,
+        None => RootJoint::Fixed,
+    };
+    let world_from_root = match keys.optional("pose") {
+        Some(item) if root == RootJoint::FreeFlyer => {
+            let hint = "start and goals say where it is";
+            return Err(item.error("a part with a free-flyer root has no `pose`").hint(hint));
+        }
+        Some(item) => item.pose()?,
+        None => Pose::identity(),
+    };
+    let mimic_follows = match keys.optional("mimic") {
+        Some(item) => one_of(&item, &[("follow", true), ("free", false)])?,
+        None => true,
+    };
+    Ok(PartPlacement {
+        name: name.to_owned(),
+        kind,
+        root,
+        world_from_root,
+        mimic_follows,
+        root_bounds: root_bounds(keys, root)?,
+        joint_bounds: joint_bounds(keys, model)?,
+    })
+}
+
+fn root_bounds(keys: &mut Keys<'_>, root: RootJoint) -> Result<Vec<(f64, f64)>, SceneError> {
+    let Some(item) = keys.optional("root_bounds") else { return Ok(Vec::new()) };
+    let wanted = match root {
+        RootJoint::Fixed => return Err(item.error("a fixed root has no bounds")),
+        RootJoint::FreeFlyer => 3,
+        RootJoint::Planar => 2,
+    };
+    let list = item.list()?;
+    if list.len() != wanted {
+        return Err(item.error(format!("wants {wanted} pairs of lower and upper, got {}", list.len())));
+    }
+    list.iter().map(Item::bounds).collect()
+}
+
+fn joint_bounds(keys: &mut Keys<'_>, model: &Model) -> Result<Vec<(String, f64, f64)>, SceneError> {
+    let Some(item) = keys.optional("joint_bounds") else { return Ok(Vec::new()) };
+    let mut bounds = Vec::new();
+    for (name, item) in item.keys()?.entries() {
+        joint_of(&item, name, model)?;
+        let (low, high) = item.bounds()?;
+        bounds.push((name.to_owned(), low, high));
+    }
+    Ok(bounds)
+}
+
+/// The joint of one coordinate that a key names.
+fn joint_of(item: &Item<'_>, name: &str, model: &Model) -> Result<usize, SceneError> {
+    let scalar = |kind| matches!(kind, JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic);
+    let found = model.joints.iter().position(|j| j.name == name && scalar(j.kind));
+    let names = model.joints.iter().filter(|j| scalar(j.kind)).map(|j| j.name.as_str());
+    found.ok_or_else(|| item.error("no joint of one coordinate has this name").hint(did_you_mean(name, names)))
+}
+
+/// Makes all joints of an environment fixed, at 0 or at the value that `values` gives.
+fn freeze(keys: &mut Keys<'_>, model: &mut Model, mimic_follows: bool) -> Result<(), SceneError> {
+    let mut given = HashMap::new();
+    if let Some(item) = keys.optional("values") {
+        for (name, item) in item.keys()?.entries() {
+            given.insert(joint_of(&item, name, model)?, item.number()?);
+        }
+    }
+    let by_name: HashMap<&str, usize> = model.joints.iter().enumerate().map(|(i, j)| (j.name.as_str(), i)).collect();
+    let value = |index: usize| {
+        let (mut at, mut factor, mut offset) = (index, 1.0, 0.0);
+        // The URDF reader has refused cycles; the walk is bounded all the same.
+        for _ in 0..model.joints.len() {
+            match (&model.joints[at].mimic, given.contains_key(&at)) {
+                (Some((leader, multiplier, shift)), false) if mimic_follows => {
+                    offset += factor * shift;
+                    factor *= multiplier;
+                    at = by_name.get(leader.as_str()).copied().unwrap_or(at);
+                }
+                _ => break,
+            }
+        }
+        factor * given.get(&at).copied().unwrap_or(0.0) + offset
+    };
+    let values: Vec<f64> = (0..model.joints.len()).map(value).collect();
+    for (joint, value) in model.joints.iter_mut().zip(values) {
+        let moved = match joint.kind {
+            JointKind::Revolute | JointKind::Continuous => {
+                Pose::from_rotation(DQuat::from_axis_angle(joint.axis, value))
+            }
+            JointKind::Prismatic => Pose::from_translation(joint.axis * value),
+            JointKind::Planar | JointKind::Floating | JointKind::Fixed => Pose::identity(),
+        };
+        joint.parent_from_joint = joint.parent_from_joint * moved;
+        (joint.kind, joint.mimic) = (JointKind::Fixed, None);
+    }
+    Ok(())
+}
+
+/// `gripper`, `handle`, `surface`, `masks` and `mask_complements` of a part.
+fn documents(keys: &mut Keys<'_>, model: &mut Model) -> Result<(), SceneError> {
+    for item in keys.optional("gripper").map_or(Ok(Vec::new()), |i| i.list())? {
+        let gripper = gripper(&item, model)?;
+        model.grippers.push(gripper);
+    }
+    for item in keys.optional("handle").map_or(Ok(Vec::new()), |i| i.list())? {
+        let handle = handle(&item, model)?;
+        model.handles.push(handle);
+    }
+    for item in keys.optional("surface").map_or(Ok(Vec::new()), |i| i.list())? {
+        let surface = surface(&item, model)?;
+        model.surfaces.push(surface);
+    }
+    if let Some(item) = keys.optional("masks") {
+        for (name, item) in item.keys()?.entries() {
+            let mask = legal_mask(&item)?;
+            let handle = handle_of(&item, name, model)?;
+            (handle.mask, handle.mask_complement) = (mask, mask.map(|m| !m));
+        }
+    }
+    if let Some(item) = keys.optional("mask_complements") {
+        for (name, item) in item.keys()?.entries() {
+            handle_of(&item, name, model)?.mask_complement = item.mask()?;
+        }
+    }
+    Ok(())
+}
+
+fn legal_mask(item: &Item<'_>) -> Result<[bool; 6], SceneError> {
+    let mask = item.mask()?;
+    check_mask(mask).map(|()| mask).map_err(|m| item.error(m).hint("free one rotation, all of them, or none"))
+}
+
+fn handle_of<'m>(item: &Item<'_>, name: &str, model: &'m mut Model) -> Result<&'m mut HandleModel, SceneError> {
+    let names: Vec<String> = model.handles.iter().map(|h| h.name.clone()).collect();
+    match model.handles.iter_mut().find(|h| h.name == name) {
+        Some(handle) => Ok(handle),
+        None => Err(item
+            .error("no handle of this part has this name")
+            .hint(did_you_mean(name, names.iter().map(String::as_str)))),
+    }
+}
+
+/// `name` and `link` of a document.
+fn name_and_link(
+    keys: &mut Keys<'_>,
+    model: &Model,
+    mut taken: impl Iterator<Item = String>,
+) -> Result<(String, String), SceneError> {
+    let item = keys.required("name")?;
+    let name = item.string()?;
+    if taken.any(|t| t == name) {
+        return Err(item.error(format!("`{}` exists already", quoted(name))).hint("perhaps in the SRDF"));
+    }
+    let item = keys.required("link")?;
+    let link = item.string()?;
+    if !model.links.iter().any(|l| l.name == link) {
+        let links = model.links.iter().map(|l| l.name.as_str());
+        return Err(item.error(format!("link `{}` does not exist", quoted(link))).hint(did_you_mean(link, links)));
+    }
+    Ok((name.to_owned(), link.to_owned()))
+}
+
+fn gripper(item: &Item<'_>, model: &Model) -> Result<GripperModel, SceneError> {
+    let mut keys = item.keys()?;
+    let (name, link) = name_and_link(&mut keys, model, model.grippers.iter().map(|g| g.name.clone()))?;
+    let gripper = GripperModel {
+        name,
+        link,
+        link_from_gripper: keys.optional("pose").map_or(Ok(Pose::identity()), |i| i.pose())?,
+        clearance: keys.optional("clearance").map_or(Ok(0.0), |i| i.distance())?,
+    };
+    keys.finish()?;
+    Ok(gripper)
+}
+
+fn handle(item: &Item<'_>, model: &Model) -> Result<HandleModel, SceneError> {
+    let mut keys = item.keys()?;
+    let (name, link) = name_and_link(&mut keys, model, model.handles.iter().map(|h| h.name.clone()))?;
+    let mask = keys.optional("mask").map_or(Ok([true; 6]), |i| legal_mask(&i))?;
+    let approaching_direction = match keys.optional("approaching_direction") {
+        Some(item) => {
+            let direction = DVec3::from_array(item.array("a direction")?);
+            direction.try_normalize().ok_or_else(|| item.error("a direction has a length"))?
+        }
+        None => DVec3::X,
+    };
+    let handle = HandleModel {
+        name,
+        link,
+        link_from_handle: keys.optional("pose").map_or(Ok(Pose::identity()), |i| i.pose())?,
+        clearance: keys.optional("clearance").map_or(Ok(0.0), |i| i.distance())?,
+        mask,
+        mask_complement: keys.optional("mask_complement").map_or(Ok(mask.map(|m| !m)), |i| i.mask())?,
+        approaching_direction,
+    };
+    keys.finish()?;
+    Ok(handle)
+}
+
+fn surface(item: &Item<'_>, model: &Model) -> Result<SurfaceModel, SceneError> {
+    let mut keys = item.keys()?;
+    let (name, link) = name_and_link(&mut keys, model, model.surfaces.iter().map(|s| s.name.clone()))?;
+    let points = keys.required("points")?.list()?;
+    let points: Vec<DVec3> =
+        points.iter().map(|p| p.array("x y z").map(DVec3::from_array)).collect::<Result<_, _>>()?;
+    let item = keys.required("polygons")?;
+    let mut polygons = Vec::new();
+    for polygon in item.list()? {
+        let mut indices = Vec::new();
+        for number in polygon.list()? {
+            match number.number()? {
+                x if x >= 0.0 && x.fract() == 0.0 && (x as usize) < points.len() => indices.push(x as u32),
+                x => return Err(number.error(format!("{x} is no index of the {} points", points.len()))),
+            }
+        }
+        polygons.push(indices);
+    }
+    if polygons.is_empty() {
+        return Err(item.error("is empty"));
+    }
+    check_polygons(&points, &polygons).map_err(|message| item.error(message))?;
+    keys.finish()?;
+    Ok(SurfaceModel { name, link, points, polygons })
+}

@@ -1,0 +1,96 @@
+//! Reading: scene files, robot descriptions and meshes, and where to find them.
+//!
+//! Input is hostile: sizes, depths and counts have caps, numbers are finite, links out of packages are not followed, and
+//! every refusal is a [`SceneError`] with file, line and element.
+
+mod assemble;
+mod error;
+mod input;
+mod keys;
+mod mesh;
+mod package;
+mod shipped;
+mod source;
+mod srdf;
+mod urdf;
+mod xml;
+
+pub use assemble::{PartSource, Scene, coordinate_names};
+pub use error::SceneError;
+pub use mesh::UpAxis;
+pub use package::{PackagePath, model_cache};
+pub use shipped::{ShippedScene, shipped_scenes};
+pub use source::{ModelFile, Origin};
+
+use foliate_components::robot::model::Model;
+use source::SceneBase;
+use std::path::Path;
+
+/// Loads a scene: a shipped one by its name, or a file.
+///
+/// # Errors
+/// The first thing that is wrong, with file, line and element.
+pub fn load_scene(name_or_path: &str, packages: &PackagePath) -> Result<Scene, SceneError> {
+    if let Some(shipped) = shipped::find(name_or_path) {
+        return shipped.load(packages);
+    }
+    let path = Path::new(name_or_path);
+    if !path.exists() {
+        let names = shipped_scenes().iter().map(|s| s.name);
+        let hint = error::did_you_mean(name_or_path, names);
+        return Err(SceneError::new(name_or_path, "scene", "is neither a shipped scene nor a file").hint(hint));
+    }
+    assemble::load_path(path, packages)
+}
+
+/// Loads a scene from its text. `name` is what messages call it; relative names start at `directory`.
+///
+/// # Errors
+/// As [`load_scene`].
+pub fn load_scene_text(
+    name: &str,
+    text: &str,
+    directory: &Path,
+    packages: &PackagePath,
+) -> Result<Scene, SceneError> {
+    assemble::load(name, text, SceneBase::Directory(directory.to_owned()), packages)
+}
+
+/// A model as its files describe it, and remarks about them.
+#[derive(Clone, Debug)]
+pub struct ReadModel {
+    /// The model.
+    pub model: Model,
+    /// Remarks that did not stop the reading.
+    pub warnings: Vec<SceneError>,
+}
+
+/// Reads a URDF and, where there is one, its SRDF. Both are paths or `package://` URLs.
+///
+/// # Errors
+/// As [`load_scene`].
+pub fn read_model(urdf: &str, srdf: Option<&str>, packages: &PackagePath) -> Result<ReadModel, SceneError> {
+    let open = |name: &str| {
+        let base = SceneBase::Directory(std::path::PathBuf::new());
+        source::open(name, &base, packages).map_err(|error| match error {
+            source::OpenError::Name(message, hint) => SceneError::new(name, "file", message).hint(hint),
+            source::OpenError::File(error) => error,
+        })
+    };
+    let urdf = open(urdf)?;
+    let mut warnings = Vec::new();
+    let mut meshes = mesh::Meshes::new(packages);
+    let base = urdf.file.base();
+    let mut context = urdf::Context {
+        meshes: &mut meshes,
+        base: &base,
+        up_axis: UpAxis::AsWritten,
+        warnings: &mut warnings,
+    };
+    let mut model = urdf::read(&urdf.label, &urdf.text, &mut context)?;
+    if let Some(srdf) = srdf {
+        let srdf = open(srdf)?;
+        srdf::read(&srdf.label, &srdf.text, &mut model, &mut warnings)?;
+    }
+    Ok(ReadModel { model, warnings })
+}

@@ -1,0 +1,85 @@
+//! Scenes that live in the program.
+
+use super::assemble::{Scene, load};
+use super::error::SceneError;
+use super::package::PackagePath;
+use super::source::{Embedded, SceneBase};
+
+/// A scene that is shipped in the binary.
+#[derive(Clone, Copy, Debug)]
+pub struct ShippedScene {
+    /// Its name.
+    pub name: &'static str,
+    /// One sentence about it.
+    pub summary: &'static str,
+    /// The scene file.
+    pub text: &'static str,
+    /// Whether it needs models of published packages (`foliate models --install`).
+    pub needs_models: bool,
+    files: Embedded,
+}
+
+macro_rules! scene_file {
+    ($name:literal) => {
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/", $name))
+    };
+}
+
+const SCENES: &[ShippedScene] = &[
+    ShippedScene {
+        name: "baxter-case1",
+        summary: "Baxter moves two boxes with its right arm (Table II, case 1)",
+        text: scene_file!("baxter-case1/scene.toml"),
+        needs_models: true,
+        files: &[],
+    },
+    ShippedScene {
+        name: "baxter-case2",
+        summary: "Baxter swaps two boxes with its right arm (Table II, case 2)",
+        text: scene_file!("baxter-case2/scene.toml"),
+        needs_models: true,
+        files: &[],
+    },
+    ShippedScene {
+        name: "baxter-case3",
+        summary: "Baxter swaps two boxes with both arms (Table II, case 3)",
+        text: scene_file!("baxter-case3/scene.toml"),
+        needs_models: true,
+        files: &[],
+    },
+    ShippedScene {
+        name: "baxter-case4",
+        summary: "Baxter permutes three boxes with both arms (Table II, case 4)",
+        text: scene_file!("baxter-case4/scene.toml"),
+        needs_models: true,
+        files: &[],
+    },
+    ShippedScene {
+        name: "baxter-manipulation-boxes",
+        summary: "Baxter swaps two boxes with both arms (benchmark layout of 2022-2024)",
+        text: scene_file!("baxter-manipulation-boxes/scene.toml"),
+        needs_models: true,
+        files: &[],
+    },
+];
+
+/// The scenes that are shipped, simplest first.
+#[must_use]
+pub fn shipped_scenes() -> &'static [ShippedScene] {
+    SCENES
+}
+
+/// The shipped scene of that name.
+pub(crate) fn find(name: &str) -> Option<&'static ShippedScene> {
+    SCENES.iter().find(|s| s.name == name)
+}
+
+impl ShippedScene {
+    /// Loads the scene.
+    ///
+    /// # Errors
+    /// Where its models are not found or differ.
+    pub fn load(&self, packages: &PackagePath) -> Result<Scene, SceneError> {
+        load(&format!("{}/scene.toml", self.name), self.text, SceneBase::Embedded(self.files), packages)
+    }
+}

@@ -1,0 +1,94 @@
+//! Whether joints and links make one tree, and followers lead to a joint of their own.
+
+use super::Xml;
+use crate::scene::error::{SceneError, did_you_mean, quoted};
+use foliate_components::robot::model::{JointKind, JointModel, Model};
+use roxmltree::Node;
+use std::collections::HashMap;
+
+/// One root, one parent for every other link, no cycle.
+pub(super) fn check(
+    xml: &Xml<'_>,
+    root: Node<'_, '_>,
+    nodes: &[Node<'_, '_>],
+    joints: &[JointModel],
+    model: &Model,
+) -> Result<(), SceneError> {
+    let mut parent_joint = vec![None; model.links.len()];
+    for (index, joint) in joints.iter().enumerate() {
+        if let Some(first) = parent_joint[joint.child].replace(index) {
+            let child = quoted(&model.links[joint.child].name);
+            let (first, line) = (quoted(&joints[first].name), xml.line(nodes[first]));
+            return Err(xml
+                .error(nodes[index], format!("link `{child}` is already the child of joint `{first}` (line {line})"))
+                .hint("URDF describes trees; closed loops are constraints"));
+        }
+    }
+    let roots: Vec<_> = (0..model.links.len()).filter(|&l| parent_joint[l].is_none()).collect();
+    if let [first, second, ..] = roots[..] {
+        let (first, second) = (quoted(&model.links[first].name), quoted(&model.links[second].name));
+        return Err(xml
+            .error(root, format!("links `{first}` and `{second}` are both roots"))
+            .hint("connect them by a joint; a model has one root link"));
+    }
+    // With at most one root and one parent per link, a link whose ancestors never end is on or below a cycle.
+    let mut ends = vec![false; model.links.len()];
+    roots.iter().for_each(|&r| ends[r] = true);
+    for link in 0..model.links.len() {
+        let mut way = Vec::new();
+        let mut at = link;
+        while !ends[at] {
+            way.push(at);
+            match parent_joint[at] {
+                Some(joint) if way.len() <= model.links.len() => at = joints[joint].parent,
+                _ => {
+                    let joint = parent_joint[at].unwrap_or_default();
+                    let message = format!("link `{}` is on a cycle of joints", quoted(&model.links[at].name));
+                    return Err(xml.error(nodes[joint], message).hint("URDF describes trees"));
+                }
+            }
+        }
+        way.into_iter().for_each(|l| ends[l] = true);
+    }
+    Ok(())
+}
+
+/// Leaders exist, have one coordinate, and do not follow their followers.
+pub(super) fn check_mimics(
+    xml: &Xml<'_>,
+    nodes: &[Node<'_, '_>],
+    joints: &[JointModel],
+    by_name: &HashMap<&str, usize>,
+) -> Result<(), SceneError> {
+    let scalar = |kind| matches!(kind, JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic);
+    let leader_of = |index: usize| -> Result<Option<usize>, SceneError> {
+        let Some((leader, ..)) = &joints[index].mimic else { return Ok(None) };
+        let Some(&found) = by_name.get(leader.as_str()) else {
+            return Err(xml
+                .error(nodes[index], format!("mimics joint `{}`, which does not exist", quoted(leader)))
+                .hint(did_you_mean(leader, by_name.keys().copied())));
+        };
+        if !scalar(joints[index].kind) || !scalar(joints[found].kind) {
+            let message = format!("mimics joint `{}`: only joints of one coordinate can be coupled", quoted(leader));
+            return Err(xml.error(nodes[index], message));
+        }
+        Ok(Some(found))
+    };
+    let mut walked_in = vec![usize::MAX; joints.len()];
+    for index in 0..joints.len() {
+        let mut at = index;
+        // A joint that an earlier walk has seen leads to an end; one that this walk has seen leads back to itself.
+        while walked_in[at] == usize::MAX {
+            walked_in[at] = index;
+            match leader_of(at)? {
+                Some(leader) if walked_in[leader] == index => {
+                    let hint = "one joint must lead";
+                    return Err(xml.error(nodes[leader], "follows itself through <mimic>").hint(hint));
+                }
+                Some(leader) => at = leader,
+                None => break,
+            }
+        }
+    }
+    Ok(())
+}
