@@ -8,7 +8,8 @@ use std::fmt::Write;
 pub fn dot(graph: &ConstraintGraph) -> String {
     let mut text = String::from("digraph constraint_graph {\n  rankdir=LR;\n  node [shape=box, style=rounded];\n");
     for (index, state) in graph.states.iter().enumerate() {
-        let _ = writeln!(text, "  s{index} [label=\"{}\\n{}\"];", escape(&state.name), escape(&leaf_line(graph, index)));
+        let _ =
+            writeln!(text, "  s{index} [label=\"{}\\n{}\"];", escape(&state.name), escape(&leaf_line(graph, index)));
     }
     for transition in &graph.transitions {
         let style = match transition.kind {
@@ -40,15 +41,15 @@ pub fn mermaid(graph: &ConstraintGraph) -> String {
             TransitionKind::Crossed => "-.->",
             TransitionKind::Loop | TransitionKind::Regular => "-->",
         };
-        let _ = writeln!(text, "  s{} {arrow}|\"{}\"| s{}", transition.from.0, quoted(&transition.name), transition.to.0);
+        let _ =
+            writeln!(text, "  s{} {arrow}|\"{}\"| s{}", transition.from.0, quoted(&transition.name), transition.to.0);
     }
     text
 }
 
 /// What gives the leaves of a state their values.
 fn leaf_line(graph: &ConstraintGraph, state: usize) -> String {
-    let names: Vec<_> =
-        graph.states[state].foliation.iter().map(|&c| graph.constraint(c).name.as_str()).collect();
+    let names: Vec<_> = graph.states[state].foliation.iter().map(|&c| graph.constraint(c).name.as_str()).collect();
     if names.is_empty() { "one leaf".into() } else { format!("leaves: {}", names.join(", ")) }
 }
 

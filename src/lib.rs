@@ -2,7 +2,15 @@
 //! which handle and which surface may carry which object, and finds a certified motion of everything at once.
 #![forbid(unsafe_code)]
 
+pub mod diagram;
+pub mod path_file;
+pub mod planner;
 pub mod scene;
 
 pub use foliate_components as components;
 pub use foliate_kernels as kernels;
+pub use foliate_systems as systems;
+/// The SIMD level of the arithmetic; results are equal bit for bit only at one level.
+pub const SIMD_LEVEL: &str = "scalar";
+
+pub use planner::{FunnelRow, Planner, Report, Solution};

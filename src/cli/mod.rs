@@ -1,8 +1,11 @@
 //! The commands, one file each. Exit codes: 0 done, 1 no solution or a check that fails, 2 wrong usage or input.
 
+mod graph;
 mod inspect;
 mod models;
 mod scenes;
+mod solve;
+mod summary;
 
 use clap::{Parser, Subcommand};
 use foliate::scene::{PackagePath, SceneError};
@@ -23,6 +26,8 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Solve(solve::Arguments),
+    Graph(graph::Arguments),
     Inspect(inspect::Arguments),
     Models(models::Arguments),
     Scenes(scenes::Arguments),
@@ -50,6 +55,8 @@ pub(crate) fn main() -> ExitCode {
     let cli = Cli::parse();
     let packages = PackagePath::from_environment(&cli.package_path);
     let ending = match &cli.command {
+        Command::Solve(arguments) => solve::run(arguments, &packages),
+        Command::Graph(arguments) => graph::run(arguments, &packages),
         Command::Inspect(arguments) => inspect::run(arguments, &packages),
         Command::Models(arguments) => models::run(arguments),
         Command::Scenes(arguments) => scenes::run(arguments),

@@ -3,6 +3,7 @@
 //! The models and this file are all that is needed to play a path back or to prove it again. Numbers are written so that
 //! they read back bit for bit; a file holds neither clock times nor thread counts, so that it does not depend on them.
 
+pub mod save;
 mod write;
 
 pub use write::{PathContext, write_path};

@@ -4,12 +4,13 @@ use super::{
     AttachmentEntry, CertificateEntry, Documents, FORMAT, GripperEntry, HandleEntry, PartEntry, PathFile, PoseRow,
     SegmentEntry, SurfaceEntry,
 };
+use crate::scene::coordinate_names;
 use foliate_components::Pose;
 use foliate_components::graph::ConstraintGraph;
 use foliate_components::path::{Attachment, ManipulationPath};
 use foliate_components::pose::pose_to_array;
 use foliate_components::problem::Problem;
-use foliate_components::robot::{JointIndex, LinkIndex, Motion, Part, PartKind, Robot, RootJoint, Source};
+use foliate_components::robot::{JointIndex, LinkIndex, Part, PartKind, Robot, RootJoint};
 use std::collections::BTreeMap;
 
 /// What a path file says besides the path: the problem, where its models are, and how it was searched.
@@ -73,29 +74,6 @@ pub fn write_path(context: &PathContext<'_>, path: &ManipulationPath) -> PathFil
     }
 }
 
-/// Names of the numbers of a configuration: `part/joint`, `part/x` … `part/qw`, `part/theta`.
-#[must_use]
-pub fn coordinate_names(robot: &Robot) -> Vec<String> {
-    let mut names = Vec::with_capacity(robot.space.size());
-    for (index, joint) in robot.joints.iter().enumerate() {
-        if matches!(joint.source, Source::Follows { .. }) {
-            continue;
-        }
-        let part = &robot.parts[joint.part.at()];
-        // The root's numbers are the part's; a free joint within a part keeps its own name before them.
-        let prefix =
-            if part.root_joint == Some(JointIndex(index as u32)) { part.name.clone() } else { joint.name.clone() };
-        match joint.motion {
-            Motion::Revolute { .. } | Motion::Prismatic { .. } => names.push(joint.name.clone()),
-            Motion::Planar => names.extend(["x", "y", "theta"].map(|n| format!("{prefix}/{n}"))),
-            Motion::FreeFlyer => {
-                names.extend(["x", "y", "z", "qx", "qy", "qz", "qw"].map(|n| format!("{prefix}/{n}")));
-            }
-        }
-    }
-    names
-}
-
 fn limits(robot: &Robot) -> BTreeMap<String, [f64; 2]> {
     let bounds = robot.space.lower.iter().zip(&robot.space.upper);
     let finite = |&(_, (low, high)): &(String, (&f64, &f64))| low.is_finite() && high.is_finite();
@@ -126,9 +104,10 @@ fn part_entry(part: &Part, (urdf, srdf): &(String, Option<String>)) -> PartEntry
 
 fn documents(robot: &Robot) -> Documents {
     let link = |l: LinkIndex| robot.links[l.at()].name.clone();
-    let grippers = robot.grippers.iter().map(|g| {
-        (g.name.clone(), GripperEntry { link: link(g.link), link_from_gripper: row(&g.link_from_gripper) })
-    });
+    let grippers = robot
+        .grippers
+        .iter()
+        .map(|g| (g.name.clone(), GripperEntry { link: link(g.link), link_from_gripper: row(&g.link_from_gripper) }));
     let handles = robot.handles.iter().map(|h| {
         let entry = HandleEntry {
             link: link(h.link),

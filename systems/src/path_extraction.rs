@@ -41,6 +41,8 @@ pub fn extract_path(
             motions.iter().rev().for_each(&mut add);
         }
     }
+    // JSON knows no infinity; without any pair the clearance is as large as the world.
+    certificate.min_clearance = certificate.min_clearance.min(1e6);
     path.certificate = certificate;
     unwrap_angles(model, &mut path);
     Some(path)

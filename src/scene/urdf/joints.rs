@@ -17,7 +17,9 @@ pub(super) fn read(xml: &Xml<'_>, root: Node<'_, '_>, model: &mut Model) -> Resu
         let name = xml.attribute(node, "name")?;
         if let Some(first) = by_name.insert(name, index) {
             let line = xml.line(nodes[first]);
-            return Err(xml.error(node, "a joint of this name exists already").hint(format!("the first is at line {line}")));
+            return Err(xml
+                .error(node, "a joint of this name exists already")
+                .hint(format!("the first is at line {line}")));
         }
         joints.push(joint(xml, node, name, &links)?);
     }
@@ -64,12 +66,7 @@ fn kind(xml: &Xml<'_>, node: Node<'_, '_>) -> Result<JointKind, SceneError> {
     })
 }
 
-fn link(
-    xml: &Xml<'_>,
-    node: Node<'_, '_>,
-    end: &str,
-    links: &HashMap<&str, usize>,
-) -> Result<usize, SceneError> {
+fn link(xml: &Xml<'_>, node: Node<'_, '_>, end: &str, links: &HashMap<&str, usize>) -> Result<usize, SceneError> {
     let element = xml.child(node, end)?;
     let name = xml.attribute(element, "link")?;
     links.get(name).copied().ok_or_else(|| {

@@ -1,0 +1,55 @@
+//! `foliate graph`: the constraint graph of a scene as text, DOT or Mermaid.
+
+use super::{Ending, Refusal, print};
+use foliate::components::graph::{ConstraintGraph, TransitionKind};
+use foliate::diagram;
+use foliate::scene::{PackagePath, load_scene};
+use std::fmt::Write;
+
+/// Shows the constraint graph of a scene
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// A shipped scene's name, or a scene file
+    scene: String,
+    /// Graphviz DOT, for `dot -Tsvg`
+    #[arg(long, conflicts_with = "mermaid")]
+    dot: bool,
+    /// Mermaid, for Markdown pages
+    #[arg(long)]
+    mermaid: bool,
+}
+
+pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
+    let scene = load_scene(&arguments.scene, packages)?;
+    let graph =
+        foliate::systems::graph_building::build_constraint_graph(&scene.problem).map_err(|e| Refusal(e.to_string()))?;
+    print(&match (arguments.dot, arguments.mermaid) {
+        (true, _) => diagram::dot(&graph),
+        (_, true) => diagram::mermaid(&graph),
+        (false, false) => listing(&graph),
+    });
+    Ok(Ending::Done)
+}
+
+/// States with their constraints, and the transitions that leave each.
+fn listing(graph: &ConstraintGraph) -> String {
+    let mut out = format!("{} states, {} transitions\n", graph.states.len(), graph.transitions.len());
+    for (index, state) in graph.states.iter().enumerate() {
+        let names = |ids: &[foliate::components::graph::ConstraintId]| {
+            ids.iter().map(|&c| graph.constraint(c).name.clone()).collect::<Vec<_>>().join(", ")
+        };
+        let _ = writeln!(out, "\n{}", state.name);
+        let _ = writeln!(out, "  holds: {}", names(&state.manifold));
+        let _ = writeln!(out, "  leaves by: {}", names(&state.foliation));
+        for (_, t) in graph.leaving(foliate::components::graph::StateId(index as u32)) {
+            let kind = match t.kind {
+                TransitionKind::Loop => "loop   ",
+                TransitionKind::Regular => "regular",
+                TransitionKind::Crossed => "crossed",
+            };
+            let to = &graph.state(t.to).name;
+            let _ = writeln!(out, "  {kind} {} → {to} ({} legs, weight {:.3})", t.name, t.legs.len(), t.weight);
+        }
+    }
+    out
+}

@@ -1,0 +1,163 @@
+//! `foliate solve`: plan for a scene, say what was found, write the path.
+
+use super::summary::{self, Loaded};
+use super::{Ending, Refusal, print, print_json, say};
+use foliate::components::outcome::SearchOutcome;
+use foliate::path_file::{PathContext, save, write_path};
+use foliate::scene::{PackagePath, Scene, load_scene};
+use foliate::systems::events::SearchEvent;
+use foliate::{Planner, Solution};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Plans a path for a scene and writes it
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// A shipped scene's name, or a scene file
+    scene: String,
+    #[command(flatten)]
+    search: SearchArguments,
+    /// Write the path to this file
+    #[arg(long, value_name = "PATH.json")]
+    out: Option<PathBuf>,
+    /// One JSON object instead of text
+    #[arg(long)]
+    json: bool,
+}
+
+/// Options of every command that searches.
+#[derive(clap::Args, Clone, Debug)]
+pub(crate) struct SearchArguments {
+    /// Seed of every random stream; same seed, same answer
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Search scheduler
+    #[arg(long, default_value = "mrrt")]
+    pub scheduler: String,
+    /// Threads for the search; the answer does not depend on it
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=512))]
+    pub threads: u16,
+    /// Seconds after which to give up
+    #[arg(long, default_value_t = 60.0, value_name = "S")]
+    pub time_limit: f64,
+}
+
+impl SearchArguments {
+    /// The time limit, where it is a number of seconds.
+    pub(crate) fn deadline(&self) -> Result<Duration, Refusal> {
+        Duration::try_from_secs_f64(self.time_limit)
+            .map_err(|_| Refusal(format!("--time-limit {} is not a number of seconds", self.time_limit)))
+    }
+
+    /// A planner for a scene's problem.
+    pub(crate) fn planner(&self, scene: &Scene) -> Result<Planner, Refusal> {
+        let planner = Planner::new(scene.problem.clone()).map_err(|e| Refusal(e.to_string()))?;
+        let planner = planner.seed(self.seed).time_limit(self.deadline()?);
+        planner.scheduler_named(&self.scheduler).ok_or_else(|| {
+            let known: Vec<_> = foliate::systems::schedulers::shipped().iter().map(|s| s.name()).collect();
+            Refusal(format!("there is no scheduler `{}`; known: {}", self.scheduler.escape_debug(), known.join(", ")))
+        })
+    }
+}
+
+pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
+    let started = Instant::now();
+    let scene = load_scene(&arguments.scene, packages)?;
+    for warning in &scene.warnings {
+        say(&format!("warning: {warning}\n"));
+    }
+    let planner = arguments.search.planner(&scene)?;
+    let load_time = started.elapsed();
+    let solution = solve(planner, &arguments.search, !arguments.json)?;
+    let (planner, solution) = (solution.0, solution.1);
+    if let (Some(out), Some(_)) = (&arguments.out, &solution.path) {
+        write(out, &scene, &planner, &solution, &arguments.search)?;
+    }
+    let loaded = Loaded { scene: &scene, planner: &planner, load_time };
+    if arguments.json {
+        print_json(&summary::json(&loaded, &arguments.search, &solution))?;
+    } else {
+        print(&summary::text(&loaded, &solution));
+    }
+    ending(&solution.outcome)
+}
+
+/// How a command ends that searched.
+pub(crate) fn ending(outcome: &SearchOutcome) -> Result<Ending, Refusal> {
+    match outcome {
+        SearchOutcome::Solved => Ok(Ending::Done),
+        SearchOutcome::InfeasibleStart(why) => Err(Refusal(format!("infeasible_start: {why}"))),
+        SearchOutcome::InfeasibleGoal(why) => Err(Refusal(format!("infeasible_goal: {why}"))),
+        SearchOutcome::Timeout | SearchOutcome::StepLimit | SearchOutcome::Cancelled | SearchOutcome::MemoryLimit => {
+            Ok(Ending::Failed)
+        }
+    }
+}
+
+/// Solves, with a progress line on a terminal.
+pub(crate) fn solve(
+    planner: Planner,
+    arguments: &SearchArguments,
+    progress: bool,
+) -> Result<(Planner, Solution), Refusal> {
+    let threads = usize::from(arguments.threads);
+    let failed = |e: rayon::ThreadPoolBuildError| Refusal(format!("cannot start {threads} threads: {e}"));
+    if !(progress && std::io::stderr().is_terminal()) {
+        let solution = planner.solve_on(threads).map_err(failed)?;
+        return Ok((planner, solution));
+    }
+    let (planner, events) = planner.events();
+    let bar = ProgressBar::new_spinner();
+    if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {msg}") {
+        bar.set_style(style);
+    }
+    let solution = std::thread::scope(|scope| {
+        let watcher = scope.spawn(|| watch(&events, &bar));
+        let solution = planner.solve_on(threads);
+        bar.finish_and_clear();
+        let _ended = watcher.join();
+        solution
+    });
+    let solution = solution.map_err(failed)?;
+    Ok((planner, solution))
+}
+
+/// Shows progress until the bar is finished.
+fn watch(events: &crossbeam_channel::Receiver<SearchEvent>, bar: &ProgressBar) {
+    while !bar.is_finished() {
+        match events.recv_timeout(Duration::from_millis(100)) {
+            Ok(SearchEvent::Progress { step, candidates, nodes, edges, leaves }) => {
+                bar.set_message(format!(
+                    "step {step}, {candidates} candidates, {nodes} nodes, {edges} edges, {leaves} leaves"
+                ));
+                bar.tick();
+            }
+            Ok(SearchEvent::Rejected { .. } | SearchEvent::Solved { .. }) => {}
+            Err(crossbeam_channel::RecvTimeoutError::Timeout) => bar.tick(),
+            Err(crossbeam_channel::RecvTimeoutError::Disconnected) => return,
+        }
+    }
+}
+
+/// Writes the path file, with the models that live only in the program beside it.
+pub(crate) fn write(
+    out: &Path,
+    scene: &Scene,
+    planner: &Planner,
+    solution: &Solution,
+    arguments: &SearchArguments,
+) -> Result<(), Refusal> {
+    let Some(path) = &solution.path else { return Ok(()) };
+    let models = save::model_names(scene, out).map_err(|e| Refusal(e.to_string()))?;
+    let context = PathContext {
+        problem: &planner.model().problem,
+        graph: &planner.model().graph,
+        models: &models,
+        seed: arguments.seed,
+        scheduler: &arguments.scheduler,
+        simd: foliate::SIMD_LEVEL,
+    };
+    save::save(&write_path(&context, path), out).map_err(|e| Refusal(e.to_string()))
+}

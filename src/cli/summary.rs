@@ -1,0 +1,161 @@
+//! What a search has found, for people and for machines.
+
+use super::solve::SearchArguments;
+use foliate::components::outcome::{Rejection, SearchOutcome};
+use foliate::scene::Scene;
+use foliate::{FunnelRow, Planner, Solution};
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::time::Duration;
+
+/// A scene that is ready to be searched.
+pub(crate) struct Loaded<'a> {
+    pub scene: &'a Scene,
+    pub planner: &'a Planner,
+    /// Reading, graph building and tables.
+    pub load_time: Duration,
+}
+
+/// The summary for people.
+pub(crate) fn text(loaded: &Loaded<'_>, solution: &Solution) -> String {
+    let report = &solution.report;
+    let graph = &loaded.planner.model().graph;
+    let mut out = String::new();
+    let _ = writeln!(
+        out,
+        "{}: {} in {} ({} loading)",
+        loaded.scene.problem.name,
+        solution.outcome.name().replace('_', " "),
+        duration(report.solve_time),
+        duration(loaded.load_time)
+    );
+    let _ = writeln!(
+        out,
+        "  {} steps, {} candidates, {} nodes, {} edges, {} leaves; graph of {} states, {} transitions",
+        report.steps,
+        report.candidates,
+        report.nodes,
+        report.edges,
+        report.leaves,
+        graph.states.len(),
+        graph.transitions.len()
+    );
+    if let Some(path) = &solution.path {
+        let _ = writeln!(
+            out,
+            "  path: {} segments, {} knots, weighted length {:.2} m",
+            path.segments.len(),
+            path.segments.iter().map(|s| s.knots.len()).sum::<usize>(),
+            report.path_length.unwrap_or_default()
+        );
+        let c = &path.certificate;
+        let _ = writeln!(
+            out,
+            "  certificate: joint limits kept, residual ≤ {:.1e} (allowed {:.1e}), clearance beyond margins ≥ {:.1e} m",
+            c.max_residual, c.path_tolerance, c.min_clearance
+        );
+        let mut last = None;
+        let _ = writeln!(out, "  transitions travelled:");
+        for segment in path.segments.iter().filter(|s| last.replace(s.transition) != Some(s.transition)) {
+            let _ = writeln!(out, "    {}", graph.transition(segment.transition).name);
+        }
+    }
+    if solution.outcome != SearchOutcome::Solved || !report.funnel.is_empty() {
+        out.push_str(&funnel(&report.funnel, solution.outcome == SearchOutcome::Solved));
+    }
+    out
+}
+
+/// The funnel: what became of the candidates, per transition. Short when the problem is solved.
+fn funnel(rows: &[FunnelRow], short: bool) -> String {
+    let mut out = String::from("  funnel (candidates: tried → reached + kept in part; what stopped the rest):\n");
+    let mut rows: Vec<&FunnelRow> = rows.iter().collect();
+    rows.sort_by(|a, b| b.statistics.attempts.cmp(&a.statistics.attempts).then(a.transition.cmp(&b.transition)));
+    let shown = if short { 6 } else { rows.len() };
+    for row in rows.iter().take(shown) {
+        let s = &row.statistics;
+        let _ = writeln!(out, "    {}: {} → {} + {}", row.transition, s.attempts, s.reached, s.partial);
+        let mut reasons: Vec<_> = s.rejections.iter().collect();
+        reasons.sort_by(|a, b| b.1.cmp(a.1).then(a.0.cmp(b.0)));
+        for (reason, count) in reasons.iter().take(if short { 2 } else { usize::MAX }) {
+            let _ = writeln!(out, "      {count:>6}  {}", words(**reason));
+        }
+        for (a, b, count) in row.blocked_by.iter().take(if short { 1 } else { 5 }) {
+            let _ = writeln!(out, "      {count:>6}  blocked by {a} and {b}");
+        }
+    }
+    if rows.len() > shown {
+        let _ = writeln!(out, "    … and {} transitions more (--json lists all)", rows.len() - shown);
+    }
+    out
+}
+
+fn words(reason: Rejection) -> String {
+    match reason.leg() {
+        Some(leg) => format!("{} (leg {})", reason.describe(), leg + 1),
+        None => reason.describe().to_owned(),
+    }
+}
+
+fn duration(time: Duration) -> String {
+    let seconds = time.as_secs_f64();
+    if seconds < 1.0 { format!("{:.1} ms", seconds * 1e3) } else { format!("{seconds:.2} s") }
+}
+
+/// The summary for machines: one object, with wall times and counts.
+pub(crate) fn json(loaded: &Loaded<'_>, search: &SearchArguments, solution: &Solution) -> Value {
+    let report = &solution.report;
+    let reason = match &solution.outcome {
+        SearchOutcome::InfeasibleStart(why) | SearchOutcome::InfeasibleGoal(why) => Some(why.clone()),
+        _ => None,
+    };
+    let certificate = solution.path.as_ref().map(|path| {
+        let c = &path.certificate;
+        json!({
+            "path_tolerance": c.path_tolerance,
+            "max_residual": c.max_residual,
+            "min_clearance": c.min_clearance,
+            "joint_limits": "within",
+        })
+    });
+    let funnel: Vec<Value> = report.funnel.iter().map(funnel_json).collect();
+    json!({
+        "scene": loaded.scene.problem.name,
+        "seed": search.seed,
+        "scheduler": search.scheduler,
+        "threads": search.threads,
+        "simd": foliate::SIMD_LEVEL,
+        "outcome": solution.outcome.name(),
+        "reason": reason,
+        "load_ms": loaded.load_time.as_secs_f64() * 1e3,
+        "solve_ms": report.solve_time.as_secs_f64() * 1e3,
+        "steps": report.steps,
+        "candidates": report.candidates,
+        "validated": report.validated,
+        "nodes": report.nodes,
+        "edges": report.edges,
+        "leaves": report.leaves,
+        "segments": solution.path.as_ref().map(|p| p.segments.len()),
+        "path_length": report.path_length,
+        "roadmap": format!("{:016x}", report.fingerprint),
+        "funnel": funnel,
+        "certificate": certificate,
+    })
+}
+
+fn funnel_json(row: &FunnelRow) -> Value {
+    let s = &row.statistics;
+    let rejections: Vec<Value> = s
+        .rejections
+        .iter()
+        .map(|(reason, count)| json!({ "reason": reason.describe(), "leg": reason.leg(), "count": count }))
+        .collect();
+    json!({
+        "transition": row.transition,
+        "attempts": s.attempts,
+        "reached": s.reached,
+        "partial": s.partial,
+        "rejections": rejections,
+        "blocked_by": row.blocked_by,
+    })
+}
