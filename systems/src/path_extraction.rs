@@ -1,6 +1,7 @@
 //! From a roadmap in which start and goal hang together to the path between them.
 
 use crate::model::PlanningModel;
+use foliate_components::configuration::{Group, quaternion, wrap};
 use foliate_components::graph::TransitionId;
 use foliate_components::leaf::LeafIndex;
 use foliate_components::path::{Certificate, ManipulationPath, Segment};
@@ -44,7 +45,7 @@ pub fn extract_path(
     // JSON knows no infinity; without any pair the clearance is as large as the world.
     certificate.min_clearance = certificate.min_clearance.min(1e6);
     path.certificate = certificate;
-    unwrap_angles(model, &mut path);
+    unwrap_coordinates(model, &mut path);
     Some(path)
 }
 
@@ -64,35 +65,35 @@ fn in_direction(model: &PlanningModel, transition: TransitionId, forward: bool) 
     if forward { transition } else { model.graph.transition(transition).reverse.unwrap_or(transition) }
 }
 
-/// Follows unlimited angles from knot to knot, so that each joint's number is continuous along the whole path although
-/// roadmap nodes hold it modulo 2π.
-fn unwrap_angles(model: &PlanningModel, path: &mut ManipulationPath) {
-    use foliate_components::configuration::{Group, wrap};
-    let angles: Vec<usize> = model
-        .problem
-        .robot
-        .space
-        .factors
-        .iter()
-        .filter_map(|f| match f.group {
-            Group::Circle => Some(f.q),
-            Group::Plane => Some(f.q + 2),
-            Group::Real | Group::FreeFlyer => None,
-        })
-        .collect();
-    if angles.is_empty() {
-        return;
-    }
+/// Makes each coordinate's number continuous along the whole path although roadmap nodes hold it only up to its
+/// representation: unlimited angles modulo 2π, quaternions up to their sign.
+fn unwrap_coordinates(model: &PlanningModel, path: &mut ManipulationPath) {
+    let factors = &model.problem.robot.space.factors;
     let mut last: Option<Vec<f64>> = None;
     for knot in path.segments.iter_mut().flat_map(|s| &mut s.knots) {
         if let Some(last) = &last {
-            for &i in &angles {
-                // Equal angles stay equal bit for bit: joint knots are shared.
-                let turn = wrap(knot[i] - last[i]);
-                knot[i] = if turn == 0.0 { last[i] } else { last[i] + turn };
+            for factor in factors {
+                match factor.group {
+                    Group::Circle => follow_angle(last, knot, factor.q),
+                    Group::Plane => follow_angle(last, knot, factor.q + 2),
+                    Group::FreeFlyer => follow_sign(last, knot, factor.q),
+                    Group::Real => {}
+                }
             }
         }
         last = Some(knot.clone());
+    }
+}
+
+fn follow_angle(last: &[f64], knot: &mut [f64], i: usize) {
+    // Equal angles stay equal bit for bit: joint knots are shared.
+    let turn = wrap(knot[i] - last[i]);
+    knot[i] = if turn == 0.0 { last[i] } else { last[i] + turn };
+}
+
+fn follow_sign(last: &[f64], knot: &mut [f64], i: usize) {
+    if quaternion(last, i).dot(quaternion(knot, i)) < 0.0 {
+        knot[i + 3..i + 7].iter_mut().for_each(|x| *x = -*x);
     }
 }
 

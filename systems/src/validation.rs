@@ -130,7 +130,7 @@ fn certify_leg(
             MotionVerdict::FreeUntil { t, blocked_by } => {
                 candidate.reject(Rejection::MotionBlocked(leg.leg as u8));
                 candidate.blocked_by = blocked_by.map(|c| model.pair_shapes(c.pair));
-                cut(model, carriages, leg, start, t);
+                cut(model, carriages, leg, start, t, settings.clearance_guard);
                 return false;
             }
         }
@@ -139,7 +139,7 @@ fn certify_leg(
 }
 
 /// Cuts a leg's knots at parameter `t` of the piece that starts at `start`.
-fn cut(model: &PlanningModel, carriages: &[Carriage], leg: &mut PlannedLeg, start: usize, t: f64) {
+fn cut(model: &PlanningModel, carriages: &[Carriage], leg: &mut PlannedLeg, start: usize, t: f64, guard: f64) {
     let space = &model.problem.robot.space;
     let size = space.size();
     let mut end = vec![0.0; size];
@@ -154,8 +154,9 @@ fn cut(model: &PlanningModel, carriages: &[Carriage], leg: &mut PlannedLeg, star
     model.kinematics.carry(&end, carriages, &mut X_WJ);
     model.kinematics.write_back(carriages, &X_WJ, &mut end);
     leg.knots.extend_from_slice(&end);
-    // The prefix keeps at least the guard; how much more is not known of a motion that ends in front of something.
-    leg.clearance = 0.0;
+    // The proof holds for the prefix; how much more clearance it has is not known of a motion that ends in front of
+    // something.
+    leg.clearance = leg.clearance.min(guard);
 }
 
 /// A prefix shorter than this (weighted metres) is no progress.
