@@ -129,13 +129,13 @@ pub fn hold(placement: &Placement, parameter: &Pose) -> Option<(Contact, Pose)> 
 /// # Panics
 /// If a slice is too short or the contact is not of this placement.
 pub fn linearise(placement: &Placement, contact: Contact, columns: &[Column], X_WJ: &[Pose], out: RowsOut<'_>) {
-    let RowsOut { values, jacobian, width } = out;
-    let rows = RowsOut { values: &mut *values, jacobian: &mut *jacobian, width };
+    let RowsOut { values, jacobian, stride } = out;
+    let rows = RowsOut { values: &mut *values, jacobian: &mut *jacobian, stride };
     linearise_pair(placement, contact, &at_margin(placement), &OUTSIDE, columns, X_WJ, rows);
     if contact.inside {
         // Rows 1 and 2 stay in place as zeros: the number of rows does not depend on the configuration.
         values[1..3].fill(0.0);
-        jacobian[width..3 * width].fill(0.0);
+        columns.iter().for_each(|c| jacobian[c.variable() * stride..][1..3].fill(0.0));
     }
 }
 
