@@ -55,6 +55,8 @@ pub enum PlacementError {
     Empty,
     #[error("surfaces `{first}` and `{second}` are on different bodies; an object's must be on one")]
     SeveralBodies { first: String, second: String },
+    #[error("the object's polygons are on different bodies")]
+    ObjectOnSeveralBodies,
     #[error("the margin {0} is not a finite number of metres")]
     Margin(f64),
 }
@@ -91,13 +93,16 @@ impl Placement {
     /// A placement of polygons that are already read.
     ///
     /// # Errors
-    /// No polygons, or a margin that is not finite.
+    /// No polygons, object polygons on several bodies, or a margin that is not finite.
     pub fn from_polygons(object: Vec<Polygon>, supports: Vec<Polygon>, margin: f64) -> Result<Self, PlacementError> {
         if !margin.is_finite() {
             return Err(PlacementError::Margin(margin));
         }
         if object.is_empty() || supports.is_empty() {
             return Err(PlacementError::Empty);
+        }
+        if object.iter().any(|polygon| polygon.frame.joint != object[0].frame.joint) {
+            return Err(PlacementError::ObjectOnSeveralBodies);
         }
         let stride = 1.0 + supports.iter().map(|p| p.radius).fold(0.0, f64::max);
         Ok(Self { object, supports, margin, stride })

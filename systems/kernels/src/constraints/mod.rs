@@ -16,14 +16,14 @@ pub fn placement_of(frame: &Frame) -> Placement {
     Placement { joint: frame.joint, X_JF: frame.joint_from_frame }
 }
 
-/// Where a constraint writes its rows: values, and a Jacobian of `width` columns row by row. The Jacobian must be zero
-/// before.
+/// Where a constraint writes its rows: values, and a Jacobian column by column (a coordinate's numbers lie together: that
+/// is how they are summed up, and how a coordinate is frozen). The Jacobian must be zero before.
 #[derive(Debug)]
 pub struct RowsOut<'a> {
     /// One value per row.
     pub values: &'a mut [f64],
-    /// `values.len()` × `width`.
+    /// The derivative of row r by column c is at c · `stride` + r.
     pub jacobian: &'a mut [f64],
-    /// Number of columns.
-    pub width: usize,
+    /// From one column to the next; at least the number of rows.
+    pub stride: usize,
 }

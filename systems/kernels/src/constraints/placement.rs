@@ -67,10 +67,10 @@ pub fn pose(placement: &Placement, contact: Contact, X_WJ: &[Pose]) -> Pose {
 /// If `X_WJ` is too short or the contact is not of this placement.
 #[must_use]
 pub fn value(placement: &Placement, contact: Contact, X_WJ: &[Pose]) -> [f64; 5] {
-    let X_SO = pose(placement, contact, X_WJ);
-    let (t, turn) = (X_SO.translation, log_so3(X_SO.rotation));
-    let (y, z) = if contact.inside { (0.0, 0.0) } else { (t.y, t.z) };
-    [t.x + placement.margin, y, z, turn.y, turn.z]
+    let support = placement_of(&placement.supports[contact.support].frame);
+    let object = placement_of(&placement.object[contact.object].frame);
+    let [x, y, z, _, turn_y, turn_z] = relative_pose::value(&support, &object, &at_margin(placement), X_WJ);
+    if contact.inside { [x, 0.0, 0.0, turn_y, turn_z] } else { [x, y, z, turn_y, turn_z] }
 }
 
 /// P̄_f: `[y + 2jM, z + 2iM, rx]` inside, `[2jM, 2iM, rx]` outside (P0 eq. 5), j the support, i the object's polygon: the
@@ -129,14 +129,13 @@ pub fn hold(placement: &Placement, parameter: &Pose) -> Option<(Contact, Pose)> 
 /// # Panics
 /// If a slice is too short or the contact is not of this placement.
 pub fn linearise(placement: &Placement, contact: Contact, columns: &[Column], X_WJ: &[Pose], out: RowsOut<'_>) {
-    let target = Pose::from_translation(DVec3::X * -placement.margin);
-    let RowsOut { values, jacobian, width } = out;
-    let rows = RowsOut { values: &mut *values, jacobian: &mut *jacobian, width };
-    linearise_pair(placement, contact, &target, &OUTSIDE, columns, X_WJ, rows);
+    let RowsOut { values, jacobian, stride } = out;
+    let rows = RowsOut { values: &mut *values, jacobian: &mut *jacobian, stride };
+    linearise_pair(placement, contact, &at_margin(placement), &OUTSIDE, columns, X_WJ, rows);
     if contact.inside {
         // Rows 1 and 2 stay in place as zeros: the number of rows does not depend on the configuration.
         values[1..3].fill(0.0);
-        jacobian[width..3 * width].fill(0.0);
+        columns.iter().for_each(|c| jacobian[c.variable() * stride..][1..3].fill(0.0));
     }
 }
 
@@ -166,6 +165,11 @@ pub fn linearise_hold(
     out: RowsOut<'_>,
 ) {
     linearise_pair(placement, *contact, X_SO, &[Some(Row::Parameter); 6], columns, X_WJ, out);
+}
+
+/// Where the object's polygon is in the support's when it touches with both centres together.
+fn at_margin(placement: &Placement) -> Pose {
+    Pose::from_translation(DVec3::X * -placement.margin)
 }
 
 fn linearise_pair(

@@ -34,22 +34,14 @@ pub fn pose(a: &Placement, b: &Placement, X_WJ: &[Pose]) -> Pose {
     a.in_world(X_WJ).inverse() * b.in_world(X_WJ)
 }
 
-/// The Jacobian of [`value`], 6 × `width` row by row.
+/// The Jacobian of [`value`], six numbers per column.
 ///
 /// # Panics
 /// If a slice is too short.
-pub fn jacobian(
-    a: &Placement,
-    b: &Placement,
-    reference: &Pose,
-    columns: &[Column],
-    X_WJ: &[Pose],
-    width: usize,
-    out: &mut [f64],
-) {
-    out[..6 * width].fill(0.0);
+pub fn jacobian(a: &Placement, b: &Placement, reference: &Pose, columns: &[Column], X_WJ: &[Pose], out: &mut [f64]) {
+    out.fill(0.0);
     let mut values = [0.0; 6];
-    let rows = RowsOut { values: &mut values, jacobian: &mut out[..6 * width], width };
+    let rows = RowsOut { values: &mut values, jacobian: out, stride: 6 };
     linearise(a, b, reference, &[Some(Row::Zero); 6], columns, X_WJ, rows);
 }
 
@@ -83,7 +75,7 @@ pub fn linearise(
         let satisfied = row == Row::Inequality && all[k] >= 0.0;
         out.values[next] = if satisfied { 0.0 } else { all[k] };
         if !satisfied {
-            target[k] = next * out.width;
+            target[k] = next;
         }
         next += 1;
     }
@@ -92,9 +84,10 @@ pub fn linearise(
         let (linear, angular) = column.twist(X_WJ, X_WB.translation);
         let (linear, angular) = (R_AW * linear, rotation_rows * angular);
         let six = [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z];
-        for (&start, value) in target.iter().zip(six) {
-            if start != usize::MAX {
-                out.jacobian[start + column.variable()] += value;
+        let numbers = &mut out.jacobian[column.variable() * out.stride..];
+        for (&row, value) in target.iter().zip(six) {
+            if row != usize::MAX {
+                numbers[row] += value;
             }
         }
     }

@@ -202,18 +202,19 @@ impl Column {
     }
 }
 
-/// The geometric Jacobian, 6 × `width` row by row: velocity of `point` (given in the world, moving with the frames that
-/// the columns move) and angular velocity, both in the world.
+/// The geometric Jacobian, six numbers per column: velocity of `point` (given in the world, moving with the frames that
+/// the columns move), then angular velocity, both in the world.
 ///
 /// # Panics
 /// If a slice is too short.
-pub fn geometric_jacobian(columns: &[Column], X_WJ: &[Pose], point: DVec3, width: usize, out: &mut [f64]) {
-    out[..6 * width].fill(0.0);
+pub fn geometric_jacobian(columns: &[Column], X_WJ: &[Pose], point: DVec3, out: &mut [f64]) {
+    out.fill(0.0);
     for column in columns {
         let (linear, angular) = column.twist(X_WJ, point);
+        let numbers = &mut out[6 * column.variable()..][..6];
         for k in 0..3 {
-            out[k * width + column.variable()] += linear[k];
-            out[(k + 3) * width + column.variable()] += angular[k];
+            numbers[k] += linear[k];
+            numbers[k + 3] += angular[k];
         }
     }
 }

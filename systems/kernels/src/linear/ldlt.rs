@@ -3,19 +3,52 @@
 //! A singular value decomposition costs 15 to 90 times as much at these sizes; with damping the matrix is positive
 //! definite, and what rank loss there is shows in the pivots.
 
-/// A = J·Jᵀ + `damping`·1 for J of `rows` × `width`, row by row; only the lower triangle of A is written.
+/// Solves (J·Jᵀ + `damping`·1) x = b for J given column by column, `rows` numbers each; `b` becomes the solution. False
+/// where the matrix is not positive definite. `gram` is working memory of `rows`² numbers.
 ///
 /// # Panics
 /// If a slice is too short.
-pub fn damped_gram(jacobian: &[f64], rows: usize, width: usize, damping: f64, gram: &mut [f64]) {
-    for i in 0..rows {
-        let row = &jacobian[i * width..(i + 1) * width];
-        for k in 0..=i {
-            let other = &jacobian[k * width..(k + 1) * width];
-            gram[i * rows + k] = row.iter().zip(other).map(|(a, b)| a * b).sum();
-        }
-        gram[i * rows + i] += damping;
+#[must_use]
+pub fn solve_damped(jacobian: &[f64], rows: usize, damping: f64, gram: &mut [f64], b: &mut [f64]) -> bool {
+    // With the usual sizes known to the compiler the loops unroll.
+    match rows {
+        3 => solve_damped_sized(jacobian, 3, damping, gram, b),
+        5 => solve_damped_sized(jacobian, 5, damping, gram, b),
+        6 => solve_damped_sized(jacobian, 6, damping, gram, b),
+        12 => solve_damped_sized(jacobian, 12, damping, gram, b),
+        _ => solve_damped_sized(jacobian, rows, damping, gram, b),
     }
+}
+
+#[inline(always)]
+fn solve_damped_sized(jacobian: &[f64], rows: usize, damping: f64, gram: &mut [f64], b: &mut [f64]) -> bool {
+    damped_gram(jacobian, rows, damping, gram);
+    if factor(gram, rows) <= 0.0 {
+        return false;
+    }
+    solve(gram, rows, b);
+    true
+}
+
+/// A = J·Jᵀ + `damping`·1 for J given column by column, `rows` numbers each; only the lower triangle of A is meaningful.
+///
+/// # Panics
+/// If a slice is too short.
+#[inline(always)]
+pub fn damped_gram(jacobian: &[f64], rows: usize, damping: f64, gram: &mut [f64]) {
+    let gram = &mut gram[..rows * rows];
+    gram.fill(0.0);
+    if rows == 0 {
+        return;
+    }
+    for column in jacobian.chunks_exact(rows) {
+        for (a, sums) in column.iter().zip(gram.chunks_exact_mut(rows)) {
+            for (b, sum) in column.iter().zip(sums) {
+                *sum += a * b;
+            }
+        }
+    }
+    gram.iter_mut().step_by(rows + 1).for_each(|d| *d += damping);
 }
 
 /// Factors the lower triangle of a symmetric positive definite matrix in place: unit lower L below the diagonal, D on it.
@@ -23,6 +56,7 @@ pub fn damped_gram(jacobian: &[f64], rows: usize, width: usize, damping: f64, gr
 ///
 /// # Panics
 /// If the slice is shorter than `size`².
+#[inline(always)]
 pub fn factor(matrix: &mut [f64], size: usize) -> f64 {
     let mut smallest = f64::INFINITY;
     for i in 0..size {
@@ -57,6 +91,7 @@ pub fn factor(matrix: &mut [f64], size: usize) -> f64 {
 ///
 /// # Panics
 /// If a slice is too short.
+#[inline(always)]
 pub fn solve(factored: &[f64], size: usize, b: &mut [f64]) {
     for i in 0..size {
         let row = &factored[i * size..i * size + i];
@@ -88,12 +123,10 @@ mod tests {
             let jacobian = &numbers[..rows * width];
             let mut b = numbers[12 * 15..12 * 15 + rows].to_vec();
             let mut gram = vec![0.0; rows * rows];
-            damped_gram(jacobian, rows, width, damping, &mut gram);
-            prop_assert!(factor(&mut gram, rows) > 0.0);
-            let j = nalgebra::DMatrix::from_row_slice(rows, width, jacobian);
+            let j = nalgebra::DMatrix::from_column_slice(rows, width, jacobian);
             let a = &j * j.transpose() + nalgebra::DMatrix::identity(rows, rows) * damping;
             let expected = a.lu().solve(&nalgebra::DVector::from_vec(b.clone())).unwrap();
-            solve(&gram, rows, &mut b);
+            prop_assert!(solve_damped(jacobian, rows, damping, &mut gram, &mut b));
             for (x, y) in b.iter().zip(expected.iter()) {
                 prop_assert!((x - y).abs() < 1e-9 * (1.0 + y.abs()), "{x} {y}");
             }

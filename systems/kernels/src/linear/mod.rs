@@ -2,4 +2,4 @@
 
 mod ldlt;
 
-pub use ldlt::{damped_gram, factor, solve};
+pub use ldlt::{damped_gram, factor, solve, solve_damped};

@@ -100,11 +100,12 @@ impl Block {
     }
 
     /// Writes values and Jacobian. Everything indexed has been checked when the program was compiled or the solve began.
-    pub(super) fn linearise(&self, at: Inputs<'_>, values: &mut [f64], jacobian: &mut [f64], width: usize) {
+    pub(super) fn linearise(&self, at: Inputs<'_>, values: &mut [f64], jacobian: &mut [f64], stride: usize) {
         let Inputs { q, arguments, decoded, X_WJ } = at;
         let (first, end) = (self.first, self.first + self.rows);
-        let jacobian = &mut jacobian[first * width..end * width];
-        let out = RowsOut { values: &mut values[first..end], jacobian, width };
+        // Checks have no columns.
+        let jacobian = jacobian.get_mut(first..).unwrap_or_default();
+        let out = RowsOut { values: &mut values[first..end], jacobian, stride };
         match &self.kind {
             Kind::Pose(block) => {
                 let reference = reference(block.reference, arguments);

@@ -134,8 +134,7 @@ impl Walk<'_> {
     }
 
     fn is_certified(&self, delta: &[f64]) -> bool {
-        let budget = self.settings.path_tolerance - 2.0 * self.settings.solve.tolerance;
-        self.program.residual_bound().between(delta, &self.scratch.poses) <= budget
+        self.bound(delta) <= self.budget()
     }
 
     fn take_goal(&mut self) {
@@ -161,19 +160,30 @@ impl Walk<'_> {
         false
     }
 
-    /// The bound grows with the square of the step: the fraction of the chord that meets it, with a margin for the
-    /// correction that the projection adds.
+    /// The fraction of the chord that meets the bound, with a margin for the correction that the projection adds. The
+    /// bound grows with the square of the step and a little faster, so its root is a guess on the safe side.
     fn certified_fraction(&mut self) -> f64 {
         let mut fraction = 0.5;
         while fraction > 1e-6 {
             let s = &mut *self.scratch;
             s.step.iter_mut().zip(&s.chord).for_each(|(x, c)| *x = c * fraction);
-            if self.is_certified(&self.scratch.step) {
+            let bound = self.bound(&self.scratch.step);
+            if bound <= self.budget() {
                 return 0.9 * fraction;
             }
-            fraction *= 0.8;
+            let guess = (self.budget() / bound).sqrt();
+            fraction *= if bound.is_finite() { guess.min(0.9) } else { 0.5 };
         }
         0.0
+    }
+
+    fn bound(&self, delta: &[f64]) -> f64 {
+        self.program.residual_bound().between(delta, &self.scratch.poses)
+    }
+
+    /// What the rows may add between two knots that are solved already.
+    fn budget(&self) -> f64 {
+        self.settings.path_tolerance - 2.0 * self.settings.solve.tolerance
     }
 
     fn try_step(&mut self, fraction: f64, length: f64) -> bool {

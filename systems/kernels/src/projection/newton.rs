@@ -169,42 +169,38 @@ impl ConstraintProgram {
     fn solve_step(&self, damping: f64, scratch: &mut Scratch) -> bool {
         let (rows, width) = (self.rows(), self.active.len());
         let Scratch { values, jacobian, gram, multipliers, step, .. } = scratch;
-        linear::damped_gram(jacobian, rows, width, damping, gram);
-        if linear::factor(gram, rows) <= 0.0 {
+        multipliers[..rows].copy_from_slice(&values[..rows]);
+        let jacobian = &jacobian[..rows * width];
+        if !linear::solve_damped(jacobian, rows, damping, gram, multipliers) {
             return false;
         }
-        multipliers[..rows].copy_from_slice(&values[..rows]);
-        linear::solve(gram, rows, multipliers);
-        step[..width].fill(0.0);
-        for (row, y) in jacobian.chunks_exact(width.max(1)).zip(&multipliers[..rows]) {
-            for (s, j) in step[..width].iter_mut().zip(row) {
-                *s -= j * y;
-            }
+        for (s, column) in step.iter_mut().zip(jacobian.chunks_exact(rows.max(1))) {
+            *s = -column.iter().zip(&multipliers[..rows]).map(|(j, y)| j * y).sum::<f64>();
         }
         true
     }
 
     /// Freezes coordinates at a bound that the gradient of ½|e|² pushes outward: their columns become zero.
     fn freeze_by_gradient(&self, q: &[f64], scratch: &mut Scratch) {
-        let (rows, width) = (self.rows(), self.active.len());
+        let rows = self.rows();
         for change in &self.moves {
             let Some((variable, side)) = change.at_bound(q) else { continue };
-            let column = scratch.jacobian[variable..].iter().step_by(width);
-            let gradient: f64 = column.zip(&scratch.values[..rows]).map(|(j, e)| j * e).sum();
+            let column = &scratch.jacobian[variable * rows..][..rows];
+            let gradient: f64 = column.iter().zip(&scratch.values).map(|(j, e)| j * e).sum();
             if side * -gradient > 0.0 {
-                freeze(variable, width, rows, scratch);
+                freeze(variable, rows, scratch);
             }
         }
     }
 
     /// Freezes coordinates at a bound that the step pushes outward; whether there were any.
     fn freeze_by_step(&self, q: &[f64], scratch: &mut Scratch) -> bool {
-        let (rows, width) = (self.rows(), self.active.len());
+        let rows = self.rows();
         let mut any = false;
         for change in &self.moves {
             let Some((variable, side)) = change.at_bound(q) else { continue };
             if !scratch.frozen[variable] && side * scratch.step[variable] > 0.0 {
-                freeze(variable, width, rows, scratch);
+                freeze(variable, rows, scratch);
                 any = true;
             }
         }
@@ -235,11 +231,9 @@ impl ConstraintProgram {
     }
 }
 
-fn freeze(variable: usize, width: usize, rows: usize, scratch: &mut Scratch) {
+fn freeze(variable: usize, rows: usize, scratch: &mut Scratch) {
     scratch.frozen[variable] = true;
-    for row in 0..rows {
-        scratch.jacobian[row * width + variable] = 0.0;
-    }
+    scratch.jacobian[variable * rows..][..rows].fill(0.0);
 }
 
 impl Move {

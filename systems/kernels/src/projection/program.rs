@@ -191,7 +191,7 @@ impl ConstraintProgram {
         let Scratch { X_WJ, decoded, values, jacobian, .. } = scratch;
         jacobian[..rows * width].fill(0.0);
         for block in &self.blocks {
-            block.linearise(Inputs { q, arguments, decoded, X_WJ }, values, jacobian, width);
+            block.linearise(Inputs { q, arguments, decoded, X_WJ }, values, jacobian, rows);
         }
         largest(&values[..rows])
     }

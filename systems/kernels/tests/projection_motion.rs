@@ -1,0 +1,325 @@
+//! Motions stay on their leaf between the knots: the bound on second derivatives is never exceeded.
+#![allow(non_snake_case, reason = "pose names carry their frames")]
+#![allow(clippy::unwrap_used, reason = "what a test expects and does not find fails it")]
+
+use foliate_components::Pose;
+use foliate_components::constraint::{
+    Constraint, Frame, Grasp, Placement as Contact, Polygon, Reference, RelativePose, Row, Side,
+};
+use foliate_components::pose::{exp_so3, log_so3};
+use foliate_components::robot::{LinkIndex, PartKind, PartPlacement, Robot, RootJoint, Source};
+use foliate_components::sample_models as models;
+use foliate_kernels::constraints::{placement_of, relative_pose};
+use foliate_kernels::kinematics::{Carriage, Kinematics};
+use foliate_kernels::projection::{
+    ConstraintProgram, MotionEnd, MotionScratch, MotionSettings, Scratch, Settings, project, project_motion,
+};
+use glam::DVec3;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// Two arms and a block; an arm on a planar root, one on a free-flyer, a hand with a mimic finger.
+fn world() -> Robot {
+    let (arm, two, hand) = (models::seven_axis_arm(), models::two_joint_arm(), models::two_finger_hand());
+    let block = models::block(DVec3::new(0.06, 0.06, 0.12));
+    let at = |x, y, z| Pose::from_parts(DVec3::new(x, y, z), exp_so3(DVec3::new(0.0, 0.2, 0.1)));
+    let drone = PartPlacement {
+        root_bounds: vec![(-1.0, 1.0); 3],
+        ..models::part("drone", PartKind::Robot, RootJoint::FreeFlyer, at(0.0, 0.0, 1.0))
+    };
+    Robot::compose(&[
+        (&arm, models::fixed_robot("left", at(0.0, 0.3, 0.0))),
+        (&arm, models::fixed_robot("right", at(0.0, -0.3, 0.0))),
+        (&two, models::part("rover", PartKind::Robot, RootJoint::Planar, at(1.0, 0.0, 0.0))),
+        (&two, drone),
+        (&hand, models::fixed_robot("hand", at(0.0, 0.0, 0.0))),
+        (&block, models::movable_object("block")),
+    ])
+    .unwrap()
+}
+
+struct Bench {
+    robot: Robot,
+    kinematics: Kinematics,
+    scratch: Scratch,
+    rng: ChaCha8Rng,
+}
+
+impl Bench {
+    fn new(seed: u64) -> Self {
+        let robot = world();
+        let kinematics = Kinematics::new(&robot);
+        Self { robot, kinematics, scratch: Scratch::default(), rng: ChaCha8Rng::seed_from_u64(seed) }
+    }
+
+    fn compile(&self, constraints: &[Constraint]) -> ConstraintProgram {
+        ConstraintProgram::compile(&self.robot, &self.kinematics, constraints, &[], &[]).unwrap()
+    }
+
+    fn random(&mut self) -> Vec<f64> {
+        let mut q = self.robot.space.neutral();
+        self.robot.space.random(&mut self.rng, &mut q);
+        q
+    }
+
+    /// A configuration that satisfies the program.
+    fn solution(&mut self, program: &ConstraintProgram, arguments: &[Pose]) -> Vec<f64> {
+        loop {
+            let mut q = self.random();
+            if project(program, &mut q, arguments, &Settings::default(), &mut self.scratch).is_converged() {
+                return q;
+            }
+        }
+    }
+
+    /// Another one near it.
+    fn neighbour(&mut self, program: &ConstraintProgram, arguments: &[Pose], q: &[f64], reach: f64) -> Vec<f64> {
+        let (mut v, mut moved) = (vec![0.0; self.robot.space.dimension()], q.to_vec());
+        loop {
+            v.iter_mut().for_each(|x| *x = self.rng.random_range(-reach..reach));
+            self.robot.space.integrate(q, &v, &mut moved);
+            if project(program, &mut moved, arguments, &Settings::default(), &mut self.scratch).is_converged() {
+                return moved;
+            }
+        }
+    }
+
+    fn poses(&self, q: &[f64], carriages: &[Carriage]) -> Vec<Pose> {
+        let mut X_WJ = vec![Pose::identity(); self.kinematics.bodies()];
+        self.kinematics.forward(q, &mut X_WJ);
+        self.kinematics.carry(q, carriages, &mut X_WJ);
+        X_WJ
+    }
+}
+
+/// Walks a motion finely and returns the largest residual between and at its knots.
+fn largest_residual(
+    bench: &Bench,
+    program: &ConstraintProgram,
+    arguments: &[Pose],
+    knots: &[f64],
+    value: impl Fn(&[Pose]) -> f64,
+) -> f64 {
+    let size = bench.robot.space.size();
+    let mut carriages = Vec::new();
+    assert!(program.resolve_carriages(arguments, &mut carriages));
+    let (mut q, mut worst) = (bench.robot.space.neutral(), 0.0_f64);
+    for pair in knots.chunks(size).collect::<Vec<_>>().windows(2) {
+        for sample in 0..=20 {
+            bench.robot.space.interpolate(pair[0], pair[1], f64::from(sample) / 20.0, &mut q);
+            worst = worst.max(value(&bench.poses(&q, &carriages)));
+        }
+    }
+    worst
+}
+
+#[test]
+fn a_box_held_by_two_hands_moves_with_both() {
+    let mut bench = Bench::new(31);
+    let robot = &bench.robot;
+    let [left, right] = ["left/hand", "right/hand"].map(|g| robot.gripper(g).unwrap());
+    let top = robot.handle("block/top").unwrap();
+    let left = Grasp::new(robot, left, top).unwrap().constraint();
+    let right = Grasp::new(robot, right, top).unwrap().constraint();
+    let opposite = Pose::from_rotation(exp_so3(DVec3::Y * std::f64::consts::PI));
+    let right = RelativePose { b: right.b.then(&opposite), ..right };
+    let program = bench.compile(&[Constraint::RelativePose(left), Constraint::RelativePose(right)]);
+    let (settings, mut scratch) = (MotionSettings::default(), MotionScratch::default());
+    let residual = |X_WJ: &[Pose]| {
+        let of =
+            |c: &RelativePose| relative_pose::value(&placement_of(&c.a), &placement_of(&c.b), &Pose::identity(), X_WJ);
+        [of(&left), of(&right)].concat().iter().fold(0.0, |m: f64, e| m.max(e.abs()))
+    };
+    let (mut reached, mut knots_used, mut length) = (0, 0, 0.0);
+    for _ in 0..40 {
+        let from = bench.solution(&program, &[]);
+        let to = bench.neighbour(&program, &[], &from, 0.5);
+        let mut knots = Vec::new();
+        let space = &bench.robot.space;
+        let end = project_motion(&program, space, (&from, &to), &[], &settings, &mut scratch, &mut knots);
+        let worst = largest_residual(&bench, &program, &[], &knots, residual);
+        assert!(worst <= settings.path_tolerance, "{worst} between knots");
+        assert_eq!(&knots[..from.len()], &from[..], "the first knot is the start");
+        if end == MotionEnd::Reached {
+            reached += 1;
+            let last = &knots[knots.len() - to.len()..];
+            assert_eq!(&last[..14], &to[..14], "the last knot is the goal");
+            knots_used += knots.len() / to.len();
+            let mut v = vec![0.0; space.dimension()];
+            space.difference(&from, &to, &mut v);
+            length += v[..14].iter().map(|x| x * x).sum::<f64>().sqrt();
+        }
+    }
+    println!("reached {reached} of 40, {:.1} knots per radian", f64::from(knots_used as u32) / length);
+    assert!(reached >= 20, "{reached}");
+}
+
+#[test]
+fn without_rows_a_motion_is_its_two_ends() {
+    let mut bench = Bench::new(32);
+    let robot = &bench.robot;
+    let grasp = Grasp::new(robot, robot.gripper("left/hand").unwrap(), robot.handle("block/top").unwrap()).unwrap();
+    let program = bench.compile(&[Constraint::RelativePose(grasp.constraint())]);
+    let (from, to) = (bench.solution(&program, &[]), bench.solution(&program, &[]));
+    let (mut knots, mut scratch) = (Vec::new(), MotionScratch::default());
+    let ends = (&from[..], &to[..]);
+    let settings = MotionSettings::default();
+    let end = project_motion(&program, &bench.robot.space, ends, &[], &settings, &mut scratch, &mut knots);
+    assert_eq!((end, knots.len()), (MotionEnd::Reached, 2 * from.len()));
+    assert_eq!(&knots[..from.len()], &from[..]);
+    assert_eq!(&knots[from.len()..from.len() + 14], &to[..14]);
+}
+
+#[test]
+fn a_motion_that_would_jump_to_another_branch_stops_before_it() {
+    let mut bench = Bench::new(33);
+    // The drone's tip stays at a point of its own body: elbow left and elbow right are apart.
+    let robot = &bench.robot;
+    let gripper = &robot.grippers[robot.gripper("drone/tip").unwrap().at()];
+    let tip = Frame::on_link(robot, gripper.link, &gripper.link_from_gripper);
+    let root = Frame::of_joint(robot.joint("drone/root_joint").unwrap());
+    let rows = [Some(Row::Zero), Some(Row::Zero), None, None, None, None];
+    let reference = Reference::Fixed(Pose::from_translation(DVec3::new(1.2, 0.3, 0.0)));
+    let program = bench.compile(&[Constraint::RelativePose(RelativePose { a: root, b: tip, rows, reference })]);
+    let coordinate = |name: &str| match bench.robot.joints[bench.robot.joint(name).unwrap().at()].source {
+        Source::Coordinates { q, .. } => q,
+        Source::Follows { .. } => unreachable!(),
+    };
+    let (shoulder, elbow) = (coordinate("drone/shoulder"), coordinate("drone/elbow"));
+    let from = bench.solution(&program, &[]);
+    let mut to = from.clone();
+    to[elbow] = -from[elbow];
+    to[shoulder] = from[shoulder] + from[elbow];
+    assert!(program.residual(&to, &[], &mut bench.scratch).unwrap() < 1e-5);
+    assert!(project(&program, &mut to, &[], &Settings::default(), &mut bench.scratch).is_converged());
+    let (mut knots, mut scratch) = (Vec::new(), MotionScratch::default());
+    let (ends, settings) = ((&from[..], &to[..]), MotionSettings::default());
+    let end = project_motion(&program, &bench.robot.space, ends, &[], &settings, &mut scratch, &mut knots);
+    assert_eq!(end, MotionEnd::Stopped);
+    assert_eq!(knots.len() % from.len(), 0);
+    assert!(knots.chunks(from.len()).all(|k| (k[elbow] > 0.0) == (from[elbow] > 0.0)), "never on the other branch");
+}
+
+#[test]
+fn ends_off_the_leaf_are_refused() {
+    let mut bench = Bench::new(34);
+    let tip = Frame::of_joint(bench.robot.joint("left/w2").unwrap());
+    let rigid = RelativePose::rigid(Frame::world(Pose::identity()), tip, Reference::Argument(0));
+    let program = bench.compile(&[Constraint::RelativePose(rigid)]);
+    let target = bench.random();
+    let X_WT = bench.poses(&target, &[])[tip.joint.unwrap().at()];
+    let (mut knots, mut scratch) = (Vec::new(), MotionScratch::default());
+    let (from, settings) = (bench.random(), MotionSettings::default());
+    let mut motion = |from: &[f64], to: &[f64], arguments: &[Pose]| {
+        project_motion(&program, &bench.robot.space, (from, to), arguments, &settings, &mut scratch, &mut knots)
+    };
+    assert_eq!(motion(&from, &target, &[X_WT]), MotionEnd::NotOnLeaf);
+    assert_eq!(motion(&target, &from, &[X_WT]), MotionEnd::NotOnLeaf);
+    assert_eq!(motion(&target, &target, &[]), MotionEnd::NotOnLeaf);
+    assert_eq!(motion(&target[1..], &target, &[X_WT]), MotionEnd::NotOnLeaf);
+    assert!(knots.is_empty());
+}
+
+#[test]
+fn a_flying_root_keeps_its_foot_on_the_ground() {
+    let mut bench = Bench::new(35);
+    let robot = &bench.robot;
+    let foot = Frame::of_joint(robot.joint("drone/elbow").unwrap());
+    let square = |z: f64, size: f64| {
+        [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(|(x, y)| DVec3::new(x * size, y * size, z))
+    };
+    let mut sole = square(-0.02, 0.1);
+    sole.reverse();
+    let object = Polygon::new(foot, &sole, Side::Object).unwrap();
+    let ground = Polygon::new(Frame::world(Pose::identity()), &square(0.5, 2.0), Side::Support).unwrap();
+    let contact = Contact::from_polygons(vec![object], vec![ground], 0.0).unwrap();
+    let program = bench.compile(&[Constraint::PlacementHold(contact.clone(), 0)]);
+    assert_eq!((program.rows(), program.active().len()), (6, 8));
+    let (settings, mut scratch) = (MotionSettings::default(), MotionScratch::default());
+    let mut reached = 0;
+    for _ in 0..20 {
+        let parameter =
+            Pose::from_parts(DVec3::new(0.0, bench.rng.random_range(-0.5..0.5), 0.2), exp_so3(DVec3::X * 2.5));
+        let from = bench.solution(&program, &[parameter]);
+        let to = bench.neighbour(&program, &[parameter], &from, 0.4);
+        let mut knots = Vec::new();
+        let ends = (&from[..], &to[..]);
+        let end = project_motion(&program, &bench.robot.space, ends, &[parameter], &settings, &mut scratch, &mut knots);
+        reached += usize::from(end == MotionEnd::Reached);
+        let residual = |X_WJ: &[Pose]| {
+            let target = foliate_kernels::constraints::placement::decode(&contact, &parameter).unwrap();
+            let (a, b) = (placement_of(&contact.supports[0].frame), placement_of(&contact.object[0].frame));
+            relative_pose::value(&a, &b, &target.1, X_WJ).iter().fold(0.0, |m: f64, e| m.max(e.abs()))
+        };
+        let worst = largest_residual(&bench, &program, &[parameter], &knots, residual);
+        assert!(worst <= settings.path_tolerance, "{worst} between knots");
+    }
+    assert!(reached >= 15, "{reached}");
+}
+
+/// Between any two frames, along any short motion: how far values leave the straight line between their ends.
+#[test]
+fn the_bound_on_second_derivatives_is_sound_and_not_wasteful() {
+    let mut bench = Bench::new(36);
+    let (mut tightest, mut rounds) = ([0.0_f64; 3], 0);
+    while rounds < 600 {
+        let links = bench.robot.links.len() as u32;
+        let mut frame = || {
+            let link = LinkIndex(bench.rng.random_range(0..links));
+            let mut number = || bench.rng.random_range(-0.5..0.5);
+            let t = DVec3::new(number(), number(), number());
+            let turn = DVec3::new(number(), number(), number());
+            Frame::on_link(&bench.robot, link, &Pose::from_parts(t, exp_so3(turn)))
+        };
+        let (a, b) = (frame(), frame());
+        let kind = rounds % 3;
+        let zero = Some(Row::Zero);
+        let rows = [
+            [zero, zero, zero, None, None, None],
+            [None, None, None, zero, zero, zero],
+            [None, None, None, zero, zero, None],
+        ][kind];
+        let q = bench.random();
+        let (a_on, b_on) = (placement_of(&a), placement_of(&b));
+        let reference = relative_pose::pose(&a_on, &b_on, &bench.poses(&q, &[]));
+        let pose = RelativePose { a, b, rows, reference: Reference::Fixed(reference) };
+        let program = bench.compile(&[Constraint::RelativePose(pose)]);
+        if program.rows() == 0 {
+            continue; // the frames are on one body
+        }
+        rounds += 1;
+        let scale = bench.rng.random_range(0.001..0.06);
+        let delta: Vec<f64> =
+            (0..bench.robot.space.dimension()).map(|_| bench.rng.random_range(-scale..scale)).collect();
+        let bound = program.residual_bound().between(&delta, &bench.poses(&q, &[]));
+        if bound == f64::INFINITY {
+            assert!(kind == 1, "only whole rotations have a limit");
+            continue;
+        }
+        let value = |t: f64| {
+            let (mut moved, step) = (q.clone(), delta.iter().map(|d| d * t).collect::<Vec<_>>());
+            bench.robot.space.integrate(&q, &step, &mut moved);
+            let X_AB = relative_pose::pose(&a_on, &b_on, &bench.poses(&moved, &[]));
+            match kind {
+                0 => X_AB.translation,
+                1 => log_so3(reference.rotation.conjugate() * X_AB.rotation),
+                _ => reference.rotation.conjugate() * (X_AB.rotation * DVec3::Z),
+            }
+        };
+        let (start, end) = (value(0.0), value(1.0));
+        let mut most = 0.0_f64;
+        for sample in 1..20 {
+            let t = f64::from(sample) / 20.0;
+            most = most.max((value(t) - start.lerp(end, t)).length());
+        }
+        assert!(most <= bound + 1e-12, "kind {kind}: {most} above the bound {bound}");
+        if bound > 1e-9 {
+            tightest[kind] = tightest[kind].max(most / bound);
+        }
+    }
+    println!(
+        "closest to the bound: positions {:.2}, rotations {:.2}, axes {:.2}",
+        tightest[0], tightest[1], tightest[2]
+    );
+    assert!(tightest.iter().all(|&t| t > 0.2), "{tightest:?}");
+}
