@@ -95,7 +95,9 @@ fn shape(geometry: &Geometry) -> String {
             let size = *half_extents * 2.0;
             format!("box {} x {} x {}", size.x, size.y, size.z)
         }
-        Geometry::Cylinder { radius, half_length } => format!("cylinder, radius {radius}, length {}", 2.0 * half_length),
+        Geometry::Cylinder { radius, half_length } => {
+            format!("cylinder, radius {radius}, length {}", 2.0 * half_length)
+        }
         Geometry::Capsule { radius, half_length } => format!("capsule, radius {radius}, length {}", 2.0 * half_length),
         Geometry::Mesh(mesh) => {
             let closed = if mesh.closed { "" } else { ", not closed" };

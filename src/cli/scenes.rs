@@ -35,10 +35,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending, Refusal> {
         return Ok(Ending::Done);
     }
     if arguments.json {
-        let scenes: Vec<_> = scenes
-            .iter()
-            .map(|s| Listed { name: s.name, summary: s.summary, needs_models: s.needs_models })
-            .collect();
+        let scenes: Vec<_> =
+            scenes.iter().map(|s| Listed { name: s.name, summary: s.summary, needs_models: s.needs_models }).collect();
         print_json(&serde_json::json!({ "scenes": scenes }))?;
         return Ok(Ending::Done);
     }

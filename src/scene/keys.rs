@@ -69,7 +69,8 @@ impl<'f> Keys<'f> {
 
     /// All keys and values, in the order of the file, for tables whose keys are names.
     pub fn entries(&self) -> Vec<(&'f str, Item<'f>)> {
-        let mut all: Vec<_> = self.table.iter().map(|(k, v)| (k.get_ref().as_ref(), self.item(k.get_ref(), v))).collect();
+        let mut all: Vec<_> =
+            self.table.iter().map(|(k, v)| (k.get_ref().as_ref(), self.item(k.get_ref(), v))).collect();
         all.sort_by_key(|(_, item)| item.offset);
         all
     }

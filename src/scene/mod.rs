@@ -47,12 +47,7 @@ pub fn load_scene(name_or_path: &str, packages: &PackagePath) -> Result<Scene, S
 ///
 /// # Errors
 /// As [`load_scene`].
-pub fn load_scene_text(
-    name: &str,
-    text: &str,
-    directory: &Path,
-    packages: &PackagePath,
-) -> Result<Scene, SceneError> {
+pub fn load_scene_text(name: &str, text: &str, directory: &Path, packages: &PackagePath) -> Result<Scene, SceneError> {
     assemble::load(name, text, SceneBase::Directory(directory.to_owned()), packages)
 }
 
@@ -81,12 +76,8 @@ pub fn read_model(urdf: &str, srdf: Option<&str>, packages: &PackagePath) -> Res
     let mut warnings = Vec::new();
     let mut meshes = mesh::Meshes::new(packages);
     let base = urdf.file.base();
-    let mut context = urdf::Context {
-        meshes: &mut meshes,
-        base: &base,
-        up_axis: UpAxis::AsWritten,
-        warnings: &mut warnings,
-    };
+    let mut context =
+        urdf::Context { meshes: &mut meshes, base: &base, up_axis: UpAxis::AsWritten, warnings: &mut warnings };
     let mut model = urdf::read(&urdf.label, &urdf.text, &mut context)?;
     if let Some(srdf) = srdf {
         let srdf = open(srdf)?;

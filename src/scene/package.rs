@@ -53,6 +53,12 @@ impl PackagePath {
         Self { places: given.iter().map(place).collect() }
     }
 
+    /// The first directory of the list that is the package of that name.
+    #[must_use]
+    pub fn find(&self, package: &str) -> Option<PathBuf> {
+        self.candidates(package).find(|d| d.is_dir())
+    }
+
     /// The file that `package://name/path` (or `package:///name/path`) names.
     pub(crate) fn resolve(&self, url: &str) -> Result<PathBuf, Unresolved> {
         let fail = |message: &str, hint: &str| Err(Unresolved { message: message.into(), hint: hint.into() });
@@ -108,7 +114,8 @@ pub fn model_cache() -> Option<PathBuf> {
     let from = |variable: &str| std::env::var_os(variable).filter(|v| !v.is_empty()).map(PathBuf::from);
     from("FOLIATE_MODEL_CACHE").or_else(|| {
         let cache = from("XDG_CACHE_HOME").filter(|p| p.is_absolute()).or_else(|| {
-            from("HOME").map(|home| if cfg!(target_os = "macos") { home.join("Library/Caches") } else { home.join(".cache") })
+            from("HOME")
+                .map(|home| if cfg!(target_os = "macos") { home.join("Library/Caches") } else { home.join(".cache") })
         });
         cache.or_else(|| from("LOCALAPPDATA")).map(|cache| cache.join("foliate").join("models"))
     })
@@ -145,7 +152,9 @@ mod tests {
 
     #[test]
     fn urls_that_leave_the_package_are_refused_before_any_file_is_looked_for() {
-        for url in ["package://a/../b.stl", "package://../a/b.stl", "package://a/b/../../../c.stl", "package://a//etc/passwd"] {
+        for url in
+            ["package://a/../b.stl", "package://../a/b.stl", "package://a/b/../../../c.stl", "package://a//etc/passwd"]
+        {
             assert_eq!(message(url), "leaves its package", "{url}");
         }
         assert_eq!(message("package://a"), "names no file in a package");

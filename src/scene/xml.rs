@@ -60,11 +60,7 @@ impl<'a> Xml<'a> {
     ///
     /// # Errors
     /// Where there are several.
-    pub fn optional_child<'n, 'i>(
-        &self,
-        node: Node<'n, 'i>,
-        name: &str,
-    ) -> Result<Option<Node<'n, 'i>>, SceneError> {
+    pub fn optional_child<'n, 'i>(&self, node: Node<'n, 'i>, name: &str) -> Result<Option<Node<'n, 'i>>, SceneError> {
         let mut found = elements(node, name);
         let first = found.next();
         match found.next() {
@@ -166,10 +162,9 @@ fn scan(file: &str, text: &str) -> Result<(), SceneError> {
             return Err(refuse("<!DOCTYPE>", "document types and entities are not read".into())
                 .hint("remove the <!DOCTYPE …> and write its entities out"));
         } else {
-            let (end, attributes, namespaces) =
-                tag(bytes, open).ok_or_else(|| {
-                    refuse(&opened(text, open), "is never closed: `>` is missing".into()).hint("the file is cut off")
-                })?;
+            let (end, attributes, namespaces) = tag(bytes, open).ok_or_else(|| {
+                refuse(&opened(text, open), "is never closed: `>` is missing".into()).hint("the file is cut off")
+            })?;
             counts.attributes += attributes;
             counts.namespaces += namespaces;
             match (rest.get(1), bytes[end - 1]) {

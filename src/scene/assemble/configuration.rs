@@ -133,9 +133,11 @@ impl Reader<'_> {
         let objects = || self.robot.parts.iter().filter(|p| p.kind == PartKind::Object);
         let mut poses = Vec::new();
         for (name, item) in item.keys()?.entries() {
-            let part = self.robot.parts.iter().position(|p| {
-                p.name == name && p.kind == PartKind::Object && p.root == RootJoint::FreeFlyer
-            });
+            let part = self
+                .robot
+                .parts
+                .iter()
+                .position(|p| p.name == name && p.kind == PartKind::Object && p.root == RootJoint::FreeFlyer);
             let known = objects().map(|p| p.name.as_str());
             let part = part.ok_or_else(|| {
                 item.error("there is no freely moving object of this name").hint(did_you_mean(name, known))

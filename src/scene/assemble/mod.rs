@@ -51,7 +51,8 @@ pub(crate) fn load(name: &str, text: &str, base: SceneBase, packages: &PackagePa
     let mut keys = Keys::root(&file, &table);
     let format = keys.required("format")?;
     if format.string()? != FORMAT {
-        return Err(format.error(format!("`{}` is no format of scenes", quoted(format.string()?)))
+        return Err(format
+            .error(format!("`{}` is no format of scenes", quoted(format.string()?)))
             .hint(format!("this version reads \"{FORMAT}\"")));
     }
     let scene_name = keys.required("name")?.string()?.to_owned();

@@ -8,9 +8,7 @@ use crate::scene::source::{ModelFile, OpenError, Opened, open};
 use crate::scene::srdf::{check_mask, check_polygons};
 use crate::scene::{srdf, urdf};
 use foliate_components::Pose;
-use foliate_components::robot::model::{
-    GripperModel, HandleModel, JointKind, Model, SurfaceModel,
-};
+use foliate_components::robot::model::{GripperModel, HandleModel, JointKind, Model, SurfaceModel};
 use foliate_components::robot::{PartKind, PartPlacement, RootJoint};
 use glam::{DQuat, DVec3};
 use std::collections::HashMap;
@@ -61,8 +59,7 @@ pub(super) fn read<'f>(item: &Item<'f>, loader: &mut Loader<'_>) -> Result<Loade
     }
     let ignore = keys.optional("ignore");
     keys.finish()?;
-    let source =
-        PartSource { name: name.to_owned(), urdf: urdf_file.file, srdf: srdf_file.map(|opened| opened.file) };
+    let source = PartSource { name: name.to_owned(), urdf: urdf_file.file, srdf: srdf_file.map(|opened| opened.file) };
     Ok(LoadedPart { model, placement, source, ignore, item: item.clone() })
 }
 
@@ -88,8 +85,7 @@ fn part_name<'f>(item: &Item<'f>) -> Result<&'f str, SceneError> {
 }
 
 fn kind(item: &Item<'_>) -> Result<PartKind, SceneError> {
-    let kinds =
-        [("robot", PartKind::Robot), ("object", PartKind::Object), ("environment", PartKind::Environment)];
+    let kinds = [("robot", PartKind::Robot), ("object", PartKind::Object), ("environment", PartKind::Environment)];
     one_of(item, &kinds)
 }
 
@@ -102,8 +98,7 @@ fn opened(item: &Item<'_>, loader: &Loader<'_>) -> Result<Opened, SceneError> {
 }
 
 fn placement(keys: &mut Keys<'_>, name: &str, kind: PartKind, model: &Model) -> Result<PartPlacement, SceneError> {
-    let roots =
-        [("fixed", RootJoint::Fixed), ("freeflyer", RootJoint::FreeFlyer), ("planar", RootJoint::Planar)];
+    let roots = [("fixed", RootJoint::Fixed), ("freeflyer", RootJoint::FreeFlyer), ("planar", RootJoint::Planar)];
     let root = match keys.optional("root") {
         Some(item) => {
             let root = one_of(&item, &roots)?;

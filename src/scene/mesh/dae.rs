@@ -84,9 +84,10 @@ impl<'a, 'i> Reader<'a, 'i> {
     /// What `#id` in an attribute names.
     fn target(&self, node: Node<'a, 'i>, attribute: &str) -> Result<Node<'a, 'i>, SceneError> {
         let url = self.xml.attribute(node, attribute)?;
-        url.strip_prefix('#').and_then(|id| self.by_id.get(id)).copied().ok_or_else(|| {
-            self.xml.error(node, format!("`{}` names nothing in this file", quoted(url)))
-        })
+        url.strip_prefix('#')
+            .and_then(|id| self.by_id.get(id))
+            .copied()
+            .ok_or_else(|| self.xml.error(node, format!("`{}` names nothing in this file", quoted(url))))
     }
 
     /// Walks the node hierarchy, instanced nodes included, and adds every geometry it places.

@@ -60,7 +60,11 @@ impl Corners {
 fn binary(file: &str, records: &[u8]) -> Result<Triangles, SceneError> {
     let count = records.len() / RECORD;
     if count > TRIANGLES {
-        return Err(SceneError::new(file, "header", format!("declares {count} triangles, at most {TRIANGLES} are read")));
+        return Err(SceneError::new(
+            file,
+            "header",
+            format!("declares {count} triangles, at most {TRIANGLES} are read"),
+        ));
     }
     let mut corners = Corners::default();
     corners.mesh.triangles.reserve(count);
@@ -91,8 +95,7 @@ fn text(file: &str, content: &[u8]) -> Result<Triangles, SceneError> {
     let mut loop_corners: Option<Vec<u32>> = None;
     let mut ended = false;
     for (index, line) in content.lines().enumerate() {
-        let fail =
-            |element: &str, message: String| Err(SceneError::new(file, element, message).at(index as u32 + 1));
+        let fail = |element: &str, message: String| Err(SceneError::new(file, element, message).at(index as u32 + 1));
         let mut words = line.split_ascii_whitespace();
         match words.next() {
             Some("outer") => loop_corners = Some(Vec::new()),

@@ -8,7 +8,12 @@ use roxmltree::Node;
 use std::collections::HashMap;
 
 /// Reads all joints into the model, whose links are known.
-pub(super) fn read(xml: &Xml<'_>, root: Node<'_, '_>, model: &mut Model) -> Result<(), SceneError> {
+pub(super) fn read(
+    xml: &Xml<'_>,
+    root: Node<'_, '_>,
+    model: &mut Model,
+    warnings: &mut Vec<SceneError>,
+) -> Result<(), SceneError> {
     let nodes: Vec<_> = elements(root, "joint").collect();
     let links: HashMap<&str, usize> = model.links.iter().enumerate().map(|(i, l)| (l.name.as_str(), i)).collect();
     let mut by_name = HashMap::new();
@@ -17,12 +22,14 @@ pub(super) fn read(xml: &Xml<'_>, root: Node<'_, '_>, model: &mut Model) -> Resu
         let name = xml.attribute(node, "name")?;
         if let Some(first) = by_name.insert(name, index) {
             let line = xml.line(nodes[first]);
-            return Err(xml.error(node, "a joint of this name exists already").hint(format!("the first is at line {line}")));
+            return Err(xml
+                .error(node, "a joint of this name exists already")
+                .hint(format!("the first is at line {line}")));
         }
         joints.push(joint(xml, node, name, &links)?);
     }
     tree::check(xml, root, &nodes, &joints, model)?;
-    tree::check_mimics(xml, &nodes, &joints, &by_name)?;
+    tree::check_mimics(xml, &nodes, &mut joints, &by_name, warnings)?;
     model.joints = joints;
     Ok(())
 }
@@ -64,12 +71,7 @@ fn kind(xml: &Xml<'_>, node: Node<'_, '_>) -> Result<JointKind, SceneError> {
     })
 }
 
-fn link(
-    xml: &Xml<'_>,
-    node: Node<'_, '_>,
-    end: &str,
-    links: &HashMap<&str, usize>,
-) -> Result<usize, SceneError> {
+fn link(xml: &Xml<'_>, node: Node<'_, '_>, end: &str, links: &HashMap<&str, usize>) -> Result<usize, SceneError> {
     let element = xml.child(node, end)?;
     let name = xml.attribute(element, "link")?;
     links.get(name).copied().ok_or_else(|| {

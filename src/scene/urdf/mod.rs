@@ -43,7 +43,9 @@ pub(crate) fn read(file: &str, text: &str, context: &mut Context<'_, '_>) -> Res
     for node in elements(root, "link") {
         let name = xml.attribute(node, "name")?;
         if let Some(first) = lines.insert(name, xml.line(node)) {
-            return Err(xml.error(node, "a link of this name exists already").hint(format!("the first is at line {first}")));
+            return Err(xml
+                .error(node, "a link of this name exists already")
+                .hint(format!("the first is at line {first}")));
         }
         if model.links.len() == LINKS {
             return Err(xml.error(node, format!("there are more than {LINKS} links")));
@@ -53,7 +55,7 @@ pub(crate) fn read(file: &str, text: &str, context: &mut Context<'_, '_>) -> Res
     if model.links.is_empty() {
         return Err(xml.error(root, "has no links").hint("a model has at least one <link name=\"…\"/>"));
     }
-    joints::read(&xml, root, &mut model)?;
+    joints::read(&xml, root, &mut model, context.warnings)?;
     Ok(model)
 }
 
@@ -70,7 +72,8 @@ fn robot_element<'a, 'i>(xml: &'a Xml<'i>) -> Result<Node<'a, 'i>, SceneError> {
         return Err(xml.error(root, "is not the root of a URDF").hint(hint));
     }
     let macros = root.descendants().find(|n| {
-        n.tag_name().namespace().is_some_and(|uri| uri.contains("xacro")) && matches!(n.tag_name().name(), "macro" | "include" | "property")
+        n.tag_name().namespace().is_some_and(|uri| uri.contains("xacro"))
+            && matches!(n.tag_name().name(), "macro" | "include" | "property")
     });
     match macros {
         Some(node) => Err(xml.error(node, "is a xacro macro").hint("expand the file with xacro first")),
@@ -192,9 +195,7 @@ fn mesh(xml: &Xml<'_>, node: Node<'_, '_>, context: &mut Context<'_, '_>) -> Res
             }
             Ok(Geometry::Mesh(mesh))
         }
-        Err(MeshError::Name(message, hint)) => {
-            Err(xml.error(node, format!("`{}` {message}", quoted(url))).hint(hint))
-        }
+        Err(MeshError::Name(message, hint)) => Err(xml.error(node, format!("`{}` {message}", quoted(url))).hint(hint)),
         Err(MeshError::File(mut error)) => {
             let user = format!("used at {}:{}", xml.file, xml.line(node));
             error.hint = if error.hint.is_empty() { user } else { format!("{}; {user}", error.hint) };
