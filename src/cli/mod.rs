@@ -51,7 +51,7 @@ pub(crate) fn main() -> ExitCode {
     let packages = PackagePath::from_environment(&cli.package_path);
     let ending = match &cli.command {
         Command::Inspect(arguments) => inspect::run(arguments, &packages),
-        Command::Models(arguments) => models::run(arguments),
+        Command::Models(arguments) => models::run(arguments, &packages),
         Command::Scenes(arguments) => scenes::run(arguments),
     };
     match ending {
