@@ -75,7 +75,8 @@ mod tests {
         for other in ["cmeel.prefix/share/pq/a", "cmeel.prefix/lib/a", "../cmeel.prefix/share/p/a"] {
             assert_eq!(taken(other), Ok(None), "{other}");
         }
-        for out in ["cmeel.prefix/share/p/../../a", "cmeel.prefix/share/p//etc/passwd", "cmeel.prefix/share/p/a\\..\\b"] {
+        for out in ["cmeel.prefix/share/p/../../a", "cmeel.prefix/share/p//etc/passwd", "cmeel.prefix/share/p/a\\..\\b"]
+        {
             assert!(taken(out).is_err(), "{out}");
         }
     }
