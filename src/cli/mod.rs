@@ -58,7 +58,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Solve(arguments) => solve::run(arguments, &packages),
         Command::Graph(arguments) => graph::run(arguments, &packages),
         Command::Inspect(arguments) => inspect::run(arguments, &packages),
-        Command::Models(arguments) => models::run(arguments),
+        Command::Models(arguments) => models::run(arguments, &packages),
         Command::Scenes(arguments) => scenes::run(arguments),
     };
     match ending {
