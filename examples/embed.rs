@@ -9,8 +9,7 @@ use std::time::Duration;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Any problem will do: `foliate::scene::load_scene` reads one from a file; this one is built in code.
-    let (planner, events) =
-        Planner::new(swap_two_boxes()?)?.seed(7).time_limit(Duration::from_secs(30)).events();
+    let (planner, events) = Planner::new(swap_two_boxes()?)?.seed(7).time_limit(Duration::from_secs(30)).events();
 
     // The host owns the threads. The answer is the same on any number of them.
     let listener = std::thread::spawn(move || {

@@ -39,15 +39,17 @@ fn follow_success(mut transitions: Query<'_, '_, (&TransitionStatistics, &mut We
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    for (name, planner) in [
-        ("mrrt", Planner::new(swap_two_boxes()?)?),
-        ("curious", Planner::new(swap_two_boxes()?)?.scheduler(Curious)),
-    ] {
+    for (name, planner) in
+        [("mrrt", Planner::new(swap_two_boxes()?)?), ("curious", Planner::new(swap_two_boxes()?)?.scheduler(Curious))]
+    {
         let solution = planner.seed(3).solve();
         println!("{name}: {} after {} candidates", solution.outcome.name(), solution.report.candidates);
         for row in &solution.report.funnel {
             let s = &row.statistics;
-            println!("  {:45} tried {:4}, reached {:4}, kept in part {:4}", row.transition, s.attempts, s.reached, s.partial);
+            println!(
+                "  {:45} tried {:4}, reached {:4}, kept in part {:4}",
+                row.transition, s.attempts, s.reached, s.partial
+            );
         }
     }
     Ok(())

@@ -62,7 +62,17 @@ fn clocks_do_not_reach_the_search() {
 #[test]
 fn the_kernels_build_without_bevy() {
     let output = Command::new(env!("CARGO"))
-        .args(["tree", "--offline", "--locked", "--edges", "normal", "--package", "foliate_kernels", "--prefix", "none"])
+        .args([
+            "tree",
+            "--offline",
+            "--locked",
+            "--edges",
+            "normal",
+            "--package",
+            "foliate_kernels",
+            "--prefix",
+            "none",
+        ])
         .current_dir(root())
         .output()
         .unwrap();

@@ -1,10 +1,12 @@
 //! The commands, one file each. Exit codes: 0 done, 1 no solution or a check that fails, 2 wrong usage or input.
 
+mod demo;
 mod graph;
 mod inspect;
 mod models;
 mod scenes;
 mod solve;
+mod story;
 mod summary;
 
 use clap::{Parser, Subcommand};
@@ -26,6 +28,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Demo(demo::Arguments),
     Solve(solve::Arguments),
     Graph(graph::Arguments),
     Inspect(inspect::Arguments),
@@ -55,6 +58,7 @@ pub(crate) fn main() -> ExitCode {
     let cli = Cli::parse();
     let packages = PackagePath::from_environment(&cli.package_path);
     let ending = match &cli.command {
+        Command::Demo(arguments) => demo::run(arguments, &packages),
         Command::Solve(arguments) => solve::run(arguments, &packages),
         Command::Graph(arguments) => graph::run(arguments, &packages),
         Command::Inspect(arguments) => inspect::run(arguments, &packages),
