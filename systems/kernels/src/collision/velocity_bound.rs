@@ -8,7 +8,8 @@
 use super::attachment::Chain;
 use super::bounds::Ball;
 use super::pairs::{ActiveGroup, PairSet};
-use super::scene::{CollisionScene, SceneJoint};
+use super::scene::{CollisionScene, PairId, SceneJoint};
+use super::scratch::place_balls;
 use foliate_components::Pose;
 use foliate_components::robot::Motion;
 use glam::DVec3;
@@ -36,8 +37,11 @@ pub struct MotionBound {
 }
 
 impl MotionBound {
-    /// Starts a motion from `q` by the velocity `delta` in unit time.
-    pub(super) fn begin(&mut self, scene: &CollisionScene, pairs: &PairSet, q: &[f64], delta: &[f64]) {
+    /// Starts a motion from `q` by the velocity `delta` (the configuration space's difference) in unit time.
+    ///
+    /// # Panics
+    /// If a slice is too short.
+    pub fn begin(&mut self, scene: &CollisionScene, pairs: &PairSet, q: &[f64], delta: &[f64]) {
         let joints = scene.joints.len();
         self.turn.clear();
         self.slide.clear();
@@ -69,7 +73,10 @@ impl MotionBound {
     }
 
     /// Goes to the interval of parameters within `half_width` of a sample at which the bodies have the poses `X_WJ`.
-    pub(super) fn look_at(&mut self, scene: &CollisionScene, X_WJ: &[Pose], half_width: f64) {
+    ///
+    /// # Panics
+    /// If `X_WJ` is too short.
+    pub fn look_at(&mut self, scene: &CollisionScene, X_WJ: &[Pose], half_width: f64) {
         self.sample += 1;
         self.half_width = half_width;
         for (index, joint) in scene.joints.iter().enumerate().filter(|&(i, _)| self.turn[i] > 0.0) {
@@ -80,6 +87,21 @@ impl MotionBound {
             };
             self.origins[index] = (X_WJ[index].translation, axis);
         }
+    }
+
+    /// At most this far, in metres, do the shapes of a pair come closer or move apart anywhere in the interval, compared to
+    /// the sample; 0 for pairs that do not move on the leaf. Of use for looking at bounds: the certificate asks by group.
+    ///
+    /// # Panics
+    /// If `pair` is not the scene's, or `X_WJ` is too short.
+    pub fn of_pair(&mut self, scene: &CollisionScene, pairs: &PairSet, pair: PairId, X_WJ: &[Pose]) -> f64 {
+        let mut balls = Vec::new();
+        place_balls(scene, X_WJ, &mut balls);
+        let holds = |active: &&ActiveGroup| {
+            let group = &scene.groups[active.group as usize];
+            (group.start..group.end).contains(&pair.0)
+        };
+        pairs.moving.iter().find(holds).map_or(0.0, |active| self.approach(scene, pairs, active, &balls))
     }
 
     /// At most this far do the two clusters of a group come closer (or move apart) anywhere in the interval. `balls` are

@@ -100,15 +100,19 @@ fn first_in_group(
     })
 }
 
-/// The pair of `pairs` (moving and constant) with the least clearance, to within a micrometre; `None` without pairs.
-/// Where several overlap it is the first of them. Containment counts.
+/// The pair of `pairs` with the least clearance, to within a micrometre; `None` without pairs. Where several overlap it is
+/// the first of them. Containment counts. Margins do not matter.
 ///
 /// # Panics
 /// If `X_WJ` is shorter than the number of bodies.
 #[must_use]
-pub fn min_clearance(scene: &CollisionScene, X_WJ: &[Pose], pairs: &PairSet) -> Option<Contact> {
+pub fn min_clearance(
+    scene: &CollisionScene,
+    X_WJ: &[Pose],
+    pairs: impl IntoIterator<Item = PairId>,
+) -> Option<Contact> {
     let mut least: Option<Contact> = None;
-    for id in pairs.moving_pairs(scene).chain(pairs.constant_pairs(scene)) {
+    for id in pairs {
         let so_far = least.map_or(f64::MAX, |c| c.clearance);
         let found = if contained(scene, id, X_WJ) {
             f64::NEG_INFINITY
