@@ -1,5 +1,6 @@
 //! No two points of a pair come closer within an interval than the velocity bound says.
 #![allow(non_snake_case, reason = "pose names carry their frames")]
+#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
 mod collision_models;
 

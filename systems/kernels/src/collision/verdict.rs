@@ -3,7 +3,7 @@
 use super::bounds::Ball;
 use super::distance::{Ask, Solid, clearance};
 use super::mesh_tree::MeshTree;
-use super::pairs::PairSet;
+use super::pairs::{ActiveGroup, PairSet};
 use super::scene::{CollisionScene, Pair, PairId, SceneSolid};
 use super::scratch::{CollisionScratch, place_balls};
 use foliate_components::Pose;
@@ -33,9 +33,8 @@ pub fn first_collision(
     scratch: &mut CollisionScratch,
 ) -> Option<Contact> {
     place_balls(scene, X_WJ, &mut scratch.balls);
-    let moving = pairs.moving.iter().map(|active| active.group);
-    let groups = moving.chain(pairs.constant_groups().iter().copied());
-    groups.into_iter().find_map(|g| first_in_group(scene, X_WJ, &pairs.margins, g, guard, &scratch.balls))
+    let mut groups = pairs.moving.iter().chain(&pairs.constant);
+    groups.find_map(|g| first_in_group(scene, X_WJ, &pairs.margins, g, guard, &scratch.balls))
 }
 
 /// As [`first_collision`], for the pairs of `pairs` that keep their relative pose on the leaf.
@@ -51,8 +50,8 @@ pub fn first_constant_collision(
     scratch: &mut CollisionScratch,
 ) -> Option<Contact> {
     place_balls(scene, X_WJ, &mut scratch.balls);
-    let mut groups = pairs.constant_groups().iter();
-    groups.find_map(|&g| first_in_group(scene, X_WJ, &pairs.margins, g, guard, &scratch.balls))
+    let mut groups = pairs.constant.iter();
+    groups.find_map(|g| first_in_group(scene, X_WJ, &pairs.margins, g, guard, &scratch.balls))
 }
 
 /// As [`first_collision`], for the pairs of moving ones alone.
@@ -69,24 +68,22 @@ pub fn first_moving_collision(
 ) -> Option<Contact> {
     place_balls(scene, X_WJ, &mut scratch.balls);
     let mut groups = pairs.moving.iter();
-    groups.find_map(|g| first_in_group(scene, X_WJ, &pairs.margins, g.group, guard, &scratch.balls))
+    groups.find_map(|g| first_in_group(scene, X_WJ, &pairs.margins, g, guard, &scratch.balls))
 }
 
 fn first_in_group(
     scene: &CollisionScene,
     X_WJ: &[Pose],
     margins: &[f64],
-    group: u32,
+    active: &ActiveGroup,
     guard: f64,
     balls: &[Ball],
 ) -> Option<Contact> {
-    let group = &scene.groups[group as usize];
-    let range = group.start as usize..group.end as usize;
-    let margin = margins[range.clone()].iter().copied().fold(0.0, f64::max);
-    if apart(&balls[group.first as usize], &balls[group.second as usize], margin + guard) {
+    let group = &scene.groups[active.group as usize];
+    if apart(&balls[group.first as usize], &balls[group.second as usize], active.margin + guard) {
         return None;
     }
-    range.into_iter().find_map(|index| {
+    (group.start as usize..group.end as usize).find_map(|index| {
         let needed = margins[index] + guard;
         let id = PairId(index as u32);
         let found =

@@ -1,5 +1,11 @@
 //! Robots built in code for the collision tests.
 #![allow(dead_code, reason = "each test file uses some of it")]
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::unwrap_used,
+    reason = "a model that cannot be built fails its test"
+)]
 
 use foliate_components::Pose;
 use foliate_components::robot::model::{JointKind, JointModel, LinkModel, Model};
@@ -8,6 +14,7 @@ use foliate_components::robot::{PartKind, PartPlacement, Robot, RootJoint};
 use glam::{DQuat, DVec3};
 use rand::{Rng, RngExt};
 use rand_chacha::ChaCha8Rng;
+use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
 pub fn at(x: f64, y: f64, z: f64) -> Pose {
@@ -143,6 +150,9 @@ pub fn box_mesh(h: DVec3, n: u32) -> Mesh {
     Mesh::new("box".into(), vertices, triangles)
 }
 
+/// Pose of a joint in its parent link, its axis, and the shapes of its link.
+type LinkPlan = (Pose, DVec3, Vec<(Pose, Geometry)>);
+
 /// Two arms of seven joints on a pedestal, of Baxter's proportions: cylinders and boxes on every link, grippers with two
 /// prismatic fingers, and a head. No shape overlaps a neighbour's by design; neighbours are left alone all the same.
 pub fn two_arms() -> Model {
@@ -158,7 +168,7 @@ pub fn two_arms() -> Model {
         let mut parent = 0;
         let turn = DQuat::from_rotation_z(sign * 0.78);
         // Joint offset from the parent, axis, and the link's shapes.
-        let links: [(Pose, DVec3, Vec<(Pose, Geometry)>); 7] = [
+        let links: [LinkPlan; 7] = [
             (
                 Pose::from_parts(DVec3::new(0.08, sign * 0.28, 0.12), turn),
                 DVec3::Z,
@@ -168,7 +178,7 @@ pub fn two_arms() -> Model {
                 at(0.069, 0.0, 0.27),
                 DVec3::Y,
                 vec![
-                    (Pose::from_rotation(DQuat::from_rotation_x(1.5708)), cylinder(0.06, 0.12)),
+                    (Pose::from_rotation(DQuat::from_rotation_x(FRAC_PI_2)), cylinder(0.06, 0.12)),
                     (at(0.1, 0.0, 0.0), cuboid(0.1, 0.1, 0.1)),
                 ],
             ),
@@ -176,7 +186,7 @@ pub fn two_arms() -> Model {
                 at(0.102, 0.0, 0.0),
                 DVec3::X,
                 vec![(
-                    Pose::from_parts(DVec3::new(0.14, 0.0, 0.0), DQuat::from_rotation_y(1.5708)),
+                    Pose::from_parts(DVec3::new(0.14, 0.0, 0.0), DQuat::from_rotation_y(FRAC_PI_2)),
                     cylinder(0.06, 0.27),
                 )],
             ),
@@ -184,7 +194,7 @@ pub fn two_arms() -> Model {
                 at(0.262, 0.0, 0.0),
                 DVec3::Y,
                 vec![
-                    (Pose::from_rotation(DQuat::from_rotation_x(1.5708)), cylinder(0.06, 0.1)),
+                    (Pose::from_rotation(DQuat::from_rotation_x(FRAC_PI_2)), cylinder(0.06, 0.1)),
                     (at(0.06, 0.0, 0.0), cuboid(0.12, 0.09, 0.09)),
                 ],
             ),
@@ -192,21 +202,21 @@ pub fn two_arms() -> Model {
                 at(0.104, 0.0, 0.0),
                 DVec3::X,
                 vec![(
-                    Pose::from_parts(DVec3::new(0.13, 0.0, 0.0), DQuat::from_rotation_y(1.5708)),
+                    Pose::from_parts(DVec3::new(0.13, 0.0, 0.0), DQuat::from_rotation_y(FRAC_PI_2)),
                     cylinder(0.05, 0.25),
                 )],
             ),
             (
                 at(0.27, 0.0, 0.0),
                 DVec3::Y,
-                vec![(Pose::from_rotation(DQuat::from_rotation_x(1.5708)), cylinder(0.045, 0.1))],
+                vec![(Pose::from_rotation(DQuat::from_rotation_x(FRAC_PI_2)), cylinder(0.045, 0.1))],
             ),
             (
                 at(0.116, 0.0, 0.0),
                 DVec3::X,
                 vec![
                     (
-                        Pose::from_parts(DVec3::new(0.06, 0.0, 0.0), DQuat::from_rotation_y(1.5708)),
+                        Pose::from_parts(DVec3::new(0.06, 0.0, 0.0), DQuat::from_rotation_y(FRAC_PI_2)),
                         cylinder(0.045, 0.12),
                     ),
                     (at(0.14, 0.0, 0.0), cuboid(0.05, 0.12, 0.06)),
