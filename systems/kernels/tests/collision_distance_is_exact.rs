@@ -126,7 +126,7 @@ fn an_answer_that_is_not_enough_is_nearly_exact() {
         let (X_WA, X_WB) = (random_pose(&mut rng, 0.4), random_pose(&mut rng, 0.4));
         let truth = exact(&a, &X_WA, &b, &X_WB);
         let needed = 0.1;
-        let ask = Ask { needed, absolute: 1e-6, relative: 0.1 };
+        let ask = Ask { relative: 0.1, ..Ask::exact(needed) };
         let mut hint = DVec3::ZERO;
         for _ in 0..2 {
             let found = clearance(&Solid::of(&a), &X_WA, &Solid::of(&b), &X_WB, ask, &mut hint);

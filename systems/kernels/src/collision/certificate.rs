@@ -302,8 +302,8 @@ impl Proof<'_> {
         let id = PairId(pair);
         let keep = self.pairs.margins[id.at()] + self.settings.clearance_guard;
         let needed = keep + closer;
-        // Short of what is needed, one twentieth more or less only moves where the next sample lies.
-        let ask = Ask { relative: 0.05, ..Ask::exact(needed) };
+        // Short of what is needed, only a collision at the sample still matters.
+        let ask = Ask { floor: keep, ..Ask::exact(needed) };
         let found = pair_clearance(self.scene, id, &scratch.X_WJ, ask, &mut scratch.hints[id.at()]);
         if found >= needed {
             self.min_clearance = self.min_clearance.min(found - closer);
