@@ -252,15 +252,16 @@ fn costs() {
     let starts: Vec<Vec<f64>> = (0..400).map(|_| bench.free_configuration(&mut rng, &mut scratch)).collect();
     let free: Vec<Vec<Pose>> = starts.iter().map(|q| bench.poses(q)).collect();
     for (name, set) in [("random", &all), ("free", &free)] {
-        let begin = Instant::now();
         let mut hits = 0;
+        let mut each = f64::INFINITY;
         for _ in 0..5 {
+            let begin = Instant::now();
             hits += set
                 .iter()
                 .filter(|X| first_collision(&bench.scene, X, &bench.pairs, 1e-5, &mut scratch).is_some())
                 .count();
+            each = each.min(begin.elapsed().as_nanos() as f64 / set.len() as f64);
         }
-        let each = begin.elapsed().as_nanos() as f64 / (5 * set.len()) as f64;
         println!("verdict, {name}: {each:.0} ns, {:.0} % in collision", 20.0 * hits as f64 / set.len() as f64);
     }
     for (name, both, reach) in
@@ -272,10 +273,14 @@ fn costs() {
             let motions: Vec<_> = starts.iter().map(|a| (a, bench.step(a, reach, both, &mut rng))).collect();
             let mut times: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
             for (a, b) in &motions {
-                let begin = Instant::now();
-                let verdict = bench.certify(a, b, &settings, &mut scratch);
-                times[usize::from(matches!(verdict, MotionVerdict::Free { .. }))]
-                    .push(begin.elapsed().as_nanos() as f64 / 1e3);
+                // The best of three: other programs share the machine.
+                let mut run = || {
+                    let begin = Instant::now();
+                    let verdict = bench.certify(a, b, &settings, &mut scratch);
+                    (begin.elapsed().as_nanos() as f64 / 1e3, matches!(verdict, MotionVerdict::Free { .. }))
+                };
+                let (first, free) = run();
+                times[usize::from(free)].push(first.min(run().0).min(run().0));
             }
             for (what, mut times) in ["refused", "free"].into_iter().zip(times) {
                 times.sort_by(f64::total_cmp);

@@ -136,6 +136,12 @@ fn an_answer_that_is_not_enough_is_nearly_exact() {
             } else {
                 assert!(found <= 0.0);
             }
+            // With a floor: enough, or above the floor, or exact.
+            let ask = Ask { floor: 0.01, ..Ask::exact(needed) };
+            let found = clearance(&Solid::of(&a), &X_WA, &Solid::of(&b), &X_WB, ask, &mut hint);
+            assert!(found <= truth.max(0.0) + 2e-6);
+            assert!(found >= 0.01 || found >= truth.min(0.01) - 2e-6, "{found} of {truth}");
+            assert!(found >= needed || truth < needed + 2e-6, "{found} of {truth}");
         }
     }
 }
