@@ -194,6 +194,13 @@ fn the_same_answer_every_time_and_with_any_scratch() {
 }
 
 #[test]
+fn scenes_and_pair_sets_are_shared_by_threads() {
+    fn shared<T: Send + Sync>() {}
+    shared::<CollisionScene>();
+    shared::<PairSet>();
+}
+
+#[test]
 fn both_modes_agree_on_what_is_free() {
     let bench = Bench::new(false);
     let mut rng = ChaCha8Rng::seed_from_u64(33);
