@@ -1,5 +1,6 @@
 //! Promise: the reference of scene files (`scenes/README.md`) is true: its example loads, says every key, and every key that
 //! is read is described. Mistakes in a scene are told with line, key and a hint.
+#![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot go on says so")]
 
 use foliate::components::problem::Goal;
 use foliate::components::robot::{JointIndex, RootJoint};
