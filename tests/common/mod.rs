@@ -1,4 +1,5 @@
 //! What several tests share: where published models are, and how a test says that it was skipped.
+#![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot go on says so")]
 #![allow(dead_code, reason = "each test uses its part")]
 
 use foliate::scene::PackagePath;

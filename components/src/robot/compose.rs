@@ -393,7 +393,7 @@ impl Walk<'_> {
                 let mut via = (child.kind != JointKind::Fixed).then_some(j);
                 if let Follow::Constant(value) = self.follows[j] {
                     via = None;
-                    pose = pose * moved(child, value);
+                    pose *= moved(child, value);
                 }
                 stack.push((via, child.child, joint, pose));
             }
