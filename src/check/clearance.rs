@@ -160,9 +160,9 @@ impl March<'_, '_> {
             }
             let free = self.free(at, end - moved);
             let next = moved + free - ROUNDING;
-            // Compared so that NaN stops here.
-            let violated = !(free > 0.0);
-            if violated || next >= end && free > 0.0 {
+            // Written so that NaN stops here.
+            let free_so_far = free > 0.0;
+            if !free_so_far || next >= end {
                 return;
             }
             if next <= moved + RESOLUTION {

@@ -261,6 +261,9 @@ pub struct CheckReport {
     known: HashMap<(Option<usize>, Kind, String), usize>,
 }
 
+/// Remarks beyond this many are left out.
+const MOST_NOTES: usize = 500;
+
 /// Where something happened.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Place {
@@ -329,7 +332,7 @@ impl CheckReport {
 
     pub(super) fn note(&mut self, text: impl Into<String>) {
         let text = text.into();
-        if !self.notes.contains(&text) {
+        if self.notes.len() < MOST_NOTES && !self.notes.contains(&text) {
             self.notes.push(text);
         }
     }

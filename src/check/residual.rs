@@ -163,9 +163,9 @@ impl Prover<'_, '_> {
                 self.report.residual_bound = self.report.residual_bound.max(bound);
                 continue;
             }
-            let sampled = self.form.error(largest);
-            let too_large = !(sampled <= self.relation.tolerance);
-            if too_large {
+            // Written so that NaN is too large.
+            let fine = self.form.error(largest) <= self.relation.tolerance;
+            if !fine {
                 return; // reported when it was sampled
             }
             if !self.work.spend(1) {
