@@ -1,5 +1,6 @@
 //! The commands, one file each. Exit codes: 0 done, 1 no solution or a check that fails, 2 wrong usage or input.
 
+mod check;
 mod demo;
 mod graph;
 mod inspect;
@@ -30,6 +31,7 @@ struct Cli {
 enum Command {
     Demo(demo::Arguments),
     Solve(solve::Arguments),
+    Check(check::Arguments),
     Graph(graph::Arguments),
     Inspect(inspect::Arguments),
     Models(models::Arguments),
@@ -60,6 +62,7 @@ pub(crate) fn main() -> ExitCode {
     let ending = match &cli.command {
         Command::Demo(arguments) => demo::run(arguments, &packages),
         Command::Solve(arguments) => solve::run(arguments, &packages),
+        Command::Check(arguments) => check::run(arguments, &packages),
         Command::Graph(arguments) => graph::run(arguments, &packages),
         Command::Inspect(arguments) => inspect::run(arguments, &packages),
         Command::Models(arguments) => models::run(arguments, &packages),
