@@ -2,6 +2,7 @@
 //! which handle and which surface may carry which object, and finds a certified motion of everything at once.
 #![forbid(unsafe_code)]
 
+pub mod batch;
 pub mod diagram;
 pub mod path_file;
 pub mod planner;

@@ -1,5 +1,6 @@
 //! The commands, one file each. Exit codes: 0 done, 1 no solution or a check that fails, 2 wrong usage or input.
 
+mod bench;
 mod graph;
 mod inspect;
 mod models;
@@ -28,6 +29,7 @@ struct Cli {
 enum Command {
     Solve(solve::Arguments),
     Graph(graph::Arguments),
+    Bench(bench::Arguments),
     Inspect(inspect::Arguments),
     Models(models::Arguments),
     Scenes(scenes::Arguments),
@@ -56,6 +58,7 @@ pub(crate) fn main() -> ExitCode {
     let packages = PackagePath::from_environment(&cli.package_path);
     let ending = match &cli.command {
         Command::Solve(arguments) => solve::run(arguments, &packages),
+        Command::Bench(arguments) => bench::run(arguments, &packages),
         Command::Graph(arguments) => graph::run(arguments, &packages),
         Command::Inspect(arguments) => inspect::run(arguments, &packages),
         Command::Models(arguments) => models::run(arguments),

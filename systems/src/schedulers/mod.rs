@@ -3,6 +3,7 @@
 pub mod mrrt;
 
 use bevy_ecs::prelude::Schedule;
+use std::sync::Arc;
 
 /// A search scheduler: it fills the sets of a step with systems.
 ///
@@ -13,6 +14,16 @@ pub trait Scheduler: Send + Sync {
 
     /// The systems of one step, in their sets.
     fn schedule(&self) -> Schedule;
+}
+
+impl<S: Scheduler + ?Sized> Scheduler for Arc<S> {
+    fn name(&self) -> &'static str {
+        self.as_ref().name()
+    }
+
+    fn schedule(&self) -> Schedule {
+        self.as_ref().schedule()
+    }
 }
 
 /// The schedulers that Foliate ships.
