@@ -1,5 +1,4 @@
-//! Foliate: a manipulation-planning kernel. It takes robots, objects and an environment, knows which gripper may hold
-//! which handle and which surface may carry which object, and finds a certified motion of everything at once.
+#![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
 pub mod check;
