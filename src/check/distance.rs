@@ -89,7 +89,7 @@ pub(super) fn box_bound(a: Placed<'_>, b: Placed<'_>) -> f64 {
 
 /// A lower bound of the distance: at least `enough`, or nearly exact. Not positive where the shapes (may) overlap.
 pub(super) fn at_least(a: Placed<'_>, b: Placed<'_>, enough: f64) -> f64 {
-    let ask = Ask { absolute: 1e-6, relative: 0.05, ..Ask::exact(enough.max(0.0)) };
+    let ask = Ask { relative: 0.05, ..Ask::exact(enough.max(0.0)) };
     let ours = clearance(&a.0.solid, &a.1, &b.0.solid, &b.1, ask, &mut DVec3::ZERO.clone());
     match parry_distance(a, b) {
         Some(theirs) => ours.min(theirs * (1.0 - OPEN)),
@@ -99,7 +99,7 @@ pub(super) fn at_least(a: Placed<'_>, b: Placed<'_>, enough: f64) -> f64 {
 
 /// The distance, to a micrometre.
 pub(super) fn exact(a: Placed<'_>, b: Placed<'_>) -> Distance {
-    let ask = Ask { absolute: 1e-9, relative: 0.0, ..Ask::exact(f64::MAX) };
+    let ask = Ask { absolute: 1e-9, ..Ask::exact(f64::MAX) };
     let ours = clearance(&a.0.solid, &a.1, &b.0.solid, &b.1, ask, &mut DVec3::ZERO.clone());
     let Some(theirs) = parry_distance(a, b) else { return Distance { value: ours, disagreement: None } };
     let apart = (ours.max(0.0) - theirs).abs();
