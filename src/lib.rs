@@ -1,8 +1,8 @@
-//! Foliate: a manipulation-planning kernel. It takes robots, objects and an environment, knows which gripper may hold
-//! which handle and which surface may carry which object, and finds a certified motion of everything at once.
+#![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
 pub mod batch;
+pub mod check;
 pub mod diagram;
 pub mod path_file;
 pub mod planner;

@@ -1,6 +1,6 @@
 //! A batch has a row for every solve, whatever happens to it, and rows do not depend on how many solves run side by side.
 
-use bevy_ecs::prelude::{Res, Schedule};
+use bevy_ecs::prelude::{Res, Schedule, World};
 use foliate::batch::{Batch, BatchError, COLUMNS, Entry, Row, Seeds, Settings};
 use foliate::components::sample_problems::{boxes_on_a_table, move_one_box};
 use foliate::systems::schedulers::{Scheduler, mrrt::Mrrt};
@@ -34,8 +34,8 @@ impl Scheduler for Fragile {
         "fragile"
     }
 
-    fn schedule(&self) -> Schedule {
-        let mut schedule = Mrrt.schedule();
+    fn schedule(&self, world: &mut World) -> Schedule {
+        let mut schedule = Mrrt.schedule(world);
         schedule.add_systems(|settings: Res<'_, SearchSettings>| {
             assert_ne!(settings.seed, 2, "seed 2, of all \"seeds\"");
         });

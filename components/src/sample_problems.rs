@@ -3,7 +3,7 @@
 use crate::Pose;
 use crate::pose::pose_to_array;
 use crate::problem::{Goal, GraphOptions, ObjectOptions, Problem};
-use crate::robot::{ComposeError, Robot};
+use crate::robot::{ComposeError, DisabledPair, Robot};
 use crate::sample_models::{block, environment, fixed_robot, movable_object, seven_axis_arm, table};
 use glam::{DQuat, DVec3};
 
@@ -53,11 +53,13 @@ pub fn boxes_on_a_table(starts: &[(f64, f64)], goals: &[(f64, f64)]) -> Result<P
         q
     };
     let (start, goal) = (configuration(starts), configuration(goals));
+    let adjacent = |(first, second)| DisabledPair { first, second, reason: "adjacent".into() };
+    let ignored_pairs = robot.parts.iter().flat_map(|part| robot.neighbouring_links(part)).map(adjacent).collect();
     Ok(Problem {
         name: "boxes on a table".into(),
         robot,
         graph,
-        ignored_pairs: Vec::new(),
+        ignored_pairs,
         margins: Vec::new(),
         start,
         goals: vec![Goal::Configuration(goal)],

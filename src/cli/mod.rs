@@ -1,11 +1,14 @@
 //! The commands, one file each. Exit codes: 0 done, 1 no solution or a check that fails, 2 wrong usage or input.
 
 mod bench;
+mod check;
+mod demo;
 mod graph;
 mod inspect;
 mod models;
 mod scenes;
 mod solve;
+mod story;
 mod summary;
 
 use clap::{Parser, Subcommand};
@@ -27,7 +30,9 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Demo(demo::Arguments),
     Solve(solve::Arguments),
+    Check(check::Arguments),
     Graph(graph::Arguments),
     Bench(bench::Arguments),
     Inspect(inspect::Arguments),
@@ -57,11 +62,13 @@ pub(crate) fn main() -> ExitCode {
     let cli = Cli::parse();
     let packages = PackagePath::from_environment(&cli.package_path);
     let ending = match &cli.command {
+        Command::Demo(arguments) => demo::run(arguments, &packages),
         Command::Solve(arguments) => solve::run(arguments, &packages),
         Command::Bench(arguments) => bench::run(arguments, &packages),
+        Command::Check(arguments) => check::run(arguments, &packages),
         Command::Graph(arguments) => graph::run(arguments, &packages),
         Command::Inspect(arguments) => inspect::run(arguments, &packages),
-        Command::Models(arguments) => models::run(arguments),
+        Command::Models(arguments) => models::run(arguments, &packages),
         Command::Scenes(arguments) => scenes::run(arguments),
     };
     match ending {

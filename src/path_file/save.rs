@@ -11,14 +11,14 @@ use std::path::{Path, PathBuf};
 pub enum PathFileError {
     #[error("{}: {source}", path.display())]
     Io { path: PathBuf, source: std::io::Error },
-    #[error("{}: {source}", path.display())]
-    Json { path: PathBuf, source: serde_json::Error },
+    #[error("{}: {place}: {source}", path.display())]
+    Json { path: PathBuf, place: String, source: serde_json::Error },
     #[error("{}: `format` is `{found}`; this version reads `{}`", path.display(), super::FORMAT)]
     Format { path: PathBuf, found: String },
 }
 
-/// Largest path file that is read, bytes.
-const CAP: u64 = 1 << 30;
+/// Largest path file that is read, bytes: some hundred thousand knots.
+const CAP: u64 = 1 << 28;
 
 /// URDF and SRDF of every part as a path file at `out` has to name them. Models that live only in the program are written
 /// beside it, into `PATH.models/`.
@@ -70,8 +70,8 @@ fn relative(path: &Path, out: &Path) -> String {
 /// The file cannot be written.
 pub fn save(file: &PathFile, out: &Path) -> Result<(), PathFileError> {
     let io = |source| PathFileError::Io { path: out.to_owned(), source };
-    let mut text =
-        serde_json::to_string(file).map_err(|source| PathFileError::Json { path: out.to_owned(), source })?;
+    let json = |source| PathFileError::Json { path: out.to_owned(), place: "the file".into(), source };
+    let mut text = serde_json::to_string(file).map_err(json)?;
     text.push('\n');
     let mut part = out.as_os_str().to_owned();
     part.push(".part");
@@ -84,7 +84,7 @@ pub fn save(file: &PathFile, out: &Path) -> Result<(), PathFileError> {
 /// Reads a path file.
 ///
 /// # Errors
-/// It cannot be read, is larger than a gigabyte, is not JSON, or is of another format.
+/// It cannot be read, is larger than 256 MiB, is not JSON, or is of another format.
 pub fn read(path: &Path) -> Result<PathFile, PathFileError> {
     let io = |source| PathFileError::Io { path: path.to_owned(), source };
     let size = std::fs::metadata(path).map_err(io)?.len();
@@ -92,7 +92,10 @@ pub fn read(path: &Path) -> Result<PathFile, PathFileError> {
         return Err(io(std::io::Error::other(format!("{size} bytes are more than the {CAP} that are read"))));
     }
     let text = std::fs::read_to_string(path).map_err(io)?;
-    let json = |source| PathFileError::Json { path: path.to_owned(), source };
+    let json = |source: serde_json::Error| {
+        let place = super::place::json_path(&text, source.line(), source.column());
+        PathFileError::Json { path: path.to_owned(), place, source }
+    };
     let format: Format = serde_json::from_str(&text).map_err(json)?;
     if format.format != super::FORMAT {
         return Err(PathFileError::Format { path: path.to_owned(), found: format.format });

@@ -95,23 +95,25 @@ pub(crate) fn did_you_mean<'a>(name: &str, candidates: impl IntoIterator<Item = 
     }
 }
 
-/// Levenshtein's distance, given up (and returned as more than `limit`) once it exceeds the limit.
+/// Edits (of one letter, or two neighbours swapped) that make one word of the other, given up beyond `limit`.
 fn edit_distance(a: &str, b: &str, limit: usize) -> usize {
-    let b: Vec<char> = b.chars().take(256).collect();
+    const LONGEST: usize = 256;
+    let (a, b): (Vec<char>, Vec<char>) = (a.chars().take(LONGEST).collect(), b.chars().take(LONGEST).collect());
+    let mut before = vec![0; b.len() + 1];
     let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, ca) in a.chars().take(256).enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        let mut least = row[0];
-        for (j, cb) in b.iter().enumerate() {
-            let substituted = diagonal + usize::from(ca != *cb);
-            diagonal = row[j + 1];
-            row[j + 1] = substituted.min(diagonal + 1).min(row[j] + 1);
-            least = least.min(row[j + 1]);
+    for i in 1..=a.len() {
+        let mut next = vec![i; b.len() + 1];
+        for j in 1..=b.len() {
+            let substituted = row[j - 1] + usize::from(a[i - 1] != b[j - 1]);
+            next[j] = substituted.min(row[j] + 1).min(next[j - 1] + 1);
+            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                next[j] = next[j].min(before[j - 2] + 1);
+            }
         }
-        if least > limit {
+        if next.iter().all(|d| *d > limit) {
             return limit + 1;
         }
+        before = std::mem::replace(&mut row, next);
     }
     row[b.len()]
 }
@@ -129,6 +131,7 @@ mod tests {
     #[test]
     fn near_names_are_found_and_far_ones_are_not() {
         assert_eq!(nearest("griper", ["handle", "gripper"]), Some("gripper"));
+        assert_eq!(nearest("robto", ["object", "robot"]), Some("robot"));
         assert_eq!(nearest("zebra", ["handle", "gripper"]), None);
         assert_eq!(did_you_mean("r_gripper", ["baxter/r_gripper"]), "did you mean `baxter/r_gripper`?");
     }

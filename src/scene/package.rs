@@ -53,6 +53,12 @@ impl PackagePath {
         Self { places: given.iter().map(place).collect() }
     }
 
+    /// The first directory of the list that is the package of that name.
+    #[must_use]
+    pub fn find(&self, package: &str) -> Option<PathBuf> {
+        self.candidates(package).find(|d| d.is_dir())
+    }
+
     /// The file that `package://name/path` (or `package:///name/path`) names.
     pub(crate) fn resolve(&self, url: &str) -> Result<PathBuf, Unresolved> {
         let fail = |message: &str, hint: &str| Err(Unresolved { message: message.into(), hint: hint.into() });

@@ -25,7 +25,24 @@ macro_rules! scene_file {
     };
 }
 
+/// The demo's models, by the names that its scene file uses.
+const DEMO: Embedded = &[
+    ("robot.urdf", scene_file!("demo/robot.urdf")),
+    ("robot.srdf", scene_file!("demo/robot.srdf")),
+    ("table.urdf", scene_file!("demo/table.urdf")),
+    ("table.srdf", scene_file!("demo/table.srdf")),
+    ("box.urdf", scene_file!("demo/box.urdf")),
+    ("box.srdf", scene_file!("demo/box.srdf")),
+];
+
 const SCENES: &[ShippedScene] = &[
+    ShippedScene {
+        name: "demo",
+        summary: "A robot with two arms swaps two boxes on a table; primitive shapes, no download",
+        text: scene_file!("demo/scene.toml"),
+        needs_models: false,
+        files: DEMO,
+    },
     ShippedScene {
         name: "baxter-case1",
         summary: "Baxter moves two boxes with its right arm (Table II, case 1)",

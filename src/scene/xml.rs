@@ -224,7 +224,11 @@ fn tag(bytes: &[u8], open: usize) -> Option<(usize, usize, usize)> {
 
 /// `<tag>` as it opens at a byte, for messages of the scan.
 fn opened(text: &str, open: usize) -> String {
-    let name: String =
-        text[open + 1..].chars().take_while(|c| !c.is_whitespace() && !matches!(c, '>' | '/')).take(40).collect();
+    let name: String = text[open + 1..]
+        .trim_start_matches('/')
+        .chars()
+        .take_while(|c| !c.is_whitespace() && !matches!(c, '>' | '/'))
+        .take(40)
+        .collect();
     format!("<{}>", quoted(&name))
 }

@@ -118,7 +118,8 @@ impl Model {
             ignored: &problem.ignored_pairs,
             margins: &problem.margins,
             locked: &locked_joints,
-            ..PairRule::default()
+            // The problem names them.
+            ignore_neighbours_without_srdf: false,
         };
         let collision = CollisionScene::new(robot, &rule);
         let weights = coordinate_weights(robot);

@@ -59,7 +59,8 @@ impl Search {
         world.insert_resource(stop);
         world.insert_resource(events);
         let ending = plant_roots(&mut world, model).err();
-        Self { world, schedule: scheduler.schedule(), ending }
+        let schedule = scheduler.schedule(&mut world);
+        Self { world, schedule, ending }
     }
 
     /// One step of all candidates. Returns how the search has ended, once it has.

@@ -3,7 +3,7 @@
 //! Order is pinocchio's, so that configurations read alike in both: depth first, the children of a link in alphabetical
 //! order of their joints' names, parts in the order in which they are given.
 
-use super::model::{JointKind, Model};
+use super::model::{JointKind, JointModel, Model};
 use super::{
     DisabledPair, Gripper, Handle, Joint, JointIndex, Link, LinkIndex, Motion, Part, PartIndex, Robot, Shape, Source,
     Surface,
@@ -86,6 +86,7 @@ impl Robot {
 
     fn add_part(&mut self, model: &Model, placement: &PartPlacement) -> Result<(), String> {
         let tree = Tree::of(model)?;
+        let follows = follows(model, placement.mimic_follows)?;
         let part = PartIndex(self.parts.len() as u32);
         let (first_joint, first_link) = (self.joints.len(), self.links.len());
         let prefixed = |name: &str| format!("{}/{name}", placement.name);
@@ -125,15 +126,20 @@ impl Robot {
             tree: &tree,
             placement,
             part,
+            follows: &follows,
             link_index: vec![LinkIndex(0); model.links.len()],
-            followers: Vec::new(),
+            joint_index: vec![None; model.joints.len()],
             q,
             v,
         };
         walk.visit_all(root_joint, root_pose);
-        let (link_index, followers) = (walk.link_index, walk.followers);
-        for (index, leader, multiplier, offset) in followers {
-            self.follow(index, first_joint, &prefixed(&leader), multiplier, offset)?;
+        let (link_index, joint_index) = (walk.link_index, walk.joint_index);
+        for (index, follow) in follows.iter().enumerate() {
+            if let Follow::Joint { leader, multiplier, offset } = *follow
+                && let (Some(joint), Some(leader)) = (joint_index[index], joint_index[leader])
+            {
+                self.joints[joint.at()].source = Source::Follows { leader, multiplier, offset };
+            }
         }
 
         self.add_documents(model, &link_index, &placement.name)?;
@@ -160,31 +166,6 @@ impl Robot {
             Source::Coordinates { .. } => (q + joint.motion.configuration_size(), v + joint.motion.velocity_size()),
             Source::Follows { .. } => (q, v),
         })
-    }
-
-    /// Makes the joint at `index` follow its leader, resolving chains of followers to the joint that has a coordinate.
-    fn follow(
-        &mut self,
-        index: usize,
-        first_joint: usize,
-        leader: &str,
-        multiplier: f64,
-        offset: f64,
-    ) -> Result<(), String> {
-        let name = self.joints[index].name.clone();
-        let Some(found) = self.joints[first_joint..].iter().position(|j| j.name == leader) else {
-            return Err(format!("joint `{name}` mimics `{leader}`, which is not a moving joint of this part"));
-        };
-        let leader_index = first_joint + found;
-        if leader_index == index {
-            return Err(format!("joint `{name}` mimics itself"));
-        }
-        let scalar = |motion: Motion| motion.configuration_size() == 1;
-        if !scalar(self.joints[index].motion) || !scalar(self.joints[leader_index].motion) {
-            return Err(format!("joint `{name}` mimics `{leader}`: only joints of one coordinate can be coupled"));
-        }
-        self.joints[index].source = Source::Follows { leader: JointIndex(leader_index as u32), multiplier, offset };
-        Ok(())
     }
 
     fn add_documents(&mut self, model: &Model, link_index: &[LinkIndex], part: &str) -> Result<(), String> {
@@ -297,6 +278,90 @@ fn unique<'a>(what: &str, names: impl Iterator<Item = &'a str>) -> Result<(), St
     Ok(())
 }
 
+/// Whom a joint of a model follows, chains resolved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Follow {
+    /// Nobody: it has coordinates of its own.
+    Nothing,
+    /// A joint (by its number in the model) that has a coordinate of its own.
+    Joint { leader: usize, multiplier: f64, offset: f64 },
+    /// A fixed joint, so that it never moves either: the value at which it stands.
+    Constant(f64),
+}
+
+/// Resolves `mimic` of all joints: chains end at a joint with a coordinate, or at a fixed one; cycles are refused.
+fn follows(model: &Model, mimic_follows: bool) -> Result<Vec<Follow>, String> {
+    let mut resolved: Vec<Option<Follow>> = vec![None; model.joints.len()];
+    let by_name: HashMap<&str, usize> = model.joints.iter().enumerate().map(|(i, j)| (j.name.as_str(), i)).collect();
+    let scalar = |kind| matches!(kind, JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic);
+    let mut walked_in = vec![usize::MAX; model.joints.len()];
+    for index in 0..model.joints.len() {
+        let mut chain = Vec::new();
+        let mut at = index;
+        // Towards the leader, as far as nobody has been.
+        let mut end = loop {
+            let joint = &model.joints[at];
+            let leader = joint.mimic.as_ref().filter(|_| mimic_follows);
+            match (resolved[at], leader) {
+                _ if joint.kind == JointKind::Fixed => break Follow::Constant(0.0),
+                (Some(known), _) => break known.carried_by(at),
+                (None, None) => {
+                    resolved[at] = Some(Follow::Nothing);
+                    break Follow::Nothing.carried_by(at);
+                }
+                (None, Some((leader, multiplier, offset))) => {
+                    let name = &joint.name;
+                    let Some(&next) = by_name.get(leader.as_str()) else {
+                        return Err(format!("joint `{name}` mimics `{leader}`, which is not a joint of this part"));
+                    };
+                    let next_kind = model.joints[next].kind;
+                    if !scalar(joint.kind) || !(scalar(next_kind) || next_kind == JointKind::Fixed) {
+                        return Err(format!(
+                            "joint `{name}` mimics `{leader}`: only joints of one coordinate can be coupled"
+                        ));
+                    }
+                    chain.push((at, *multiplier, *offset));
+                    walked_in[at] = index;
+                    if walked_in[next] == index {
+                        return Err(format!("joint `{name}` mimics itself, by way of `{leader}`"));
+                    }
+                    at = next;
+                }
+            }
+        };
+        for (joint, multiplier, offset) in chain.into_iter().rev() {
+            end = match end {
+                Follow::Joint { leader, multiplier: m, offset: o } => {
+                    Follow::Joint { leader, multiplier: multiplier * m, offset: multiplier * o + offset }
+                }
+                Follow::Constant(value) => Follow::Constant(multiplier * value + offset),
+                Follow::Nothing => Follow::Nothing,
+            };
+            resolved[joint] = Some(end);
+        }
+    }
+    Ok(resolved.into_iter().map(|r| r.unwrap_or(Follow::Nothing)).collect())
+}
+
+impl Follow {
+    /// What a follower of the joint `index` follows, where this is what that joint itself follows.
+    fn carried_by(self, index: usize) -> Self {
+        match self {
+            Self::Nothing => Self::Joint { leader: index, multiplier: 1.0, offset: 0.0 },
+            other => other,
+        }
+    }
+}
+
+/// The motion of a described joint of one coordinate at a value.
+fn moved(joint: &JointModel, value: f64) -> Pose {
+    match joint.kind {
+        JointKind::Revolute | JointKind::Continuous => Pose::from_rotation(DQuat::from_axis_angle(joint.axis, value)),
+        JointKind::Prismatic => Pose::from_translation(joint.axis * value),
+        JointKind::Planar | JointKind::Floating | JointKind::Fixed => Pose::identity(),
+    }
+}
+
 /// The depth-first walk that numbers links, shapes and joints of one part.
 struct Walk<'a> {
     robot: &'a mut Robot,
@@ -304,9 +369,10 @@ struct Walk<'a> {
     tree: &'a Tree,
     placement: &'a PartPlacement,
     part: PartIndex,
+    follows: &'a [Follow],
     link_index: Vec<LinkIndex>,
-    /// Followers found on the way: joint, leader's name, multiplier, offset; leaders may come later in the tree.
-    followers: Vec<(usize, String, f64, f64)>,
+    /// Moving joints of the model by their number in it; leaders may come later in the tree than their followers.
+    joint_index: Vec<Option<JointIndex>>,
     q: usize,
     v: usize,
 }
@@ -323,8 +389,12 @@ impl Walk<'_> {
             self.add_link(link, joint, joint_from_link);
             for &j in self.tree.children[link].iter().rev() {
                 let child = &self.model.joints[j];
-                let pose = joint_from_link * child.parent_from_joint;
-                let via = (child.kind != JointKind::Fixed).then_some(j);
+                let mut pose = joint_from_link * child.parent_from_joint;
+                let mut via = (child.kind != JointKind::Fixed).then_some(j);
+                if let Follow::Constant(value) = self.follows[j] {
+                    via = None;
+                    pose *= moved(child, value);
+                }
                 stack.push((via, child.child, joint, pose));
             }
         }
@@ -361,13 +431,13 @@ impl Walk<'_> {
             (lower[0], upper[0]) = (low, high);
         }
         let number = self.robot.joints.len();
-        let source = match &described.mimic {
-            Some((leader, multiplier, offset)) if self.placement.mimic_follows => {
-                self.followers.push((number, leader.clone(), *multiplier, *offset));
-                // Replaced once the leader is known.
-                Source::Follows { leader: JointIndex(number as u32), multiplier: *multiplier, offset: *offset }
+        self.joint_index[index] = Some(JointIndex(number as u32));
+        let source = match self.follows[index] {
+            // The leader is named once all joints have numbers.
+            Follow::Joint { multiplier, offset, .. } => {
+                Source::Follows { leader: JointIndex(number as u32), multiplier, offset }
             }
-            _ => {
+            Follow::Nothing | Follow::Constant(_) => {
                 let source = Source::Coordinates { q: self.q, v: self.v };
                 self.q += size;
                 self.v += motion.velocity_size();
@@ -402,5 +472,73 @@ impl Walk<'_> {
             });
         }
         self.robot.links.push(Link { name, part: self.part, joint, joint_from_link, inertial: described.inertial });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::model::LinkModel;
+    use super::*;
+
+    /// A chain of links by joints of the given kinds; joint i is called by its number.
+    fn chain(kinds: &[JointKind]) -> Model {
+        let link = |i: usize| LinkModel { name: format!("link{i}"), ..LinkModel::default() };
+        let joint = |(i, &kind): (usize, &JointKind)| JointModel {
+            name: i.to_string(),
+            kind,
+            parent: i,
+            child: i + 1,
+            parent_from_joint: Pose::identity(),
+            axis: DVec3::Z,
+            limits: (-1.0, 1.0),
+            velocity_limit: None,
+            mimic: None,
+        };
+        Model {
+            links: (0..=kinds.len()).map(link).collect(),
+            joints: kinds.iter().enumerate().map(joint).collect(),
+            ..Model::default()
+        }
+    }
+
+    fn placement() -> PartPlacement {
+        PartPlacement {
+            name: "part".into(),
+            kind: PartKind::Robot,
+            root: RootJoint::Fixed,
+            world_from_root: Pose::identity(),
+            mimic_follows: true,
+            root_bounds: Vec::new(),
+            joint_bounds: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_follower_of_a_follower_follows_the_joint_that_has_a_coordinate() {
+        let mut model = chain(&[JointKind::Revolute; 3]);
+        model.joints[0].mimic = Some(("2".into(), 2.0, 0.5));
+        model.joints[2].mimic = Some(("1".into(), -3.0, 0.25));
+        let robot = Robot::compose(&[(&model, placement())]).expect("composes");
+        let follows = Source::Follows { leader: JointIndex(1), multiplier: -6.0, offset: 1.0 };
+        assert_eq!(robot.joints[0].source, follows);
+        assert_eq!(robot.space.size(), 1);
+    }
+
+    #[test]
+    fn joints_that_follow_each_other_are_refused() {
+        let mut model = chain(&[JointKind::Revolute; 2]);
+        model.joints[0].mimic = Some(("1".into(), 1.0, 0.0));
+        model.joints[1].mimic = Some(("0".into(), 1.0, 0.0));
+        let error = Robot::compose(&[(&model, placement())]).expect_err("a cycle");
+        assert!(error.to_string().contains("mimics itself"), "{error}");
+    }
+
+    #[test]
+    fn a_follower_of_a_fixed_joint_stands_still_at_its_offset() {
+        let mut model = chain(&[JointKind::Fixed, JointKind::Prismatic]);
+        model.joints[1].mimic = Some(("0".into(), 1.0, 0.5));
+        let robot = Robot::compose(&[(&model, placement())]).expect("composes");
+        assert!(robot.joints.is_empty());
+        assert_eq!(robot.links[2].joint_from_link.translation, DVec3::new(0.0, 0.0, 0.5));
     }
 }

@@ -307,6 +307,24 @@ impl Robot {
         position(&self.surfaces, |s| s.name == name).map(SurfaceIndex)
     }
 
+    /// All pairs of a part's links that sit on two bodies which one moving joint of the part connects: neighbours, which
+    /// usually overlap where they meet.
+    #[must_use]
+    pub fn neighbouring_links(&self, part: &Part) -> Vec<(LinkIndex, LinkIndex)> {
+        let on_body = |body: Option<JointIndex>| {
+            part.links.clone().filter(move |&l| self.links[l].joint == body).map(|l| LinkIndex(l as u32))
+        };
+        let own_root = self.links[part.root_link.at()].joint;
+        let joints = part.joints.clone().map(|j| JointIndex(j as u32));
+        let mut pairs = Vec::new();
+        for joint in joints.filter(|&j| Some(j) != part.root_joint) {
+            for first in on_body(self.joints[joint.at()].parent.or(own_root)) {
+                pairs.extend(on_body(Some(joint)).map(|second| (first, second)));
+            }
+        }
+        pairs
+    }
+
     /// The moving joint and the pose in its frame of `link_from_frame`, a frame given in a link.
     #[must_use]
     pub fn frame_on_joint(&self, link: LinkIndex, link_from_frame: &Pose) -> (Option<JointIndex>, Pose) {

@@ -4,7 +4,7 @@ use super::part::LoadedPart;
 use crate::scene::error::{SceneError, did_you_mean, quoted};
 use crate::scene::keys::{Item, Keys};
 use foliate_components::problem::Margin;
-use foliate_components::robot::{DisabledPair, JointIndex, LinkIndex, Part, Robot};
+use foliate_components::robot::{DisabledPair, LinkIndex, Part, Robot};
 
 /// Most pairs that a scene's lists unfold to.
 const PAIRS: usize = 4_000_000;
@@ -42,18 +42,9 @@ fn word(item: &Item<'_>, part: &Part, robot: &Robot, pairs: &mut Vec<DisabledPai
     Ok(())
 }
 
-/// All pairs of links on two bodies that one moving joint of the part connects.
 fn neighbours(part: &Part, robot: &Robot, pairs: &mut Vec<DisabledPair>) {
-    let on_body = |body: Option<JointIndex>| {
-        part.links.clone().filter(move |&l| robot.links[l].joint == body).map(|l| LinkIndex(l as u32))
-    };
-    let own_root = robot.links[part.root_link.at()].joint;
-    for joint in part.joints.clone().map(|j| JointIndex(j as u32)).filter(|j| Some(*j) != part.root_joint) {
-        let parent = robot.joints[joint.at()].parent.or(own_root);
-        for first in on_body(parent) {
-            pairs.extend(on_body(Some(joint)).map(|second| DisabledPair { first, second, reason: "adjacent".into() }));
-        }
-    }
+    let adjacent = |(first, second)| DisabledPair { first, second, reason: "adjacent".into() };
+    pairs.extend(robot.neighbouring_links(part).into_iter().map(adjacent));
 }
 
 /// `["link", "link"]`, without the part's name.

@@ -199,7 +199,7 @@ fn freeze(keys: &mut Keys<'_>, model: &mut Model, mimic_follows: bool) -> Result
             JointKind::Prismatic => Pose::from_translation(joint.axis * value),
             JointKind::Planar | JointKind::Floating | JointKind::Fixed => Pose::identity(),
         };
-        joint.parent_from_joint = joint.parent_from_joint * moved;
+        joint.parent_from_joint *= moved;
         (joint.kind, joint.mimic) = (JointKind::Fixed, None);
     }
     Ok(())

@@ -46,6 +46,24 @@ impl Triangles {
         }
         Ok(())
     }
+
+    /// Drops triangles with two corners at one position, which bound nothing, and vertices that no triangle names: files
+    /// share their arrays among meshes, and a stray vertex would only widen every bound on the solid.
+    fn drop_unused(&mut self) {
+        let at = |i: u32| self.vertices[i as usize];
+        self.triangles.retain(|&[a, b, c]| at(a) != at(b) && at(b) != at(c) && at(c) != at(a));
+        let mut number = vec![u32::MAX; self.vertices.len()];
+        let mut kept = Vec::new();
+        for corner in self.triangles.iter_mut().flatten() {
+            let known = &mut number[*corner as usize];
+            if *known == u32::MAX {
+                *known = kept.len() as u32;
+                kept.push(self.vertices[*corner as usize]);
+            }
+            *corner = *known;
+        }
+        self.vertices = kept;
+    }
 }
 
 /// What to do with a COLLADA file's `<up_axis>`.
@@ -151,7 +169,7 @@ impl<'a> Meshes<'a> {
 pub(crate) fn read(path: &Path, up_axis: UpAxis) -> Result<Triangles, SceneError> {
     let file = path.display().to_string();
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    let content = match extension.as_str() {
+    let mut content = match extension.as_str() {
         "stl" => stl::read(&file, &input::bytes(path, input::MESH_CAP)?),
         "obj" => obj::read(&file, &input::text(path, input::MESH_CAP)?),
         "dae" => dae::read(&file, &input::text(path, input::MESH_CAP / 2)?, up_axis),
@@ -160,6 +178,7 @@ pub(crate) fn read(path: &Path, up_axis: UpAxis) -> Result<Triangles, SceneError
             Err(SceneError::new(&file, "file", message).hint("convert it to .stl, .obj or .dae"))
         }
     }?;
+    content.drop_unused();
     if content.triangles.is_empty() {
         return Err(SceneError::new(file, "mesh", "has no triangles").hint("points and lines bound no solid"));
     }

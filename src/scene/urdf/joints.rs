@@ -8,7 +8,12 @@ use roxmltree::Node;
 use std::collections::HashMap;
 
 /// Reads all joints into the model, whose links are known.
-pub(super) fn read(xml: &Xml<'_>, root: Node<'_, '_>, model: &mut Model) -> Result<(), SceneError> {
+pub(super) fn read(
+    xml: &Xml<'_>,
+    root: Node<'_, '_>,
+    model: &mut Model,
+    warnings: &mut Vec<SceneError>,
+) -> Result<(), SceneError> {
     let nodes: Vec<_> = elements(root, "joint").collect();
     let links: HashMap<&str, usize> = model.links.iter().enumerate().map(|(i, l)| (l.name.as_str(), i)).collect();
     let mut by_name = HashMap::new();
@@ -24,7 +29,7 @@ pub(super) fn read(xml: &Xml<'_>, root: Node<'_, '_>, model: &mut Model) -> Resu
         joints.push(joint(xml, node, name, &links)?);
     }
     tree::check(xml, root, &nodes, &joints, model)?;
-    tree::check_mimics(xml, &nodes, &joints, &by_name)?;
+    tree::check_mimics(xml, &nodes, &mut joints, &by_name, warnings)?;
     model.joints = joints;
     Ok(())
 }

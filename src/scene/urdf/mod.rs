@@ -55,7 +55,7 @@ pub(crate) fn read(file: &str, text: &str, context: &mut Context<'_, '_>) -> Res
     if model.links.is_empty() {
         return Err(xml.error(root, "has no links").hint("a model has at least one <link name=\"…\"/>"));
     }
-    joints::read(&xml, root, &mut model)?;
+    joints::read(&xml, root, &mut model, context.warnings)?;
     Ok(model)
 }
 

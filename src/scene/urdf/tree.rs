@@ -53,34 +53,44 @@ pub(super) fn check(
     Ok(())
 }
 
-/// Leaders exist, have one coordinate, and do not follow their followers.
+/// Leaders have one coordinate, and do not follow their followers.
+///
+/// A follower whose leader does not exist becomes a joint of its own, with a remark: published models have such (renamed
+/// hands), and pinocchio reads them so.
 pub(super) fn check_mimics(
     xml: &Xml<'_>,
     nodes: &[Node<'_, '_>],
-    joints: &[JointModel],
+    joints: &mut [JointModel],
     by_name: &HashMap<&str, usize>,
+    warnings: &mut Vec<SceneError>,
 ) -> Result<(), SceneError> {
     let scalar = |kind| matches!(kind, JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic);
-    let leader_of = |index: usize| -> Result<Option<usize>, SceneError> {
-        let Some((leader, ..)) = &joints[index].mimic else { return Ok(None) };
+    let mut leaders = vec![None; joints.len()];
+    for index in 0..joints.len() {
+        let Some((leader, ..)) = &joints[index].mimic else { continue };
         let Some(&found) = by_name.get(leader.as_str()) else {
-            return Err(xml
-                .error(nodes[index], format!("mimics joint `{}`, which does not exist", quoted(leader)))
-                .hint(did_you_mean(leader, by_name.keys().copied())));
+            let message =
+                format!("mimics joint `{}`, which does not exist: it is read as a joint of its own", quoted(leader));
+            let hint = did_you_mean(leader, by_name.keys().copied());
+            warnings.push(xml.error(nodes[index], message).hint(hint));
+            joints[index].mimic = None;
+            continue;
         };
-        if !scalar(joints[index].kind) || !scalar(joints[found].kind) {
+        let can_lead = scalar(joints[found].kind) || joints[found].kind == JointKind::Fixed;
+        let can_follow = scalar(joints[index].kind) || joints[index].kind == JointKind::Fixed;
+        if !can_lead || !can_follow {
             let message = format!("mimics joint `{}`: only joints of one coordinate can be coupled", quoted(leader));
             return Err(xml.error(nodes[index], message));
         }
-        Ok(Some(found))
-    };
+        leaders[index] = Some(found);
+    }
     let mut walked_in = vec![usize::MAX; joints.len()];
     for index in 0..joints.len() {
         let mut at = index;
         // A joint that an earlier walk has seen leads to an end; one that this walk has seen leads back to itself.
         while walked_in[at] == usize::MAX {
             walked_in[at] = index;
-            match leader_of(at)? {
+            match leaders[at] {
                 Some(leader) if walked_in[leader] == index => {
                     let hint = "one joint must lead";
                     return Err(xml.error(nodes[leader], "follows itself through <mimic>").hint(hint));

@@ -2,7 +2,7 @@
 
 pub mod mrrt;
 
-use bevy_ecs::prelude::Schedule;
+use bevy_ecs::prelude::{Schedule, World};
 use std::sync::Arc;
 
 /// A search scheduler: it fills the sets of a step with systems.
@@ -12,8 +12,9 @@ pub trait Scheduler: Send + Sync {
     /// Its name on the command line and in results.
     fn name(&self) -> &'static str;
 
-    /// The systems of one step, in their sets.
-    fn schedule(&self) -> Schedule;
+    /// The systems of one step, in their sets. `world` is the one in which they will run, with all resources in place: a
+    /// scheduler may add its own there.
+    fn schedule(&self, world: &mut World) -> Schedule;
 }
 
 impl<S: Scheduler + ?Sized> Scheduler for Arc<S> {
@@ -21,8 +22,8 @@ impl<S: Scheduler + ?Sized> Scheduler for Arc<S> {
         self.as_ref().name()
     }
 
-    fn schedule(&self) -> Schedule {
-        self.as_ref().schedule()
+    fn schedule(&self, world: &mut World) -> Schedule {
+        self.as_ref().schedule(world)
     }
 }
 

@@ -3,7 +3,7 @@
 use super::Scheduler;
 use crate::schedule::{SearchSet, empty_schedule};
 use crate::{commit, conclusion, connection, projection, rendezvous, sampling, selection, steering, validation};
-use bevy_ecs::prelude::{IntoScheduleConfigs, Schedule};
+use bevy_ecs::prelude::{IntoScheduleConfigs, Schedule, World};
 
 /// Random trees from the start and every goal, grown leaf by leaf through regular and crossed transitions.
 #[derive(Clone, Copy, Debug, Default)]
@@ -14,7 +14,7 @@ impl Scheduler for Mrrt {
         "mrrt"
     }
 
-    fn schedule(&self) -> Schedule {
+    fn schedule(&self, _world: &mut World) -> Schedule {
         let mut schedule = empty_schedule();
         schedule.add_systems((
             (sampling::reset_candidates, sampling::sample_configurations).chain().in_set(SearchSet::Sample),

@@ -1,7 +1,7 @@
 //! Bounding balls and capsules: what is looked at before anything exact.
 
 use super::convex::{Convex, Core};
-use super::distance::{Solid, segment_distance_squared};
+use super::distance::{Solid, between_segments};
 use super::mesh_tree::MeshTree;
 use foliate_components::Pose;
 use glam::DVec3;
@@ -124,7 +124,7 @@ impl Capsule {
     #[must_use]
     #[inline]
     pub fn distance(&self, other: &Self) -> f64 {
-        segment_distance_squared(self.middle, self.half, other.middle, other.half).sqrt() - self.radius - other.radius
+        between_segments(self.middle, self.half, other.middle, other.half).length() - self.radius - other.radius
     }
 }
 

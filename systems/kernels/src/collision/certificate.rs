@@ -7,11 +7,12 @@
 //! nothing tunnels at any speed (DESIGN §5.5; Schwarzer, Saha and Latombe 2005; hpp-notes card L).
 
 use super::distance::Ask;
-use super::pairs::PairSet;
+use super::pairs::{ActiveGroup, PairSet};
 use super::scene::{CollisionScene, PairId};
-use super::scratch::{CollisionScratch, place_balls};
+use super::scratch::{CollisionScratch, place_balls, solid_balls};
 use super::verdict::{Contact, pair_clearance};
 use crate::kinematics::{Carriage, Kinematics};
+use glam::DVec3;
 
 /// What to prove, and how hard to try.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,7 +37,7 @@ impl Default for CertificateSettings {
         Self {
             clearance_guard: 1e-5,
             resolution: 1e-4,
-            prefix_resolution: 1e-3,
+            prefix_resolution: 4e-3,
             all_or_nothing: false,
             start_is_free: false,
             max_samples: 20_000,
@@ -278,7 +279,7 @@ impl Proof<'_> {
         }
         let start = next.pairs.len() as u32;
         for &pair in &open[run.start as usize..run.end as usize] {
-            match self.look_at_pair(pair, closer, scratch) {
+            match self.look_at_pair(pair, active, closer, scratch) {
                 Outcome::Certified => {}
                 Outcome::Open => next.pairs.push(pair),
                 Outcome::Collides(contact) => {
@@ -298,16 +299,36 @@ impl Proof<'_> {
         }
     }
 
-    fn look_at_pair(&mut self, pair: u32, closer: f64, scratch: &mut CollisionScratch) -> Outcome {
+    fn look_at_pair(
+        &mut self,
+        pair: u32,
+        active: &ActiveGroup,
+        closer: f64,
+        scratch: &mut CollisionScratch,
+    ) -> Outcome {
         let id = PairId(pair);
         let keep = self.pairs.margins[id.at()] + self.settings.clearance_guard;
         let needed = keep + closer;
-        // Short of what is needed, one twentieth more or less only moves where the next sample lies.
-        let ask = Ask { relative: 0.05, ..Ask::exact(needed) };
+        // Where the directional bound is no help, only a collision at the sample still matters.
+        let directional = self.scene.is_convex(id) && scratch.bound.is_fine();
+        let ask = if directional {
+            Ask { relative: 0.05, ..Ask::exact(needed) }
+        } else {
+            Ask { floor: keep, ..Ask::exact(needed) }
+        };
         let found = pair_clearance(self.scene, id, &scratch.X_WJ, ask, &mut scratch.hints[id.at()]);
         if found >= needed {
             self.min_clearance = self.min_clearance.min(found - closer);
             return Outcome::Certified;
+        }
+        if directional && found >= keep {
+            // The distance of convex solids is their gap along the hint.
+            let (n, balls) = (scratch.hints[id.at()], solid_balls(self.scene, id, &scratch.X_WJ));
+            let closer = scratch.bound.approach_along(self.scene, self.pairs, active, balls, n);
+            if n != DVec3::ZERO && found >= keep + closer {
+                self.min_clearance = self.min_clearance.min(found - closer);
+                return Outcome::Certified;
+            }
         }
         let contact = Contact { pair: id, clearance: found };
         // Compared so that NaN collides.

@@ -2,7 +2,7 @@
 //!
 //! [`clearance`] is a lower bound of the distance that is either at least what was asked for or nearly exact
 //! (DESIGN §5.5: *in doubt, in collision*). Pairs of round solids and of a ball with anything use closed forms; the rest
-//! goes to GJK ([`super::gjk`]), meshes to their tree ([`super::mesh_distance`]). We wrote our own GJK instead of calling
+//! goes to GJK (gjk.rs), meshes to their tree (mesh_distance.rs). We wrote our own GJK instead of calling
 //! parry's because its result carries a proof (the separating slab), and because a query "at least d?" may then end after
 //! one support; parry remains what it is tested against.
 
@@ -50,7 +50,8 @@ impl Solid {
 /// distance. Not positive where they (may) overlap, and −∞ where a number is not finite.
 ///
 /// `X_WA` and `X_WB` are the solids' poses in one frame. `hint` remembers a separating direction in that frame from one
-/// call for the pair to the next; start with zero. Results depend on the hint only within the tolerances.
+/// call for the pair to the next; start with zero. For two convex solids it is afterwards the unit vector from `b` to `a`
+/// along which they are at least as far apart as the result says. Results depend on the hint only within the tolerances.
 #[must_use]
 pub fn clearance(a: &Solid, X_WA: &Pose, b: &Solid, X_WB: &Pose, ask: Ask, hint: &mut DVec3) -> f64 {
     // Infinite coordinates would give NaN differences further on: stop both at the gate.
@@ -76,35 +77,35 @@ pub fn clearance(a: &Solid, X_WA: &Pose, b: &Solid, X_WB: &Pose, ask: Ask, hint:
 
 fn convex_clearance(a: &Convex, X_WA: &Pose, b: &Convex, X_WB: &Pose, ask: Ask, hint: &mut DVec3) -> f64 {
     let radii = a.radius + b.radius;
-    let cores = match (a.core, b.core) {
+    let apart = match (a.core, b.core) {
         // Covers every pair with a ball: the closest point of a core to a point has a closed form.
-        (Core::Point, other) => distance_to_point(&other, X_WB, X_WA.translation),
-        (other, Core::Point) => distance_to_point(&other, X_WA, X_WB.translation),
+        (Core::Point, other) => X_WA.translation - closest_in_world(&other, X_WB, X_WA.translation),
+        (other, Core::Point) => closest_in_world(&other, X_WA, X_WB.translation) - X_WB.translation,
         (Core::Segment { half_length: h }, Core::Segment { half_length: k }) => {
             let (u, v) = (X_WA.rotation * DVec3::Z * h, X_WB.rotation * DVec3::Z * k);
-            segment_distance_squared(X_WA.translation, u, X_WB.translation, v).sqrt() - ROUNDING
+            between_segments(X_WA.translation, u, X_WB.translation, v)
         }
         (first, second) => {
             let X_AB = Relative::between(X_WA, X_WB);
-            let back = X_WA.rotation.conjugate();
-            let mut local = back * *hint;
+            let mut local = X_WA.rotation.conjugate() * *hint;
             let distance = core_distance(&first, &second, &X_AB, radii, ask, &mut local);
             *hint = X_WA.rotation * local;
             return distance;
         }
     };
-    cores - radii
+    let distance = apart.length();
+    *hint = if distance > 0.0 { apart / distance } else { DVec3::ZERO };
+    distance - radii - ROUNDING
 }
 
-fn distance_to_point(core: &Core, X_WC: &Pose, point: DVec3) -> f64 {
-    let p = X_WC.rotation.conjugate() * (point - X_WC.translation);
-    p.distance(core.closest_to(p)) - ROUNDING
+fn closest_in_world(core: &Core, X_WC: &Pose, point: DVec3) -> DVec3 {
+    X_WC.transform_point(core.closest_to(X_WC.inverse_transform_point(point)))
 }
 
-/// Squared distance of two segments, each given by its middle and half of its direction (metres).
+/// The shortest vector from the second of two segments to the first, each given by its middle and half of its direction.
 #[inline]
 #[must_use]
-pub fn segment_distance_squared(p: DVec3, u: DVec3, q: DVec3, v: DVec3) -> f64 {
+pub(super) fn between_segments(p: DVec3, u: DVec3, q: DVec3, v: DVec3) -> DVec3 {
     let r = p - q;
     let (uu, vv, uv, ur, vr) = (u.dot(u), v.dot(v), u.dot(v), u.dot(r), v.dot(r));
     let unit = |x: f64| x.clamp(-1.0, 1.0);
@@ -116,11 +117,12 @@ pub fn segment_distance_squared(p: DVec3, u: DVec3, q: DVec3, v: DVec3) -> f64 {
     let value = |s: f64| {
         let t = along(uv * s + vr, vv);
         let s = along(uv * t - ur, uu);
-        (r + u * s - v * t).length_squared()
+        r + u * s - v * t
     };
     if determinant > 1e-12 * uu * vv {
         value(unit((uv * vr - vv * ur) / determinant))
     } else {
-        value(-1.0).min(value(1.0)).min(value(0.0))
+        let shorter = |a: DVec3, b: DVec3| if b.length_squared() < a.length_squared() { b } else { a };
+        shorter(shorter(value(-1.0), value(1.0)), value(0.0))
     }
 }

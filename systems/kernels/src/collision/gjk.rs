@@ -20,7 +20,10 @@ const MAX_STEPS: usize = 64;
 pub struct Ask {
     /// The question is "at least this?": the answer need not be exact above. Metres.
     pub needed: f64,
-    /// Below it, how far the answer may lie under the true distance, metres …
+    /// If it is not at least `needed`, it may be enough to know that it is at least this (for no such shortcut, as large as
+    /// `needed`). Metres.
+    pub floor: f64,
+    /// Below both, how far the answer may lie under the true distance, metres …
     pub absolute: f64,
     /// … or as a share of the distance, whichever allows more.
     pub relative: f64,
@@ -30,7 +33,7 @@ impl Ask {
     /// At least `needed`, or the distance to within a micrometre.
     #[must_use]
     pub fn exact(needed: f64) -> Self {
-        Self { needed, absolute: 1e-6, relative: 0.0 }
+        Self { needed, floor: needed, absolute: 1e-6, relative: 0.0 }
     }
 }
 
@@ -74,6 +77,7 @@ pub(super) fn core_distance(a: &Core, b: &Core, X_AB: &Relative, radii: f64, ask
     let farthest_against = |v: DVec3| a.support(-v) - X_AB.point(b.support(X_AB.direction_back(v)));
     // What is returned has lost `ROUNDING` and still has to be at least `needed`.
     let enough = ask.needed + radii + 2.0 * ROUNDING;
+    let floor = ask.floor + radii + 2.0 * ROUNDING;
     let mut lower = 0.0_f64;
     if *hint != DVec3::ZERO {
         // The hint is a unit vector.
@@ -94,8 +98,9 @@ pub(super) fn core_distance(a: &Core, b: &Core, X_AB: &Relative, radii: f64, ask
             *hint = n;
         }
         // A point of A − B also bounds the distance from above.
-        let exact = on_difference && length - lower <= ask.absolute.max(ask.relative * (length - radii));
-        if lower >= enough || exact {
+        let exact = length - lower <= ask.absolute.max(ask.relative * (length - radii));
+        let settled = exact || (length < enough && lower >= floor);
+        if lower >= enough || (on_difference && settled) {
             return lower - radii - ROUNDING;
         }
         let walked = match &mut simplex {

@@ -16,26 +16,24 @@ pub(super) fn mesh_convex_distance(mesh: &MeshTree, convex: &Convex, X_MC: &Rela
         return f64::INFINITY;
     }
     let probe = Probe::new(convex, X_MC);
-    let mut least = ask.needed + 2.0 * ROUNDING;
+    let mut least = Least::new(&ask);
     let mut stack = [(0_u32, 0.0_f64); STACK];
     let mut depth = 1;
     stack[0] = (0, probe.distance_squared(&mesh.nodes[0]));
     while depth > 0 {
         depth -= 1;
         let (index, near) = stack[depth];
-        if beyond(near, least + convex.radius) {
+        if beyond(near, least.value + convex.radius) {
             continue;
         }
         let node = &mesh.nodes[index as usize];
         if node.is_leaf() {
             for triangle in leaf(mesh, node) {
-                let ask = Ask { needed: least, ..ask };
-                // Both are in the mesh's frame, the triangle's core carries its place.
                 let core = Core::Triangle(*triangle);
-                least =
-                    smaller(least, core_distance(&core, &convex.core, X_MC, convex.radius, ask, &mut NO_HINT.clone()));
-                if least <= 0.0 {
-                    return least;
+                let ask = least.ask(&ask);
+                least.lower(core_distance(&core, &convex.core, X_MC, convex.radius, ask, &mut NO_HINT.clone()));
+                if least.value <= 0.0 {
+                    return least.value;
                 }
             }
             continue;
@@ -48,7 +46,7 @@ pub(super) fn mesh_convex_distance(mesh: &MeshTree, convex: &Convex, X_MC: &Rela
             depth += 1;
         }
     }
-    least - ROUNDING
+    least.value - ROUNDING
 }
 
 /// Surface distance of two meshes, the second at `X_AB` in the frame of the first.
@@ -58,21 +56,21 @@ pub(super) fn mesh_mesh_distance(a: &MeshTree, b: &MeshTree, X_AB: &Relative, as
     }
     let turned = X_AB.rotation.abs();
     let bound = |i: u32, j: u32| box_distance_squared(&a.nodes[i as usize], &b.nodes[j as usize], X_AB, &turned);
-    let mut least = ask.needed + 2.0 * ROUNDING;
+    let mut least = Least::new(&ask);
     let mut stack = [(0_u32, 0_u32, 0.0_f64); 2 * STACK];
     let mut depth = 1;
     stack[0] = (0, 0, bound(0, 0));
     while depth > 0 {
         depth -= 1;
         let (i, j, near) = stack[depth];
-        if beyond(near, least) {
+        if beyond(near, least.value) {
             continue;
         }
         let (node_a, node_b) = (&a.nodes[i as usize], &b.nodes[j as usize]);
         if node_a.is_leaf() && node_b.is_leaf() {
-            least = leaves_distance(leaf(a, node_a), leaf(b, node_b), X_AB, ask, least);
-            if least <= 0.0 {
-                return least;
+            meet_leaves(leaf(a, node_a), leaf(b, node_b), X_AB, &ask, &mut least);
+            if least.value <= 0.0 {
+                return least.value;
             }
             continue;
         }
@@ -87,7 +85,7 @@ pub(super) fn mesh_mesh_distance(a: &MeshTree, b: &MeshTree, X_AB: &Relative, as
             depth += 1;
         }
     }
-    least - ROUNDING
+    least.value - ROUNDING
 }
 
 fn leaf<'a>(mesh: &'a MeshTree, node: &Node) -> &'a [[DVec3; 3]] {
@@ -95,16 +93,15 @@ fn leaf<'a>(mesh: &'a MeshTree, node: &Node) -> &'a [[DVec3; 3]] {
     &mesh.triangles[first..first + node.count as usize]
 }
 
-fn leaves_distance(a: &[[DVec3; 3]], b: &[[DVec3; 3]], X_AB: &Relative, ask: Ask, mut least: f64) -> f64 {
+fn meet_leaves(a: &[[DVec3; 3]], b: &[[DVec3; 3]], X_AB: &Relative, ask: &Ask, least: &mut Least) {
     let here = Relative { rotation: DMat3::IDENTITY, translation: DVec3::ZERO };
     for q in b {
         let q = Core::Triangle(q.map(|p| X_AB.point(p)));
         for p in a {
-            let ask = Ask { needed: least, ..ask };
-            least = smaller(least, core_distance(&Core::Triangle(*p), &q, &here, 0.0, ask, &mut NO_HINT.clone()));
+            let ask = least.ask(ask);
+            least.lower(core_distance(&Core::Triangle(*p), &q, &here, 0.0, ask, &mut NO_HINT.clone()));
         }
     }
-    least
 }
 
 /// Triangles come and go: no direction is worth remembering.
@@ -115,40 +112,70 @@ fn beyond(squared: f64, least: f64) -> bool {
     least > 0.0 && squared >= least * least
 }
 
-/// The smaller number, where NaN is smaller than all.
-fn smaller(a: f64, b: f64) -> f64 {
-    if b >= a {
-        a
-    } else if b.is_nan() {
-        f64::NEG_INFINITY
-    } else {
-        b
+/// The least distance that still matters: nothing farther need be looked at.
+struct Least {
+    value: f64,
+    floor: f64,
+}
+
+impl Least {
+    fn new(ask: &Ask) -> Self {
+        Self { value: ask.needed + 2.0 * ROUNDING, floor: ask.floor + 2.0 * ROUNDING }
+    }
+
+    /// What to ask of the next pair of triangles.
+    fn ask(&self, ask: &Ask) -> Ask {
+        Ask { needed: self.value, floor: self.floor.min(self.value), ..*ask }
+    }
+
+    /// Takes in a distance. Once one is too small for what is needed, only what is below the floor still matters.
+    fn lower(&mut self, found: f64) {
+        if found >= self.value {
+            return;
+        }
+        // NaN is smaller than everything.
+        self.value = match found {
+            _ if found >= self.floor => self.floor.min(self.value),
+            _ if found.is_nan() => f64::NEG_INFINITY,
+            _ => found,
+        };
     }
 }
 
-/// A convex core as boxes see it: its bounding box along the mesh's axes, and its bounding ball.
-struct Probe {
+/// A convex core as boxes see it: its bounding box along the mesh's axes and along its own, and its bounding ball.
+struct Probe<'a> {
+    X_MC: &'a Relative,
+    turned: DMat3,
     center: DVec3,
     half: DVec3,
+    own_center: DVec3,
+    own_half: DVec3,
     radius: f64,
 }
 
-impl Probe {
-    fn new(convex: &Convex, X_MC: &Relative) -> Self {
+impl<'a> Probe<'a> {
+    fn new(convex: &Convex, X_MC: &'a Relative) -> Self {
         let middle = convex.core.center();
         Self {
+            X_MC,
+            turned: X_MC.rotation.abs().transpose(),
             center: X_MC.point(middle),
             half: convex.core.extents_along(&X_MC.rotation),
+            own_center: middle,
+            own_half: convex.core.extents_along(&DMat3::IDENTITY),
             radius: convex.core.farthest_from(middle).distance(middle),
         }
     }
 
     /// At most the squared distance of the core to anything in the node's box.
+    #[inline]
     fn distance_squared(&self, node: &Node) -> f64 {
         let apart = (self.center - node.center).abs();
-        let boxes = (apart - node.half - self.half).max(DVec3::ZERO).length_squared();
+        let along_mesh = (apart - node.half - self.half).max(DVec3::ZERO).length_squared();
         let ball = (apart - node.half).max(DVec3::ZERO).length() - self.radius;
-        boxes.max(ball.max(0.0) * ball.max(0.0))
+        let here = (self.X_MC.back(node.center) - self.own_center).abs();
+        let along_own = (here - self.own_half - self.turned * node.half).max(DVec3::ZERO).length_squared();
+        along_mesh.max(along_own).max(ball.max(0.0) * ball.max(0.0))
     }
 }
 

@@ -11,12 +11,12 @@ use foliate_components::robot::LinkIndex;
 pub struct PairSet {
     pub(super) tree: AttachmentTree,
     pub(super) moving: Vec<ActiveGroup>,
-    constant: Vec<u32>,
+    pub(super) constant: Vec<ActiveGroup>,
     /// By pair of the scene.
     pub(super) margins: Vec<f64>,
 }
 
-/// A group whose two clusters move relative to each other.
+/// A group, as a leaf sees it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ActiveGroup {
     pub group: u32,
@@ -42,13 +42,10 @@ impl PairSet {
         let (mut moving, mut constant) = (Vec::new(), Vec::new());
         for (index, group) in scene.groups.iter().enumerate().filter(|(_, g)| !g.fixed) {
             let [a, b] = [group.first, group.second].map(|c| scene.clusters[c as usize].body);
-            if tree.rigid(a, b) {
-                constant.push(index as u32);
-                continue;
-            }
-            let apart = tree.apart(a, b);
+            let (below_a, below_b) = tree.apart(a, b);
             let margin = margins[group.start as usize..group.end as usize].iter().copied().fold(0.0, f64::max);
-            moving.push(ActiveGroup { group: index as u32, apart: (apart.0 as u32, apart.1 as u32), margin });
+            let list = if tree.rigid(a, b) { &mut constant } else { &mut moving };
+            list.push(ActiveGroup { group: index as u32, apart: (below_a as u32, below_b as u32), margin });
         }
         Self { tree, moving, constant, margins }
     }
@@ -61,17 +58,13 @@ impl PairSet {
     /// Pairs that keep their relative pose on the leaf: one exact test holds for all of it. Pairs that are fixed by locked
     /// joints are not among them ([`CollisionScene::fixed_pairs`]).
     pub fn constant_pairs<'a>(&'a self, scene: &'a CollisionScene) -> impl Iterator<Item = PairId> + 'a {
-        self.constant.iter().flat_map(|&group| pairs_of(scene, group))
+        self.constant.iter().flat_map(|active| pairs_of(scene, active.group))
     }
 
     /// How far the two of a pair must stay apart on this leaf, metres.
     #[must_use]
     pub fn margin(&self, pair: PairId) -> f64 {
         self.margins[pair.at()]
-    }
-
-    pub(super) fn constant_groups(&self) -> &[u32] {
-        &self.constant
     }
 }
 

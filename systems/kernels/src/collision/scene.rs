@@ -6,7 +6,7 @@ use super::pair_rule::{PairRule, Rules};
 use foliate_components::Pose;
 use foliate_components::configuration::ConfigurationSpace;
 use foliate_components::robot::{JointIndex, LinkIndex, Motion, Robot, ShapeIndex, Source};
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
 /// Index of a pair in [`CollisionScene::pairs`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -94,6 +94,8 @@ pub(super) struct SceneJoint {
     pub parent: Option<JointIndex>,
     /// Position of the joint frame at zero in the parent's frame.
     pub offset: DVec3,
+    /// Orientation of the joint frame at zero in the parent's frame.
+    pub turned: DQuat,
     pub motion: Motion,
     pub locked: bool,
     /// First coordinates (own, or of the leader) in a configuration and a velocity.
@@ -154,6 +156,12 @@ impl CollisionScene {
     #[must_use]
     pub fn bodies(&self) -> usize {
         self.joints.len()
+    }
+
+    /// Whether both shapes of a pair are convex.
+    pub(super) fn is_convex(&self, id: PairId) -> bool {
+        let pair = &self.pairs[id.at()];
+        [pair.first, pair.second].iter().all(|s| matches!(self.solids[s.at()].solid, Solid::Convex(_)))
     }
 
     fn gather_clusters(&mut self, bodies: usize) {
@@ -266,6 +274,7 @@ impl SceneJoint {
         Self {
             parent: joint.parent,
             offset: joint.parent_from_joint.translation,
+            turned: joint.parent_from_joint.rotation,
             motion: joint.motion,
             locked,
             q,

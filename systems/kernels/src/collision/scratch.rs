@@ -2,7 +2,7 @@
 
 use super::bounds::Ball;
 use super::certificate::Level;
-use super::scene::CollisionScene;
+use super::scene::{CollisionScene, PairId};
 use super::velocity_bound::MotionBound;
 use foliate_components::Pose;
 use glam::DVec3;
@@ -44,4 +44,17 @@ pub(super) fn place_balls(scene: &CollisionScene, X_WJ: &[Pose], balls: &mut Vec
         }
         None => cluster.ball,
     }));
+}
+
+/// The balls of a pair's two shapes in the world.
+#[inline]
+pub(super) fn solid_balls(scene: &CollisionScene, id: PairId, X_WJ: &[Pose]) -> [Ball; 2] {
+    let pair = &scene.pairs[id.at()];
+    [pair.first, pair.second].map(|shape| {
+        let solid = &scene.solids[shape.at()];
+        match solid.body {
+            Some(body) => Ball { center: X_WJ[body.at()].transform_point(solid.ball.center), ..solid.ball },
+            None => solid.ball,
+        }
+    })
 }

@@ -3,7 +3,7 @@
 use super::bounds::Ball;
 use super::distance::{Ask, Solid, clearance};
 use super::mesh_tree::MeshTree;
-use super::pairs::PairSet;
+use super::pairs::{ActiveGroup, PairSet};
 use super::scene::{CollisionScene, Pair, PairId, SceneSolid};
 use super::scratch::{CollisionScratch, place_balls};
 use foliate_components::Pose;
@@ -33,9 +33,8 @@ pub fn first_collision(
     scratch: &mut CollisionScratch,
 ) -> Option<Contact> {
     place_balls(scene, X_WJ, &mut scratch.balls);
-    let moving = pairs.moving.iter().map(|active| active.group);
-    let groups = moving.chain(pairs.constant_groups().iter().copied());
-    groups.into_iter().find_map(|g| first_in_group(scene, X_WJ, &pairs.margins, g, guard, &scratch.balls))
+    let mut groups = pairs.moving.iter().chain(&pairs.constant);
+    groups.find_map(|g| first_in_group(scene, X_WJ, &pairs.margins, g, guard, &scratch.balls))
 }
 
 /// As [`first_collision`], for the pairs of `pairs` that keep their relative pose on the leaf.
@@ -51,8 +50,8 @@ pub fn first_constant_collision(
     scratch: &mut CollisionScratch,
 ) -> Option<Contact> {
     place_balls(scene, X_WJ, &mut scratch.balls);
-    let mut groups = pairs.constant_groups().iter();
-    groups.find_map(|&g| first_in_group(scene, X_WJ, &pairs.margins, g, guard, &scratch.balls))
+    let mut groups = pairs.constant.iter();
+    groups.find_map(|g| first_in_group(scene, X_WJ, &pairs.margins, g, guard, &scratch.balls))
 }
 
 /// As [`first_collision`], for the pairs of moving ones alone.
@@ -69,24 +68,22 @@ pub fn first_moving_collision(
 ) -> Option<Contact> {
     place_balls(scene, X_WJ, &mut scratch.balls);
     let mut groups = pairs.moving.iter();
-    groups.find_map(|g| first_in_group(scene, X_WJ, &pairs.margins, g.group, guard, &scratch.balls))
+    groups.find_map(|g| first_in_group(scene, X_WJ, &pairs.margins, g, guard, &scratch.balls))
 }
 
 fn first_in_group(
     scene: &CollisionScene,
     X_WJ: &[Pose],
     margins: &[f64],
-    group: u32,
+    active: &ActiveGroup,
     guard: f64,
     balls: &[Ball],
 ) -> Option<Contact> {
-    let group = &scene.groups[group as usize];
-    let range = group.start as usize..group.end as usize;
-    let margin = margins[range.clone()].iter().copied().fold(0.0, f64::max);
-    if apart(&balls[group.first as usize], &balls[group.second as usize], margin + guard) {
+    let group = &scene.groups[active.group as usize];
+    if apart(&balls[group.first as usize], &balls[group.second as usize], active.margin + guard) {
         return None;
     }
-    range.into_iter().find_map(|index| {
+    (group.start as usize..group.end as usize).find_map(|index| {
         let needed = margins[index] + guard;
         let id = PairId(index as u32);
         let found =
@@ -100,15 +97,19 @@ fn first_in_group(
     })
 }
 
-/// The pair of `pairs` (moving and constant) with the least clearance, to within a micrometre; `None` without pairs.
-/// Where several overlap it is the first of them. Containment counts.
+/// The pair of `pairs` with the least clearance, to within a micrometre; `None` without pairs. Where several overlap it is
+/// the first of them. Containment counts. Margins do not matter.
 ///
 /// # Panics
 /// If `X_WJ` is shorter than the number of bodies.
 #[must_use]
-pub fn min_clearance(scene: &CollisionScene, X_WJ: &[Pose], pairs: &PairSet) -> Option<Contact> {
+pub fn min_clearance(
+    scene: &CollisionScene,
+    X_WJ: &[Pose],
+    pairs: impl IntoIterator<Item = PairId>,
+) -> Option<Contact> {
     let mut least: Option<Contact> = None;
-    for id in pairs.moving_pairs(scene).chain(pairs.constant_pairs(scene)) {
+    for id in pairs {
         let so_far = least.map_or(f64::MAX, |c| c.clearance);
         let found = if contained(scene, id, X_WJ) {
             f64::NEG_INFINITY

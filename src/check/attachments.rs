@@ -1,0 +1,148 @@
+//! What objects hang on in each segment, read from the file: grasps, contacts, or nothing but their place.
+
+use super::CheckError;
+use super::documents::Frames;
+use super::models::{Frame, Link, World, shown};
+use crate::path_file::{AttachmentEntry, PathFile, SurfaceEntry};
+use glam::DVec3;
+
+/// How an object is held.
+#[derive(Clone, Debug)]
+pub(super) enum Bond {
+    /// A gripper holds a handle.
+    Grasp { gripper: Frame, handle: Frame, mask: [bool; 6], complement: [bool; 6] },
+    /// A surface lies on a support; both by name.
+    Contact { surface: String, support: String },
+}
+
+/// An attachment of a segment.
+#[derive(Clone, Debug)]
+pub(super) struct Attachment {
+    /// The object's part.
+    pub part: usize,
+    /// Whether the object follows it.
+    pub carrier: bool,
+    /// For people.
+    pub name: String,
+    /// Link that holds, link that is held, and how; none where the object just stays where it is.
+    pub held: Option<(Link, Link, Bond)>,
+}
+
+impl Attachment {
+    pub(super) fn is_grasp(&self) -> bool {
+        matches!(self.held, Some((.., Bond::Grasp { .. })))
+    }
+}
+
+/// The attachments of every segment.
+pub(super) fn resolve(file: &PathFile, world: &World, frames: &Frames) -> Result<Vec<Vec<Attachment>>, CheckError> {
+    let of_segment = |(index, segment): (usize, &crate::path_file::SegmentEntry)| {
+        let entries = segment.attachments.iter().enumerate();
+        let resolved: Result<Vec<_>, _> = entries
+            .map(|(number, entry)| {
+                let place = format!("segments[{index}].attachments[{number}]");
+                Resolver { file, world, frames, place }.attachment(entry)
+            })
+            .collect();
+        resolved.and_then(|list| one_carrier_each(world, index, list))
+    };
+    file.segments.iter().enumerate().map(of_segment).collect()
+}
+
+fn one_carrier_each(world: &World, index: usize, list: Vec<Attachment>) -> Result<Vec<Attachment>, CheckError> {
+    for (part, entry) in world.parts.iter().enumerate().filter(|(_, p)| p.floats) {
+        let carriers = list.iter().filter(|a| a.carrier && a.part == part).count();
+        if carriers > 1 {
+            let message = format!("`{}` has {carriers} carriers", shown(&entry.name));
+            return Err(CheckError::malformed(format!("segments[{index}].attachments"), message));
+        }
+    }
+    Ok(list)
+}
+
+struct Resolver<'a> {
+    file: &'a PathFile,
+    world: &'a World,
+    frames: &'a Frames,
+    place: String,
+}
+
+impl Resolver<'_> {
+    fn refuse<T>(&self, key: &str, message: impl Into<String>) -> Result<T, CheckError> {
+        Err(CheckError::malformed(format!("{}{key}", self.place), message))
+    }
+
+    fn attachment(&self, entry: &AttachmentEntry) -> Result<Attachment, CheckError> {
+        let owner = entry.object.split('/').next().unwrap_or_default();
+        let Some(part) = self.world.part(owner) else {
+            return self.refuse(".object", format!("there is no part `{}`", shown(owner)));
+        };
+        let held = match (&entry.gripper, &entry.handle, &entry.surface, &entry.support) {
+            (Some(gripper), Some(handle), None, None) => Some(self.grasp(gripper, handle)?),
+            (None, None, Some(surface), Some(support)) => Some(self.contact(surface, support)?),
+            (None, None, None, None) => None,
+            _ => return self.refuse("", "wants `gripper` and `handle`, or `surface` and `support`, or none of them"),
+        };
+        if let Some((holder, link, bond)) = &held {
+            self.owner(entry, part, *link, bond)?;
+            if entry.carrier && holder.part == part {
+                return self.refuse("", format!("`{}` cannot carry itself", shown(&entry.object)));
+            }
+        }
+        let name = match (&entry.gripper, &entry.handle, &entry.surface, &entry.support) {
+            (Some(gripper), Some(handle), ..) => format!("{gripper} > {handle}"),
+            (_, _, Some(surface), Some(support)) => format!("{surface} on {support}"),
+            _ => format!("{} rests", entry.object),
+        };
+        Ok(Attachment { part, carrier: entry.carrier, name, held })
+    }
+
+    /// The object owns the handle or surface that its attachment names.
+    fn owner(&self, entry: &AttachmentEntry, part: usize, link: Link, bond: &Bond) -> Result<(), CheckError> {
+        let (key, what) = match bond {
+            Bond::Grasp { .. } => (".handle", &entry.handle),
+            Bond::Contact { .. } => (".surface", &entry.surface),
+        };
+        let of_link = entry.object.contains('/');
+        let same_link = || self.world.links.get(&entry.object).is_some_and(|l| l.frame.body == link.frame.body);
+        if link.part == part && (!of_link || same_link()) {
+            return Ok(());
+        }
+        let name = what.as_deref().unwrap_or_default();
+        self.refuse(key, format!("`{}` is not on `{}`", shown(name), shown(&entry.object)))
+    }
+
+    fn grasp(&self, gripper: &str, handle: &str) -> Result<(Link, Link, Bond), CheckError> {
+        let Some(&(holder, gripper)) = self.frames.grippers.get(gripper) else {
+            return self.refuse(".gripper", format!("`{}` is not in documents.grippers", shown(gripper)));
+        };
+        let (Some(&(link, frame)), Some(entry)) =
+            (self.frames.handles.get(handle), self.file.documents.handles.get(handle))
+        else {
+            return self.refuse(".handle", format!("`{}` is not in documents.handles", shown(handle)));
+        };
+        let bond = Bond::Grasp { gripper, handle: frame, mask: entry.mask, complement: entry.mask_complement };
+        Ok((holder, link, bond))
+    }
+
+    fn contact(&self, surface: &str, support: &str) -> Result<(Link, Link, Bond), CheckError> {
+        let find = |key: &str, name: &str| match self.frames.surfaces.get(name) {
+            Some(&link) => Ok(link),
+            None => self.refuse(key, format!("`{}` is not in documents.surfaces", shown(name))),
+        };
+        let (held, holder) = (find(".surface", surface)?, find(".support", support)?);
+        Ok((holder, held, Bond::Contact { surface: surface.to_owned(), support: support.to_owned() }))
+    }
+}
+
+/// Corners of a polygon, in its link's frame.
+pub(super) fn corners(surface: &SurfaceEntry, polygon: &[u32]) -> Vec<DVec3> {
+    polygon.iter().filter_map(|&i| surface.points.get(i as usize)).map(|&p| DVec3::from_array(p)).collect()
+}
+
+/// Unit normal by the right-hand rule, from all edges; none for a polygon without area.
+pub(super) fn normal(corners: &[DVec3]) -> Option<DVec3> {
+    let next = corners.iter().cycle().skip(1);
+    let sum: DVec3 = corners.iter().zip(next).map(|(a, b)| (*a - corners[0]).cross(*b - corners[0])).sum();
+    sum.try_normalize()
+}

@@ -1,0 +1,216 @@
+//! Collision along a segment, proved over the continuum pair by pair.
+//!
+//! Each pair marches forward (B. Mirtich, Impulse-based dynamic simulation, 1996; conservative advancement): with a
+//! distance d beyond the margin at a place, the pair is free until its two solids may have approached each other by d.
+//! How much they may is the sum, over the joints between them in the attachment tree, of travel times reach. A pair
+//! whose solids do not move against each other is asked once.
+
+use super::Work;
+use super::distance::{Measured, Placed, at_least, ball_bound, box_bound, exact};
+use super::enclosure::{Shell, witnesses};
+use super::models::World;
+use super::motion::{At, SegmentMotion};
+use super::pairs::Pairs;
+use super::reach::Reach;
+use super::report::{CheckReport, Kind, Place};
+use glam::DVec3;
+
+/// Rounding, metres: taken off every step forward.
+const ROUNDING: f64 = 1e-10;
+/// A step over which the solids approach each other by no more than this cannot be told from contact, metres.
+const RESOLUTION: f64 = 1e-8;
+/// A cheap bound is good enough to march by when it is at least this, metres.
+const FAR: f64 = 0.05;
+
+/// Tests the listed pairs along segments.
+pub(super) struct Clearance<'w> {
+    world: &'w World,
+    pairs: &'w Pairs,
+    shapes: Vec<Measured>,
+    shells: Vec<Option<Shell<'w>>>,
+    witnesses: Vec<Vec<DVec3>>,
+}
+
+impl<'w> Clearance<'w> {
+    pub(super) fn new(world: &'w World, pairs: &'w Pairs) -> Self {
+        Self {
+            world,
+            pairs,
+            shapes: world.shapes.iter().map(Measured::new).collect(),
+            shells: world.shapes.iter().map(|s| Shell::of(&s.geometry)).collect(),
+            witnesses: world.shapes.iter().map(|s| witnesses(&s.geometry)).collect(),
+        }
+    }
+
+    /// One segment, all pairs.
+    pub(super) fn check(
+        &self,
+        motion: &SegmentMotion<'_>,
+        thresholds: &[f64],
+        report: &mut CheckReport,
+        work: &mut Work,
+    ) {
+        let reach = Reach::new(motion);
+        for (pair, &threshold) in thresholds.iter().enumerate() {
+            let (a, b) = self.pairs.list[pair];
+            let end = |shape: usize| (self.shapes[shape].body(), self.shapes[shape].reach());
+            let levers = reach.levers(end(a), end(b));
+            let movement = reach.movement(&levers, motion.knots.len());
+            let mut march = March { tester: self, motion, pair, threshold, movement, report, work };
+            march.go();
+            self.enclosed(motion, pair, report);
+        }
+    }
+
+    /// The last knot as written: objects where the file puts them, not where carriers take them.
+    pub(super) fn check_written_end(&self, motion: &SegmentMotion<'_>, thresholds: &[f64], report: &mut CheckReport) {
+        let knot = motion.last();
+        for (pair, &threshold) in thresholds.iter().enumerate() {
+            let placed = |shape: usize| {
+                let shape = &self.shapes[shape];
+                (shape, shape.in_world(motion.written(shape.body(), knot)))
+            };
+            let (a, b) = self.pairs.list[pair];
+            let (a, b) = (placed(a), placed(b));
+            if ball_bound(a, b) > threshold {
+                continue;
+            }
+            self.judge(motion.index, knot as f64, pair, (a, b), threshold, report);
+        }
+    }
+
+    fn placed(&self, motion: &SegmentMotion<'_>, pair: usize, at: At) -> (Placed<'_>, Placed<'_>) {
+        let place = |shape: usize| {
+            let shape = &self.shapes[shape];
+            (shape, shape.in_world(motion.pose(shape.body(), at)))
+        };
+        let (a, b) = self.pairs.list[pair];
+        (place(a), place(b))
+    }
+
+    fn name(&self, pair: usize) -> String {
+        let (a, b) = self.pairs.list[pair];
+        format!("{} - {}", self.world.shapes[a].link, self.world.shapes[b].link)
+    }
+
+    /// Measures a pair exactly; reports it where it is too close. Returns the distance beyond the threshold.
+    fn judge(
+        &self,
+        segment: usize,
+        t: f64,
+        pair: usize,
+        (a, b): (Placed<'_>, Placed<'_>),
+        threshold: f64,
+        report: &mut CheckReport,
+    ) -> f64 {
+        report.counts.distance_queries += 1;
+        let found = exact(a, b);
+        if let Some(apart) = found.disagreement {
+            let name = self.name(pair);
+            report.note(format!("two codes differ by {apart:.1e} m on the distance of {name}: the smaller is taken"));
+        }
+        // Compared so that NaN collides.
+        let (free, clear) = (found.value > 0.0, found.value >= threshold);
+        if !(free && clear) {
+            let (kind, limit) = if free { (Kind::Margin, threshold) } else { (Kind::Collision, 0.0) };
+            report.violate(Place::at(segment, t), kind, self.name(pair), found.value, limit);
+        }
+        report.see_clearance(found.value - threshold, segment, t, || self.name(pair));
+        found.value - threshold
+    }
+
+    /// Whether one solid of a pair starts inside the other.
+    fn enclosed(&self, motion: &SegmentMotion<'_>, pair: usize, report: &mut CheckReport) {
+        let (a, b) = self.pairs.list[pair];
+        for (outer, inner) in [(a, b), (b, a)] {
+            let Some(shell) = &self.shells[outer] else { continue };
+            let place = |s: usize| self.shapes[s].in_world(motion.pose(self.shapes[s].body(), At::knot(0)));
+            let outer_from_inner = place(outer).inverse() * place(inner);
+            if self.witnesses[inner].iter().any(|&p| shell.contains(outer_from_inner.transform_point(p))) {
+                let link = |s: usize| &self.world.shapes[s].link;
+                let subject = format!("{} inside {}", link(inner), link(outer));
+                report.violate(Place::at(motion.index, 0.0), Kind::Enclosed, subject, None, None);
+            }
+        }
+    }
+}
+
+/// One pair on its way along a segment.
+struct March<'m, 'w> {
+    tester: &'m Clearance<'w>,
+    motion: &'m SegmentMotion<'m>,
+    pair: usize,
+    threshold: f64,
+    /// How far the solids may have moved against each other, from the first knot to each knot. Metres.
+    movement: Vec<f64>,
+    report: &'m mut CheckReport,
+    work: &'m mut Work,
+}
+
+impl March<'_, '_> {
+    fn go(&mut self) {
+        let end = self.movement[self.motion.last()];
+        let mut moved = 0.0;
+        loop {
+            let at = self.place(moved);
+            if !self.work.spend(1) {
+                let place = Place::at(self.motion.index, at.t());
+                self.report.violate(place, Kind::Undecided, "the work limit is reached", None, None);
+                return;
+            }
+            let free = self.free(at, end - moved);
+            let next = moved + free - ROUNDING;
+            // Written so that NaN stops here.
+            let free_so_far = free > 0.0;
+            if !free_so_far || next >= end {
+                return;
+            }
+            if next <= moved + RESOLUTION {
+                let place = Place::at(self.motion.index, at.t());
+                let name = self.tester.name(self.pair);
+                self.report.violate(place, Kind::Undecided, name, free + self.threshold, self.threshold);
+                return;
+            }
+            moved = next;
+        }
+    }
+
+    /// How far the solids may approach each other from here without coming too close; at least `enough`, or nearly
+    /// exact. Not positive where they are too close, which is then reported.
+    fn free(&mut self, at: At, enough: f64) -> f64 {
+        let (a, b) = self.tester.placed(self.motion, self.pair, at);
+        let good = enough.min(FAR) + ROUNDING;
+        let known = self.report.min_clearance.as_ref().map_or(f64::INFINITY, |m| m.value);
+        let balls = ball_bound(a, b) - self.threshold;
+        if balls > good && balls > known {
+            return balls;
+        }
+        if a.0.is_mesh() || b.0.is_mesh() {
+            let boxes = box_bound(a, b) - self.threshold;
+            if boxes > good && boxes > known {
+                return boxes;
+            }
+        }
+        self.report.counts.distance_queries += 1;
+        let wanted = enough.max(if known.is_finite() { known } else { 0.0 }) + 2.0 * ROUNDING;
+        let found = at_least(a, b, wanted + self.threshold) - self.threshold;
+        let surely = found > 0.0 && found > known;
+        if surely {
+            return found;
+        }
+        self.tester.judge(self.motion.index, at.t(), self.pair, (a, b), self.threshold, self.report)
+    }
+
+    /// Where along the segment the solids have moved this far.
+    fn place(&self, moved: f64) -> At {
+        let next = self.movement.partition_point(|&m| m <= moved);
+        if self.movement.last() == Some(&0.0) {
+            return At::knot(0);
+        }
+        if next == 0 || next >= self.movement.len() {
+            return At::knot(self.motion.last());
+        }
+        let (low, high) = (self.movement[next - 1], self.movement[next]);
+        At { knot: next - 1, fraction: ((moved - low) / (high - low)).clamp(0.0, 1.0) }
+    }
+}

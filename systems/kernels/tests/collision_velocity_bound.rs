@@ -1,0 +1,195 @@
+//! No two points of a pair come closer within an interval than the velocity bound says.
+#![allow(non_snake_case, reason = "pose names carry their frames")]
+#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "helpers of tests fail the test")]
+
+mod collision_models;
+
+use collision_models::{
+    at, bench, compose, cuboid, joint, link, place, placed, random_configuration, random_pose, single,
+};
+use foliate_components::Pose;
+use foliate_components::robot::model::{JointKind, Model};
+use foliate_components::robot::{JointIndex, PartKind, Robot, RootJoint};
+use foliate_kernels::collision::scene::SceneSolid;
+use foliate_kernels::collision::velocity_bound::MotionBound;
+use foliate_kernels::collision::{CollisionScene, PairId, PairRule, PairSet, Solid};
+use foliate_kernels::kinematics::{Carriage, Kinematics};
+use glam::DVec3;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+#[derive(Default)]
+struct Tally {
+    checked: usize,
+    tightest: f64,
+    tightest_along: f64,
+    /// How often the directional bound is the smaller one.
+    smaller: usize,
+    ratios: Vec<f64>,
+}
+
+/// A random point on the surface of a solid, in its body's frame.
+fn point_of(solid: &SceneSolid, rng: &mut ChaCha8Rng) -> DVec3 {
+    let d = collision_models::random_vector(rng, 1.0);
+    let p = match &solid.solid {
+        Solid::Convex(convex) => convex.core.support(d) + d.normalize() * convex.radius,
+        Solid::Mesh(_) => unreachable!("no meshes in these models"),
+    };
+    solid.X_JS.transform_point(p)
+}
+
+fn poses(kinematics: &Kinematics, carriages: &[Carriage], q: &[f64]) -> Vec<Pose> {
+    let mut X_WJ = vec![Pose::IDENTITY; kinematics.bodies()];
+    kinematics.forward(q, &mut X_WJ);
+    kinematics.carry(q, carriages, &mut X_WJ);
+    X_WJ
+}
+
+/// A body and its ancestors, carried objects below their carriers.
+fn ancestors(robot: &Robot, carriages: &[Carriage], body: Option<JointIndex>) -> Vec<JointIndex> {
+    let up = |&body: &JointIndex| match carriages.iter().find(|c| c.object == body) {
+        Some(c) => c.carrier,
+        None => robot.joints[body.at()].parent,
+    };
+    std::iter::successors(body, up).collect()
+}
+
+fn common_ancestor(
+    robot: &Robot,
+    carriages: &[Carriage],
+    a: Option<JointIndex>,
+    b: Option<JointIndex>,
+) -> Option<JointIndex> {
+    let other = ancestors(robot, carriages, b);
+    ancestors(robot, carriages, a).into_iter().find(|j| other.contains(j))
+}
+
+fn check_motion(robot: &Robot, carriages: &[Carriage], a: &[f64], b: &[f64], rng: &mut ChaCha8Rng, tally: &mut Tally) {
+    let (scene, kinematics) = (CollisionScene::new(robot, &PairRule::default()), Kinematics::new(robot));
+    let pairs = PairSet::new(&scene, carriages, &[]);
+    let mut delta = vec![0.0; robot.space.dimension()];
+    robot.space.difference(a, b, &mut delta);
+    let mut bound = MotionBound::default();
+    bound.begin(&scene, &pairs, a, &delta);
+    let moving: Vec<PairId> = pairs.moving_pairs(&scene).collect();
+    for _ in 0..6 {
+        let half = 0.5 * 2.0_f64.powi(-rng.random_range(0..6));
+        let middle = rng.random_range(half..=1.0 - half);
+        let mut q = robot.space.neutral();
+        robot.space.interpolate(a, b, middle, &mut q);
+        let X_mid = poses(&kinematics, carriages, &q);
+        bound.look_at(&scene, &X_mid, half);
+        for _ in 0..40 {
+            let id = moving[rng.random_range(0..moving.len())];
+            let closer = bound.of_pair(&scene, &pairs, id, &X_mid);
+            let pair = scene.pairs()[id.at()];
+            let (one, other) = (&scene.solids()[pair.first.at()], &scene.solids()[pair.second.at()]);
+            let in_world = |s: &SceneSolid, p: DVec3, X: &[Pose]| s.body.map_or(p, |j| X[j.at()].transform_point(p));
+            let n = collision_models::random_vector(rng, 1.0).normalize();
+            let along = bound.of_pair_along(&scene, &pairs, id, &X_mid, n);
+            // The direction is fixed in the frame of the nearest common ancestor.
+            let ancestor = common_ancestor(robot, carriages, one.body, other.body);
+            let frame = |X: &[Pose]| ancestor.map_or(Pose::IDENTITY, |j| X[j.at()]);
+            let local = frame(&X_mid).rotation.inverse() * n;
+            let mut most_along = 0.0_f64;
+            let mut most = 0.0_f64;
+            for _ in 0..10 {
+                let (p, r) = (point_of(one, rng), point_of(other, rng));
+                let before = in_world(one, p, &X_mid).distance(in_world(other, r, &X_mid));
+                robot.space.interpolate(a, b, middle + half * rng.random_range(-1.0..=1.0), &mut q);
+                let X_now = poses(&kinematics, carriages, &q);
+                let now = in_world(one, p, &X_now).distance(in_world(other, r, &X_now));
+                most = most.max((now - before).abs());
+                let gap = |X: &[Pose]| (in_world(one, p, X) - in_world(other, r, X)).dot(frame(X).rotation * local);
+                most_along = most_along.max((gap(&X_now) - gap(&X_mid)).abs());
+            }
+            assert!(
+                most <= closer + 1e-9,
+                "{} and {}: {most} > {closer}",
+                robot.shapes[pair.first.at()].name,
+                robot.shapes[pair.second.at()].name
+            );
+            assert!(most_along <= along + 1e-9, "along {n}: {most_along} > {along}");
+            tally.checked += 1;
+            if along > 0.0 {
+                tally.tightest_along = tally.tightest_along.max(most_along / along);
+                tally.smaller += usize::from(along < closer);
+            }
+            if closer > 0.0 {
+                tally.tightest = tally.tightest.max(most / closer);
+                tally.ratios.push(most / closer);
+            }
+        }
+    }
+}
+
+fn report(name: &str, mut tally: Tally) {
+    tally.ratios.sort_by(f64::total_cmp);
+    let median = tally.ratios[tally.ratios.len() / 2];
+    println!(
+        "{name}: {} intervals, motion/bound median {median:.3}, largest {:.3}; along a direction largest {:.3}, smaller {}",
+        tally.checked, tally.tightest, tally.tightest_along, tally.smaller
+    );
+    assert!(tally.tightest > 0.3, "a bound that nothing comes near is no bound worth having");
+}
+
+#[test]
+fn holds_for_two_arms_with_held_and_placed_boxes() {
+    let robot = bench();
+    let mut rng = ChaCha8Rng::seed_from_u64(21);
+    let mut tally = Tally::default();
+    let root = |part: &str| robot.parts[robot.part(part).unwrap().at()].root_joint.unwrap();
+    for round in 0..60 {
+        let (a, b) = (random_configuration(&robot, &mut rng), random_configuration(&robot, &mut rng));
+        let held = Carriage {
+            object: root("box1"),
+            carrier: robot.joint(if round % 2 == 0 { "robot/left_j6" } else { "robot/right_j3" }),
+            X_CO: random_pose(&mut rng, 0.3),
+        };
+        let on_it = Carriage {
+            object: root("box2"),
+            carrier: if round % 3 == 0 { None } else { Some(root("box1")) },
+            X_CO: random_pose(&mut rng, 0.3),
+        };
+        let carriages = [held, on_it];
+        check_motion(&robot, &carriages[..round % 3], &a, &b, &mut rng, &mut tally);
+    }
+    report("two arms", tally);
+}
+
+#[test]
+fn holds_for_planar_roots_prismatic_lifts_and_followers() {
+    let mut lift = joint("lift", JointKind::Prismatic, 0, 1, at(0.1, 0.0, 0.4), DVec3::Z);
+    lift.limits = (-0.2, 0.6);
+    let mut tilt = joint("tilt", JointKind::Revolute, 1, 2, at(0.1, 0.1, 0.0), DVec3::new(0.6, 0.8, 0.0));
+    tilt.limits = (-2.0, 2.0);
+    let mut slide = joint("slide", JointKind::Prismatic, 2, 3, at(0.2, 0.0, 0.1), DVec3::X);
+    slide.mimic = Some(("lift".into(), 1.5, 0.1));
+    let spin = joint("spin", JointKind::Continuous, 3, 4, at(0.1, 0.0, 0.0), DVec3::Y);
+    let mut curl = joint("curl", JointKind::Revolute, 4, 5, at(0.1, 0.05, 0.0), DVec3::Z);
+    curl.mimic = Some(("tilt".into(), -2.0, 0.3));
+    let shapes = || vec![(at(0.1, 0.02, 0.0), cuboid(0.2, 0.05, 0.04))];
+    let names = ["base", "mast", "tilt", "slide", "spin", "curl"];
+    let model = Model {
+        name: "lift".into(),
+        links: names.iter().map(|n| link(n, shapes())).collect(),
+        joints: vec![lift, tilt, slide, spin, curl],
+        ..Model::default()
+    };
+    let block = single(vec![(at(0.3, 0.0, 0.0), cuboid(0.1, 0.3, 0.2))]);
+    let robot = compose(&[
+        (&model, placed("mover", PartKind::Robot, RootJoint::Planar, at(0.0, 0.3, 0.0))),
+        (&block, placed("block", PartKind::Environment, RootJoint::Fixed, at(0.5, 0.0, 0.5))),
+        (&block, placed("flyer", PartKind::Robot, RootJoint::FreeFlyer, Pose::IDENTITY)),
+    ]);
+    let mut rng = ChaCha8Rng::seed_from_u64(22);
+    let mut tally = Tally::default();
+    for round in 0..60 {
+        let (a, mut b) = (random_configuration(&robot, &mut rng), random_configuration(&robot, &mut rng));
+        if round % 4 == 0 {
+            place(&robot, &mut b, "flyer", random_pose(&mut rng, 2.0));
+        }
+        check_motion(&robot, &[], &a, &b, &mut rng, &mut tally);
+    }
+    report("lift", tally);
+}

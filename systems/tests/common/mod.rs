@@ -1,0 +1,39 @@
+//! Searches that the tests share.
+#![allow(dead_code, reason = "every test file uses some of it")]
+
+use foliate_components::outcome::SearchOutcome;
+use foliate_components::problem::Problem;
+use foliate_systems::events::{EventSink, StopSignal};
+use foliate_systems::model::{Model, PlanningModel};
+use foliate_systems::schedulers::Scheduler;
+use foliate_systems::search::Search;
+use foliate_systems::settings::SearchSettings;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// A deadline that no small problem should need.
+pub fn stop_within(seconds: u64) -> StopSignal {
+    StopSignal { deadline: Some(Instant::now() + Duration::from_secs(seconds)), ..StopSignal::default() }
+}
+
+pub fn model(problem: Problem) -> PlanningModel {
+    PlanningModel(Arc::new(Model::new(problem).unwrap()))
+}
+
+/// Runs a search to its end on `threads` threads.
+pub fn search(
+    model: &PlanningModel,
+    scheduler: &dyn Scheduler,
+    settings: SearchSettings,
+    threads: usize,
+) -> (SearchOutcome, Search) {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    pool.install(|| {
+        let mut search = Search::new(model, scheduler, settings, stop_within(120), EventSink::default());
+        (search.run(), search)
+    })
+}
+
+pub fn seeded(seed: u64) -> SearchSettings {
+    SearchSettings { seed, ..SearchSettings::default() }
+}

@@ -1,0 +1,151 @@
+//! What every scheduler owes, whoever wrote it: it solves the small problems, its schedule has no ambiguity, it stops
+//! when told to, it answers infeasible problems without searching, and its answers are paths from start to goal.
+
+mod common;
+
+use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings};
+use common::{model, search, seeded, stop_within};
+use foliate_components::outcome::SearchOutcome;
+use foliate_components::path::ManipulationPath;
+use foliate_components::problem::{Goal, Problem};
+use foliate_components::sample_problems::{boxes_on_a_table, move_one_box, swap_two_boxes};
+use foliate_systems::events::{EventSink, SearchEvent, StopSignal};
+use foliate_systems::model::PlanningModel;
+use foliate_systems::schedulers::{Scheduler, shipped};
+use foliate_systems::search::Search;
+use foliate_systems::settings::SearchSettings;
+
+fn small_problems() -> Vec<Problem> {
+    vec![
+        move_one_box().unwrap(),
+        swap_two_boxes().unwrap(),
+        boxes_on_a_table(&[(0.6, 0.1), (0.7, 0.25)], &[(0.75, -0.1), (0.6, 0.0)]).unwrap(),
+    ]
+}
+
+/// Start to goal, every joint knot shared bit for bit.
+fn assert_is_a_path(problem: &Problem, path: &ManipulationPath) {
+    let knots: Vec<_> = path.segments.iter().map(|s| (&s.knots[0], s.knots.last().unwrap())).collect();
+    assert_eq!(*knots[0].0, problem.start);
+    for pair in knots.windows(2) {
+        assert_eq!(pair[0].1, pair[1].0, "a joint knot is not shared");
+    }
+    let Goal::Configuration(goal) = &problem.goals[0] else { panic!("the goal is a configuration") };
+    let space = &problem.robot.space;
+    let off = space.distance(knots.last().unwrap().1, goal, &vec![1.0; space.dimension()]);
+    assert!(off < 1e-12, "ends {off} from the goal");
+    assert!(path.certificate.min_clearance > 0.0);
+    assert!(path.certificate.max_residual <= path.certificate.path_tolerance);
+}
+
+#[test]
+fn small_problems_are_solved() {
+    for scheduler in shipped() {
+        for problem in small_problems() {
+            let model = model(problem.clone());
+            for seed in 1..=5 {
+                let (outcome, search) = search(&model, scheduler.as_ref(), seeded(seed), 2);
+                assert_eq!(outcome, SearchOutcome::Solved, "{} seed {seed}", scheduler.name());
+                assert_is_a_path(&problem, &search.path().unwrap());
+            }
+        }
+    }
+}
+
+#[test]
+fn schedules_have_no_ambiguity() {
+    for scheduler in shipped() {
+        let model = model(move_one_box().unwrap());
+        let mut search = Search::new(&model, scheduler.as_ref(), seeded(1), stop_within(60), EventSink::default());
+        let mut schedule = scheduler.schedule(search.world_mut());
+        schedule.set_build_settings(ScheduleBuildSettings {
+            ambiguity_detection: LogLevel::Error,
+            ..ScheduleBuildSettings::default()
+        });
+        let built = schedule.initialize(search.world_mut());
+        assert!(built.is_ok(), "{}: {:?}", scheduler.name(), built.err());
+    }
+}
+
+#[test]
+fn budgets_deadlines_and_tokens_end_the_search() {
+    // Out of reach: only a limit ends it.
+    let model = model(boxes_on_a_table(&[(0.6, 0.1)], &[(1.45, 0.75)]).unwrap());
+    for scheduler in shipped() {
+        let steps = SearchSettings { max_steps: 2, ..seeded(1) };
+        assert_eq!(search(&model, scheduler.as_ref(), steps, 1).0, SearchOutcome::StepLimit);
+        let nodes = SearchSettings { max_nodes: 50, ..seeded(1) };
+        assert_eq!(search(&model, scheduler.as_ref(), nodes, 1).0, SearchOutcome::MemoryLimit);
+
+        let mut late = Search::new(&model, scheduler.as_ref(), seeded(1), stop_within(0), EventSink::default());
+        assert_eq!(late.run(), SearchOutcome::Timeout);
+        assert!(late.path().is_none());
+
+        let stop = StopSignal::default();
+        let token = stop.token.clone();
+        let mut cancelled = Search::new(&model, scheduler.as_ref(), seeded(1), stop, EventSink::default());
+        token.cancel();
+        assert_eq!(cancelled.run(), SearchOutcome::Cancelled);
+    }
+}
+
+fn outcome_of(model: &PlanningModel, scheduler: &dyn Scheduler) -> SearchOutcome {
+    search(model, scheduler, seeded(1), 1).0
+}
+
+#[test]
+fn infeasible_ends_are_named_before_the_search() {
+    for scheduler in shipped() {
+        // Both boxes in one place.
+        let overlapping = model(boxes_on_a_table(&[(0.6, 0.1), (0.6, 0.1)], &[(0.6, 0.1), (0.8, 0.1)]).unwrap());
+        let SearchOutcome::InfeasibleStart(why) = outcome_of(&overlapping, scheduler.as_ref()) else { panic!() };
+        assert!(why.contains("box0") && why.contains("box1") && why.contains("collide"), "{why}");
+
+        let mut floating = move_one_box().unwrap();
+        let height = floating.start.len() - 5;
+        floating.start[height] += 0.1;
+        let SearchOutcome::InfeasibleStart(why) = outcome_of(&model(floating), scheduler.as_ref()) else { panic!() };
+        assert!(why.contains("place_box0"), "{why}");
+
+        let mut outside = move_one_box().unwrap();
+        outside.goals = vec![Goal::Configuration(outside.start.iter().map(|x| x + 10.0).collect())];
+        let SearchOutcome::InfeasibleGoal(why) = outcome_of(&model(outside), scheduler.as_ref()) else { panic!() };
+        assert!(why.contains("outside ["), "{why}");
+    }
+}
+
+#[test]
+fn goals_may_name_only_object_poses() {
+    use foliate_components::pose::pose_from_array;
+    let mut problem = move_one_box().unwrap();
+    let part = problem.robot.part("box0").unwrap();
+    let pose = pose_from_array([0.7, -0.2, 0.031, 0.0, 0.0, 0.0, 1.0]).unwrap();
+    problem.goals = vec![Goal::ObjectPoses(vec![(part, pose)])];
+    for scheduler in shipped() {
+        let (outcome, search) = search(&model(problem.clone()), scheduler.as_ref(), seeded(1), 1);
+        assert_eq!(outcome, SearchOutcome::Solved);
+        let path = search.path().unwrap();
+        let end = path.segments.last().unwrap().knots.last().unwrap();
+        assert!((end[end.len() - 7] - 0.7).abs() < 1e-9 && (end[end.len() - 6] + 0.2).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn a_host_that_does_not_read_its_events_does_not_block_the_search() {
+    let model = model(swap_two_boxes().unwrap());
+    for scheduler in shipped() {
+        let (sink, events) = EventSink::bounded(16);
+        let mut search = Search::new(&model, scheduler.as_ref(), seeded(1), stop_within(120), sink);
+        assert_eq!(search.run(), SearchOutcome::Solved);
+        assert!(search.world().resource::<EventSink>().dropped > 0);
+        assert!(events.try_iter().count() == 16);
+        // And one that reads hears of progress and of the end.
+        let (sink, events) = EventSink::bounded(1 << 20);
+        let mut search = Search::new(&model, scheduler.as_ref(), seeded(1), stop_within(120), sink);
+        search.run();
+        let heard: Vec<_> = events.try_iter().collect();
+        assert!(heard.iter().any(|e| matches!(e, SearchEvent::Progress { .. })));
+        assert!(heard.iter().any(|e| matches!(e, SearchEvent::Rejected { .. })));
+        assert!(matches!(heard.last(), Some(SearchEvent::Solved { .. })));
+    }
+}

@@ -1,0 +1,80 @@
+//! Promise: every shipped scene loads as it says, with start and goals within bounds.
+#![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot go on says so")]
+
+mod common;
+
+use foliate::components::problem::Goal;
+use foliate::components::robot::PartKind;
+use foliate::scene::{Origin, PackagePath, Scene, coordinate_names, load_scene, shipped_scenes};
+
+fn assert_within_bounds(scene: &Scene) {
+    let problem = &scene.problem;
+    let names = coordinate_names(&problem.robot);
+    let whole = problem.goals.iter().filter_map(|g| match g {
+        Goal::Configuration(q) => Some(q),
+        Goal::ObjectPoses(_) => None,
+    });
+    for q in std::iter::once(&problem.start).chain(whole) {
+        let out = problem.robot.space.first_out_of_bounds(q, 0.0);
+        assert_eq!(out.map(|i| &names[i]), None, "{}: out of bounds", problem.name);
+    }
+}
+
+#[test]
+fn the_demo_loads_without_any_package() {
+    let scene = load_scene("demo", &PackagePath::default()).expect("the demo loads");
+    let robot = &scene.problem.robot;
+    assert_eq!(scene.warnings, []);
+    assert_within_bounds(&scene);
+    assert_eq!(robot.space.dimension(), 2 * 8 + 2 * 6);
+    assert_eq!(robot.shapes.len(), 25);
+    assert_eq!(scene.problem.graph.grippers.len(), 2);
+    assert_eq!(scene.problem.graph.objects.len(), 2);
+    assert_eq!(scene.problem.graph.supports.len(), 1);
+    let kinds: Vec<_> = robot.parts.iter().map(|p| p.kind).collect();
+    assert_eq!(kinds, [PartKind::Robot, PartKind::Environment, PartKind::Object, PartKind::Object]);
+    assert!(scene.parts.iter().all(|p| matches!(p.urdf.origin, Origin::Program(_))));
+}
+
+#[test]
+fn the_demo_loads_from_its_directory_as_from_the_program() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/demo/scene.toml");
+    let (file, program) = (load_scene(path, &PackagePath::default()), load_scene("demo", &PackagePath::default()));
+    let (file, program) = (file.expect("from disk"), program.expect("from the program"));
+    assert_eq!(file.problem.start, program.problem.start);
+    assert_eq!(file.problem.goals, program.problem.goals);
+    let sums = |scene: &Scene| scene.parts.iter().map(|p| p.urdf.sha256.clone()).collect::<Vec<_>>();
+    assert_eq!(sums(&file), sums(&program));
+}
+
+#[test]
+fn scenes_with_published_robots_load_with_the_files_they_were_made_with() {
+    let Some(packages) = common::published_models("scenes_with_published_robots") else { return };
+    for shipped in shipped_scenes().iter().filter(|s| s.needs_models) {
+        let scene = shipped.load(&packages).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(scene.problem.name, shipped.name);
+        assert_within_bounds(&scene);
+        let differs = scene.warnings.iter().find(|w| w.message.contains("differs"));
+        assert_eq!(differs, None);
+    }
+}
+
+/// `tests/facts/problems.json`: nq, order of joints, start and goal of the records that the scenes were made from.
+#[test]
+fn the_baxter_scenes_are_the_published_records() {
+    let Some(packages) = common::published_models("the_baxter_scenes_are_the_published_records") else { return };
+    let text = include_str!("facts/problems.json");
+    let facts: serde_json::Value = serde_json::from_str(text).expect("facts are JSON");
+    let numbers = |v: &serde_json::Value| -> Vec<f64> {
+        v.as_array().into_iter().flatten().filter_map(serde_json::Value::as_f64).collect()
+    };
+    for (name, record) in facts["problems"].as_object().expect("records by name") {
+        let scene = load_scene(name, &packages).unwrap_or_else(|e| panic!("{e}"));
+        let robot = &scene.problem.robot;
+        let joints: Vec<&str> = robot.joints.iter().map(|j| j.name.as_str()).collect();
+        assert_eq!(serde_json::json!(joints), record["joints"], "{name}");
+        assert_eq!(robot.space.size(), record["nq"].as_u64().unwrap_or_default() as usize);
+        assert_eq!(scene.problem.start, numbers(&record["start"]), "{name}");
+        assert_eq!(scene.problem.goals, [Goal::Configuration(numbers(&record["goal"]))], "{name}");
+    }
+}

@@ -1,0 +1,118 @@
+//! The layout is a promise too: layers, and what is absent from them (ARCHITECTURE.md).
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// All Rust files below a folder, tests aside.
+fn sources(folder: &str) -> Vec<(PathBuf, String)> {
+    let mut found = Vec::new();
+    let mut folders = vec![root().join(folder)];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder).unwrap().map(Result::unwrap) {
+            let path = entry.path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| e == "rs") {
+                let text = std::fs::read_to_string(&path).unwrap();
+                found.push((path, text));
+            }
+        }
+    }
+    assert!(!found.is_empty(), "{folder} has no sources");
+    found
+}
+
+fn assert_absent(folder: &str, words: &[&str], except: &[&str]) {
+    for (path, text) in sources(folder) {
+        if except.iter().any(|e| path.ends_with(e)) {
+            continue;
+        }
+        for (number, line) in text.lines().enumerate().filter(|(_, l)| !l.trim_start().starts_with("//")) {
+            for word in words {
+                assert!(!line.contains(word), "{}:{}: `{word}`", path.display(), number + 1);
+            }
+        }
+    }
+}
+
+#[test]
+fn only_the_outer_ring_opens_files() {
+    for folder in ["components/src", "systems/src", "systems/kernels/src"] {
+        assert_absent(folder, &["std::fs", "File::open", "std::net", "std::process"], &[]);
+    }
+}
+
+#[test]
+fn only_the_commit_writes_the_roadmap() {
+    assert_absent("systems/src", &[".add_node(", ".add_edge("], &["commit.rs"]);
+}
+
+#[test]
+fn clocks_do_not_reach_the_search() {
+    // The deadline is looked at in one place; nothing else may know the time.
+    assert_absent("systems/src", &["Instant::now", "SystemTime"], &["events.rs"]);
+    assert_absent("systems/kernels/src", &["Instant", "SystemTime"], &[]);
+    assert_absent("components/src", &["Instant", "SystemTime"], &[]);
+}
+
+#[test]
+fn the_kernels_build_without_bevy() {
+    let output = Command::new(env!("CARGO"))
+        .args([
+            "tree",
+            "--offline",
+            "--locked",
+            "--edges",
+            "normal",
+            "--package",
+            "foliate_kernels",
+            "--prefix",
+            "none",
+        ])
+        .current_dir(root())
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let tree = String::from_utf8(output.stdout).unwrap();
+    assert!(tree.contains("parry3d-f64"), "the tree is not that of the kernels:\n{tree}");
+    for absent in ["bevy", "rayon", "clap", "serde_json", "urdf-rs"] {
+        assert!(!tree.lines().any(|l| l.starts_with(absent)), "the kernels depend on {absent}");
+    }
+}
+
+#[test]
+fn without_the_command_line_no_command_line_crate_is_compiled() {
+    let output = Command::new(env!("CARGO"))
+        .args(["tree", "--offline", "--locked", "--edges", "normal", "--package", "foliate", "--prefix", "none"])
+        .arg("--no-default-features")
+        .current_dir(root())
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let tree = String::from_utf8(output.stdout).unwrap();
+    for absent in ["clap", "indicatif", "miette"] {
+        assert!(!tree.lines().any(|l| l.starts_with(absent)), "the library depends on {absent}");
+    }
+}
+
+/// A room that ARCHITECTURE.md does not mention is a room that nobody finds.
+#[test]
+fn the_architecture_page_names_every_room() {
+    let page = std::fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap();
+    let mut missing = Vec::new();
+    for folder in ["components/src", "systems/src", "systems/kernels/src", "src"] {
+        for entry in std::fs::read_dir(root().join(folder)).unwrap().map(Result::unwrap) {
+            let path = entry.path();
+            let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+            let is_room = path.is_dir() || path.extension().is_some_and(|e| e == "rs");
+            if is_room && !["lib", "main", "mod"].contains(&name.as_str()) && !page.contains(&name) {
+                missing.push(Path::new(folder).join(name));
+            }
+        }
+    }
+    assert!(missing.is_empty(), "ARCHITECTURE.md does not mention {missing:?}");
+}
