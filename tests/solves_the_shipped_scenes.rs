@@ -9,8 +9,7 @@ mod common;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-const BAXTER: [&str; 5] =
-    ["baxter-case1", "baxter-case2", "baxter-case3", "baxter-case4", "baxter-manipulation-boxes"];
+const BAXTER: [&str; 5] = ["baxter-case1", "baxter-case2", "baxter-case3", "baxter-case4", "baxter-manipulation-boxes"];
 
 /// The demo, and the published scenes where their models are at hand.
 fn scenes(test: &str) -> Vec<&'static str> {

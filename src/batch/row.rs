@@ -137,9 +137,9 @@ impl Row {
             work(|w| w.nodes.to_string()),
             work(|w| w.edges.to_string()),
             path(|p| p.segments.to_string()),
-            path(|p| p.length.to_string()),
-            path(|p| p.min_clearance.to_string()),
-            path(|p| p.max_residual.to_string()),
+            path(|p| format!("{:?}", p.length)),
+            path(|p| format!("{:?}", p.min_clearance)),
+            path(|p| format!("{:?}", p.max_residual)),
             work(|w| format!("{:016x}", w.fingerprint)),
             self.message.clone(),
         ]
