@@ -66,8 +66,6 @@ pub(crate) fn main() -> ExitCode {
         Command::Solve(arguments) => solve::run(arguments, &packages),
         Command::Check(arguments) => check::run(arguments, &packages),
         Command::Bench(arguments) => bench::run(arguments, &packages),
-        Command::Bench(arguments) => bench::run(arguments, &packages),
-        Command::Check(arguments) => check::run(arguments, &packages),
         Command::Graph(arguments) => graph::run(arguments, &packages),
         Command::Inspect(arguments) => inspect::run(arguments, &packages),
         Command::Models(arguments) => models::run(arguments, &packages),
