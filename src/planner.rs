@@ -90,8 +90,14 @@ impl Planner {
     }
 
     fn with_model(model: Model) -> Self {
+        Self::of_model(PlanningModel(Arc::new(model)))
+    }
+
+    /// Plans on a model that others may share.
+    #[must_use]
+    pub fn of_model(model: PlanningModel) -> Self {
         Self {
-            model: PlanningModel(Arc::new(model)),
+            model,
             settings: SearchSettings::default(),
             scheduler: Arc::new(Mrrt),
             time_limit: None,

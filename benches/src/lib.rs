@@ -1,1 +1,63 @@
-//! placeholder
+//! What the benches share: problems, random configurations, one thread.
+#![forbid(unsafe_code)]
+#![allow(clippy::expect_used, clippy::unwrap_used, reason = "a bench that cannot be set up has nothing to measure")]
+
+use criterion::Criterion;
+use foliate::batch::Entry;
+use foliate::scene::PackagePath;
+use foliate_components::robot::Robot;
+use foliate_components::sample_problems::swap_two_boxes;
+use foliate_systems::model::{Model, PlanningModel};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// Short enough to run all of them over a cup of coffee.
+#[must_use]
+pub fn criterion() -> Criterion {
+    Criterion::default()
+        .measurement_time(Duration::from_secs(2))
+        .warm_up_time(Duration::from_millis(500))
+        .configure_from_args()
+}
+
+/// Makes this thread the only one of rayon's pool, so that what is measured is one core's work and nothing is handed over.
+pub fn one_thread() {
+    rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global().expect("the first pool");
+}
+
+/// Two boxes that change places under one seven-axis arm; shapes are primitives.
+#[must_use]
+pub fn sample_model() -> PlanningModel {
+    PlanningModel(Arc::new(Model::new(swap_two_boxes().expect("fixed models")).expect("a sound problem")))
+}
+
+/// The model of a shipped scene; `None`, and said so, where its published robots are not at hand.
+#[must_use]
+pub fn scene_model(name: &str) -> Option<PlanningModel> {
+    match Entry::load(name, &PackagePath::from_environment(&[])) {
+        Ok(entry) => Some(entry.model().clone()),
+        Err(error) => {
+            skipped(name, &error.to_string());
+            None
+        }
+    }
+}
+
+/// Says that a scene is left out, and why.
+pub fn skipped(name: &str, why: &str) {
+    eprintln!("SKIPPED {name}: {why}\n(`foliate models --install` or FOLIATE_PACKAGE_PATH=DIR brings the models)");
+}
+
+/// Configurations, uniform within bounds, the same in every run.
+#[must_use]
+pub fn random_configurations(robot: &Robot, count: usize) -> Vec<Vec<f64>> {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let mut q = robot.space.neutral();
+    let mut one = || {
+        robot.space.random(&mut rng, &mut q);
+        q.clone()
+    };
+    (0..count).map(|_| one()).collect()
+}

@@ -180,7 +180,8 @@ impl ConfigurationSpace {
     }
 
     /// A configuration drawn uniformly: within bounds where they are finite, angles over a full turn, rotations uniformly
-    /// over SO(3) (Shoemake). A length without a finite bound is drawn within one metre of zero.
+    /// over SO(3) (Shoemake). A length without a finite bound is drawn within one metre of zero, an angle
+    /// within half a turn.
     pub fn random(&self, rng: &mut impl Rng, out: &mut [f64]) {
         for f in &self.factors {
             let i = f.q;
@@ -189,7 +190,7 @@ impl ConfigurationSpace {
                 Group::Circle => out[i] = rng.random_range(-PI..=PI),
                 Group::Plane => {
                     (out[i], out[i + 1]) = (self.uniform(rng, i, 1.0), self.uniform(rng, i + 1, 1.0));
-                    out[i + 2] = rng.random_range(-PI..=PI);
+                    out[i + 2] = self.uniform(rng, i + 2, PI);
                 }
                 Group::FreeFlyer => {
                     (0..3).for_each(|k| out[i + k] = self.uniform(rng, i + k, 1.0));

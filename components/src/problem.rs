@@ -71,8 +71,20 @@ pub struct ObjectOptions {
     pub part: PartIndex,
     /// Handles by which it may be held.
     pub handles: Vec<HandleIndex>,
-    /// Surfaces on which it may lie. Without any, it stays where it is while nobody holds it.
+    /// Surfaces on which it may lie.
     pub surfaces: Vec<SurfaceIndex>,
+    /// A plane on which it may stand instead. Without surfaces and plane it stays where it is while nobody holds it.
+    pub plane: Option<RestingPlane>,
+}
+
+/// A placement without polygons: a frame of the object keeps its height over a plane and its z axis along the plane's
+/// normal; it may slide and turn about that axis (HPP's hand-written placements: rows z, rx, ry; complement x, y, rz).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RestingPlane {
+    /// The plane's frame in the world; z is its normal, pointing up out of the support.
+    pub world_from_plane: Pose,
+    /// The frame of the object, in its root link, that coincides with a frame in the plane at rest.
+    pub object_from_frame: Pose,
 }
 
 /// Says whether states may occur in which the named grippers hold the named handles.

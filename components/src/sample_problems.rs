@@ -31,6 +31,7 @@ pub fn boxes_on_a_table(starts: &[(f64, f64)], goals: &[(f64, f64)]) -> Result<P
             part: robot.part(name)?,
             handles: vec![robot.handle(&format!("{name}/top"))?],
             surfaces: vec![robot.surface(&format!("{name}/bottom"))?],
+            plane: None,
         })
     });
     let graph = GraphOptions {

@@ -1,5 +1,6 @@
 //! The commands, one file each. Exit codes: 0 done, 1 no solution or a check that fails, 2 wrong usage or input.
 
+mod bench;
 mod check;
 mod demo;
 mod graph;
@@ -33,6 +34,7 @@ enum Command {
     Solve(solve::Arguments),
     Check(check::Arguments),
     Graph(graph::Arguments),
+    Bench(bench::Arguments),
     Inspect(inspect::Arguments),
     Models(models::Arguments),
     Scenes(scenes::Arguments),
@@ -62,6 +64,9 @@ pub(crate) fn main() -> ExitCode {
     let ending = match &cli.command {
         Command::Demo(arguments) => demo::run(arguments, &packages),
         Command::Solve(arguments) => solve::run(arguments, &packages),
+        Command::Check(arguments) => check::run(arguments, &packages),
+        Command::Bench(arguments) => bench::run(arguments, &packages),
+        Command::Bench(arguments) => bench::run(arguments, &packages),
         Command::Check(arguments) => check::run(arguments, &packages),
         Command::Graph(arguments) => graph::run(arguments, &packages),
         Command::Inspect(arguments) => inspect::run(arguments, &packages),

@@ -47,19 +47,27 @@ pub(crate) struct SearchArguments {
 impl SearchArguments {
     /// The time limit, where it is a number of seconds.
     pub(crate) fn deadline(&self) -> Result<Duration, Refusal> {
-        Duration::try_from_secs_f64(self.time_limit)
-            .map_err(|_| Refusal(format!("--time-limit {} is not a number of seconds", self.time_limit)))
+        deadline(self.time_limit)
     }
 
     /// A planner for a scene's problem.
     pub(crate) fn planner(&self, scene: &Scene) -> Result<Planner, Refusal> {
         let planner = Planner::new(scene.problem.clone()).map_err(|e| Refusal(e.to_string()))?;
         let planner = planner.seed(self.seed).time_limit(self.deadline()?);
-        planner.scheduler_named(&self.scheduler).ok_or_else(|| {
-            let known: Vec<_> = foliate::systems::schedulers::shipped().iter().map(|s| s.name()).collect();
-            Refusal(format!("there is no scheduler `{}`; known: {}", self.scheduler.escape_debug(), known.join(", ")))
-        })
+        planner.scheduler_named(&self.scheduler).ok_or_else(|| no_scheduler(&self.scheduler))
     }
+}
+
+/// A time limit, where it is a number of seconds.
+pub(crate) fn deadline(seconds: f64) -> Result<Duration, Refusal> {
+    Duration::try_from_secs_f64(seconds)
+        .map_err(|_| Refusal(format!("--time-limit {seconds} is not a number of seconds")))
+}
+
+/// Says which schedulers there are.
+pub(crate) fn no_scheduler(name: &str) -> Refusal {
+    let known: Vec<_> = foliate::systems::schedulers::shipped().iter().map(|s| s.name()).collect();
+    Refusal(format!("there is no scheduler `{}`; known: {}", name.escape_debug(), known.join(", ")))
 }
 
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {

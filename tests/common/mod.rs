@@ -37,3 +37,9 @@ pub fn files_below(directory: &Path, ending: &str) -> Vec<PathBuf> {
     found.sort();
     found
 }
+
+/// Whether an interpreter has these Python modules.
+pub fn imports(python: &Path, modules: &str) -> bool {
+    let import = format!("import {modules}");
+    std::process::Command::new(python).args(["-c", &import]).output().is_ok_and(|o| o.status.success())
+}

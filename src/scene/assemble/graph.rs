@@ -65,6 +65,7 @@ fn objects(robot: &Robot) -> Vec<ObjectOptions> {
             part: PartIndex(p as u32),
             handles: on_part(p, robot, robot.handles.iter().map(|h| h.link)).map(HandleIndex).collect(),
             surfaces: on_part(p, robot, robot.surfaces.iter().map(|s| s.link)).map(SurfaceIndex).collect(),
+            plane: None,
         })
         .collect()
 }

@@ -1,5 +1,5 @@
 //! Distances agree with coal's, where Python has it (`pip install coal`); skipped, and said so, where it has not.
-//! `FOLIATE_TEST_PYTHON` names another interpreter than `python3`.
+//! `FOLIATE_PYTHON` names another interpreter than `python3`.
 #![allow(non_snake_case, reason = "pose names carry their frames")]
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
@@ -81,7 +81,7 @@ fn line(geometry: &Geometry, pose: &Pose) -> String {
 }
 
 fn ask_coal(input: &str) -> Option<Vec<f64>> {
-    let python = std::env::var("FOLIATE_TEST_PYTHON").unwrap_or_else(|_| "python3".into());
+    let python = std::env::var("FOLIATE_PYTHON").unwrap_or_else(|_| "python3".into());
     let present = Command::new(&python).args(["-c", "import coal"]).stderr(Stdio::null()).status();
     if !present.is_ok_and(|s| s.success()) {
         println!("SKIPPED: {python} has no module `coal` (pip install coal)");

@@ -3,6 +3,7 @@
 pub mod mrrt;
 
 use bevy_ecs::prelude::{Schedule, World};
+use std::sync::Arc;
 
 /// A search scheduler: it fills the sets of a step with systems.
 ///
@@ -14,6 +15,16 @@ pub trait Scheduler: Send + Sync {
     /// The systems of one step, in their sets. `world` is the one in which they will run, with all resources in place: a
     /// scheduler may add its own there.
     fn schedule(&self, world: &mut World) -> Schedule;
+}
+
+impl<S: Scheduler + ?Sized> Scheduler for Arc<S> {
+    fn name(&self) -> &'static str {
+        self.as_ref().name()
+    }
+
+    fn schedule(&self, world: &mut World) -> Schedule {
+        self.as_ref().schedule(world)
+    }
 }
 
 /// The schedulers that Foliate ships.

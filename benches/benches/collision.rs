@@ -1,0 +1,116 @@
+//! What do the exact verdict of a configuration and the certificate of a motion cost?
+#![allow(non_snake_case, reason = "pose names carry their frames")]
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use foliate_benches::{criterion, random_configurations, sample_model, scene_model};
+use foliate_components::Pose;
+use foliate_components::graph::StateId;
+use foliate_kernels::collision::{
+    CertificateSettings, CollisionScratch, MotionVerdict, PairSet, certify_motion, first_collision,
+};
+use foliate_kernels::kinematics::Carriage;
+use foliate_systems::model::PlanningModel;
+use std::hint::black_box;
+
+/// Random configurations of the robot with the objects where they start.
+fn configurations(model: &PlanningModel, count: usize) -> Vec<Vec<f64>> {
+    let mut samples = random_configurations(&model.problem.robot, count);
+    for q in &mut samples {
+        model.place_objects(&model.problem.start, &[], q);
+        model.lock(q);
+    }
+    samples
+}
+
+/// Objects stay where they start.
+fn lying(model: &PlanningModel) -> Vec<Carriage> {
+    let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
+    model.kinematics.forward(&model.problem.start, &mut X_WJ);
+    let carriage = |object: &foliate_systems::model::ObjectModel| Carriage {
+        object: object.root,
+        carrier: None,
+        X_CO: X_WJ[object.root.at()],
+    };
+    model.objects().iter().map(carriage).collect()
+}
+
+fn bench_scene(c: &mut Criterion, name: &str, model: &PlanningModel) {
+    let samples = configurations(model, 2000);
+    let mut scratch = CollisionScratch::new();
+    let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
+    let mut is_free = |q: &[f64]| {
+        model.kinematics.forward(q, &mut X_WJ);
+        model.first_collision(StateId(0), &X_WJ, 1e-5, &mut scratch).is_none()
+    };
+    let (free, blocked): (Vec<_>, Vec<_>) = samples.into_iter().partition(|q| is_free(q));
+    println!("{name}: {} pairs; {} of 2000 random configurations are free", model.collision.pairs().len(), free.len());
+    let mut group = c.benchmark_group(format!("collision/{name}"));
+    bench_verdict(&mut group, "verdict, free configurations", model, &free);
+    bench_verdict(&mut group, "verdict, configurations in collision", model, &blocked);
+    bench_motions(&mut group, model, &free);
+    group.finish();
+}
+
+type Group<'a> = criterion::BenchmarkGroup<'a, criterion::measurement::WallTime>;
+
+fn bench_verdict(group: &mut Group<'_>, what: &str, model: &PlanningModel, samples: &[Vec<f64>]) {
+    if samples.is_empty() {
+        return;
+    }
+    let pairs = PairSet::new(&model.collision, &[], &[]);
+    let mut scratch = CollisionScratch::new();
+    let poses: Vec<Vec<Pose>> = samples
+        .iter()
+        .map(|q| {
+            let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
+            model.kinematics.forward(q, &mut X_WJ);
+            X_WJ
+        })
+        .collect();
+    let mut next = poses.iter().cycle();
+    group.bench_function(what, |b| {
+        b.iter(|| {
+            let X_WJ = next.next().unwrap_or(&poses[0]);
+            black_box(first_collision(&model.collision, X_WJ, &pairs, 1e-5, &mut scratch))
+        });
+    });
+}
+
+/// Motions of 0.3 weighted metres from free configurations towards others: whole ones, and such that end in front of
+/// something.
+fn bench_motions(group: &mut Group<'_>, model: &PlanningModel, free: &[Vec<f64>]) {
+    let space = &model.problem.robot.space;
+    let carriages = lying(model);
+    let pairs = PairSet::new(&model.collision, &carriages, &[]);
+    let (settings, mut scratch) = (CertificateSettings::default(), CollisionScratch::new());
+    let shorter = |pair: &[Vec<f64>]| {
+        let share = (0.3 / space.distance(&pair[0], &pair[1], &model.weights)).min(1.0);
+        let mut end = pair[1].clone();
+        space.interpolate(&pair[0], &pair[1], share, &mut end);
+        (pair[0].clone(), end)
+    };
+    let motions: Vec<_> = free.windows(2).take(200).map(shorter).collect();
+    let mut certify = |(a, b): &(Vec<f64>, Vec<f64>)| {
+        certify_motion(&model.collision, &model.kinematics, &carriages, a, b, &pairs, &settings, &mut scratch)
+    };
+    let (whole, cut): (Vec<_>, Vec<_>) =
+        motions.into_iter().partition(|motion| matches!(certify(motion), MotionVerdict::Free { .. }));
+    println!("{} motions of 0.3 m are free, {} end in front of something", whole.len(), cut.len());
+    for (what, motions) in [("certificate, free motions", &whole), ("certificate, motions that are cut", &cut)] {
+        let mut next = motions.iter().cycle();
+        if motions.is_empty() {
+            continue;
+        }
+        group.bench_function(what, |b| b.iter(|| black_box(certify(next.next().unwrap_or(&motions[0])))));
+    }
+}
+
+fn bench(c: &mut Criterion) {
+    bench_scene(c, "sample", &sample_model());
+    if let Some(model) = scene_model("baxter-case2") {
+        bench_scene(c, "baxter-case2", &model);
+    }
+}
+
+criterion_group! { name = benches; config = criterion(); targets = bench }
+criterion_main!(benches);

@@ -1,0 +1,57 @@
+//! What does one step of the search cost with 8, 64 and 512 candidates, and what per candidate?
+
+use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
+use foliate_benches::{criterion, one_thread, sample_model, scene_model};
+use foliate_systems::events::{EventSink, StopSignal};
+use foliate_systems::model::PlanningModel;
+use foliate_systems::schedulers::mrrt::Mrrt;
+use foliate_systems::search::Search;
+use foliate_systems::settings::SearchSettings;
+
+/// A step is measured when the search has tried this many candidates, whatever their number per step, so that the
+/// roadmaps are of like size.
+const WARM_UP: usize = 512;
+
+/// A search under way, of the first seed from `seed` on that is not solved by then.
+fn under_way(model: &PlanningModel, candidates: usize, seed: &mut u64) -> Search {
+    loop {
+        *seed += 1;
+        let settings = SearchSettings { seed: *seed, candidates, ..SearchSettings::default() };
+        let mut search = Search::new(model, &Mrrt, settings, StopSignal::default(), EventSink::default());
+        if (0..WARM_UP / candidates).all(|_| search.step().is_none()) {
+            return search;
+        }
+    }
+}
+
+fn bench_scene(c: &mut Criterion, name: &str, model: &PlanningModel) {
+    let mut group = c.benchmark_group(format!("step/{name}"));
+    group.sample_size(20);
+    for candidates in [8, 64, 512] {
+        group.throughput(Throughput::Elements(candidates as u64));
+        let mut seed = 0;
+        group.bench_function(format!("{candidates} candidates"), |b| {
+            // The search goes back to criterion, which drops it outside the measured time.
+            b.iter_batched(
+                || under_way(model, candidates, &mut seed),
+                |mut search| {
+                    let _over = search.step();
+                    search
+                },
+                BatchSize::PerIteration,
+            );
+        });
+    }
+    group.finish();
+}
+
+fn bench(c: &mut Criterion) {
+    one_thread();
+    bench_scene(c, "sample", &sample_model());
+    if let Some(model) = scene_model("baxter-case2") {
+        bench_scene(c, "baxter-case2", &model);
+    }
+}
+
+criterion_group! { name = benches; config = criterion(); targets = bench }
+criterion_main!(benches);

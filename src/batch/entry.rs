@@ -1,0 +1,70 @@
+//! A problem of a batch.
+
+use crate::scene::{PackagePath, Scene, SceneError, load_scene};
+use foliate_components::problem::Problem;
+use foliate_systems::model::{Model, ModelError, PlanningModel};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// A problem, ready to be searched any number of times.
+#[derive(Debug)]
+pub struct Entry {
+    model: PlanningModel,
+    load_time: Duration,
+    scene: Option<Scene>,
+}
+
+impl Entry {
+    /// Loads a scene (a shipped one by its name, or a file) and builds its model.
+    ///
+    /// # Errors
+    /// The first thing that is wrong with the scene.
+    pub fn load(name_or_path: &str, packages: &PackagePath) -> Result<Self, SceneError> {
+        let started = Instant::now();
+        let scene = load_scene(name_or_path, packages)?;
+        let entry = Self::of_problem(scene.problem.clone());
+        let entry = entry.map_err(|error| SceneError::new(name_or_path, "problem", error.to_string()))?;
+        Ok(Self { load_time: started.elapsed(), scene: Some(scene), ..entry })
+    }
+
+    /// A problem that was made in code. No path files are written for it: its models have no names that one could give.
+    ///
+    /// # Errors
+    /// See [`ModelError`].
+    pub fn of_problem(problem: Problem) -> Result<Self, ModelError> {
+        let started = Instant::now();
+        let model = PlanningModel(Arc::new(Model::new(problem)?));
+        Ok(Self { model, load_time: started.elapsed(), scene: None })
+    }
+
+    /// The problem's name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.model.problem.name
+    }
+
+    /// Problem, graph and tables.
+    #[must_use]
+    pub fn model(&self) -> &PlanningModel {
+        &self.model
+    }
+
+    /// How long reading and building took.
+    #[must_use]
+    pub fn load_time(&self) -> Duration {
+        self.load_time
+    }
+
+    /// The scene, where the problem comes from one.
+    #[must_use]
+    pub fn scene(&self) -> Option<&Scene> {
+        self.scene.as_ref()
+    }
+
+    /// The name as part of a file's name: everything but letters, digits, `-`, `_` and `.` becomes `_`.
+    #[must_use]
+    pub fn file_stem(&self) -> String {
+        let keep = |c: char| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '_' };
+        self.name().chars().take(100).map(keep).collect()
+    }
+}

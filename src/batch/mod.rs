@@ -1,0 +1,259 @@
+//! Batches: the same problems over many seeds, one row each whatever happens.
+//!
+//! Solves are independent and single-threaded; [`Settings::threads`] says how many run side by side. A problem's model is
+//! built once and shared. Every solve ends as one [`Row`]: an answer, a limit, or a panic, which is caught and takes no
+//! other solve down. (What ends the whole process, such as a lack of memory, ends the batch; the rows written by then are
+//! on disk.)
+
+mod entry;
+mod machine;
+mod record;
+mod row;
+mod seeds;
+mod table;
+
+pub use entry::Entry;
+pub use machine::{Machine, today};
+pub use row::{COLUMNS, PathNumbers, Row, RowOutcome, Work};
+pub use seeds::{Seeds, SeedsError};
+pub use table::{SceneSummary, Spread, Table};
+
+use crate::path_file::{PathContext, save, write_path};
+use crate::planner::{Planner, Solution};
+use foliate_components::outcome::SearchOutcome;
+use foliate_systems::schedulers::{Scheduler, mrrt::Mrrt};
+use foliate_systems::settings::SearchSettings;
+use record::Recorder;
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Most solves of one batch.
+const MOST_SOLVES: u64 = 1_000_000;
+
+/// What all solves of a batch share.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// The seeds, both ends included.
+    pub seeds: Seeds,
+    /// Solves side by side; each of them uses one thread.
+    pub threads: usize,
+    /// Wall time after which one solve gives up.
+    pub time_limit: Duration,
+    /// Settings of every search; the seed in them is not used.
+    pub search: SearchSettings,
+}
+
+/// Problems and seeds to solve.
+pub struct Batch {
+    entries: Vec<Entry>,
+    settings: Settings,
+    scheduler: Arc<dyn Scheduler>,
+}
+
+/// Why a batch does not start, or stops.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages are the documentation")]
+pub enum BatchError {
+    #[error("a batch needs at least one scene")]
+    Empty,
+    #[error("two scenes are called `{0}`: their rows and paths could not be told apart")]
+    SameName(String),
+    #[error("{0} solves are more than the {MOST_SOLVES} of one batch; split the seeds")]
+    TooMany(u64),
+    #[error("{} is there already; choose another folder, or remove it", path.display())]
+    Exists { path: PathBuf },
+    #[error("{}: {source}", path.display())]
+    Io { path: PathBuf, source: std::io::Error },
+}
+
+impl Batch {
+    /// A batch with the default scheduler.
+    ///
+    /// # Errors
+    /// No scenes, two of one name, or more than a million solves.
+    pub fn new(entries: Vec<Entry>, settings: Settings) -> Result<Self, BatchError> {
+        if entries.is_empty() {
+            return Err(BatchError::Empty);
+        }
+        let mut names: Vec<String> = entries.iter().map(Entry::file_stem).collect();
+        names.sort_unstable();
+        if let Some(pair) = names.windows(2).find(|pair| pair[0] == pair[1]) {
+            return Err(BatchError::SameName(pair[0].clone()));
+        }
+        let solves = settings.seeds.count().saturating_mul(entries.len() as u64);
+        if solves > MOST_SOLVES {
+            return Err(BatchError::TooMany(solves));
+        }
+        Ok(Self { entries, settings, scheduler: Arc::new(Mrrt) })
+    }
+
+    /// Uses another scheduler.
+    #[must_use]
+    pub fn scheduler(mut self, scheduler: Arc<dyn Scheduler>) -> Self {
+        self.scheduler = scheduler;
+        self
+    }
+
+    /// Number of solves.
+    #[must_use]
+    pub fn solves(&self) -> usize {
+        self.entries.len() * self.settings.seeds.count() as usize
+    }
+
+    /// Solves everything. Writes `results.csv`, `paths/SCENE-SEED.json` and `table.md` into the folder `out`, which is made
+    /// where it is missing.
+    ///
+    /// While the batch runs, rows stand in `results.csv` in the order in which solves end, each written as soon as it is
+    /// known; in the end they are put in the order of scenes and seeds. `on_row` hears of each. Rows come back in order.
+    ///
+    /// # Errors
+    /// `out` holds results already or cannot be written.
+    pub fn run(&self, out: &Path, on_row: impl Fn(&Row) + Sync) -> Result<Vec<Row>, BatchError> {
+        let recorder = Mutex::new(Recorder::create(out)?);
+        let next = AtomicUsize::new(0);
+        let failure = Mutex::new(None);
+        std::thread::scope(|scope| {
+            for _ in 0..self.settings.threads.clamp(1, self.solves()) {
+                scope.spawn(|| {
+                    if let Err(error) = self.work(&next, &recorder, &on_row, out) {
+                        next.store(self.solves(), Ordering::Relaxed);
+                        *failure.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
+                    }
+                });
+            }
+        });
+        if let Some(error) = failure.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            return Err(error);
+        }
+        let rows = recorder.into_inner().unwrap_or_else(PoisonError::into_inner).finish()?;
+        record::write_whole(&out.join("table.md"), &self.table(&rows).markdown())?;
+        Ok(rows)
+    }
+
+    /// The table of some rows of this batch.
+    #[must_use]
+    pub fn table(&self, rows: &[Row]) -> Table {
+        Table {
+            machine: Machine::here(),
+            date: today(),
+            scheduler: self.scheduler.name().into(),
+            seeds: self.settings.seeds,
+            threads: self.settings.threads,
+            time_limit: self.settings.time_limit,
+            scenes: self.entries.iter().map(|entry| SceneSummary::of(entry.name(), rows)).collect(),
+        }
+    }
+
+    /// Takes one solve after the other until none is left.
+    fn work(
+        &self,
+        next: &AtomicUsize,
+        recorder: &Mutex<Recorder>,
+        on_row: &(impl Fn(&Row) + Sync),
+        out: &Path,
+    ) -> Result<(), BatchError> {
+        let seeds = self.settings.seeds.count() as usize;
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            if index >= self.solves() {
+                return Ok(());
+            }
+            let seed = self.settings.seeds.first() + (index % seeds) as u64;
+            let row = self.solve(&self.entries[index / seeds], seed, out);
+            recorder.lock().unwrap_or_else(PoisonError::into_inner).record(index, &row)?;
+            on_row(&row);
+        }
+    }
+
+    /// One solve, to its row.
+    fn solve(&self, entry: &Entry, seed: u64, out: &Path) -> Row {
+        let started = Instant::now();
+        let mut row = Row::new(entry, seed, self.scheduler.name());
+        // Nothing that a panic may leave half done is looked at again: a search owns its world, and what solves share is
+        // immutable or filled in whole.
+        let solved = catch_unwind(AssertUnwindSafe(|| {
+            let planner = Planner::of_model(entry.model().clone())
+                .settings(self.settings.search.clone())
+                .seed(seed)
+                .scheduler(Arc::clone(&self.scheduler))
+                .time_limit(self.settings.time_limit);
+            let solution = planner.solve_on(1).map_err(|error| error.to_string())?;
+            row.fill(&solution);
+            self.write_path(entry, seed, &solution, out).map_err(|error| format!("path not written: {error}"))
+        }));
+        match solved {
+            Ok(Ok(())) => {}
+            Ok(Err(message)) => row.fail(RowOutcome::Failed, message),
+            Err(panic) => {
+                row = Row::new(entry, seed, self.scheduler.name());
+                row.solve_time = started.elapsed();
+                row.fail(RowOutcome::Crashed, panic_message(panic.as_ref()));
+            }
+        }
+        row
+    }
+
+    /// Writes `paths/SCENE-SEED.json`, where there is a path and its models have names.
+    fn write_path(
+        &self,
+        entry: &Entry,
+        seed: u64,
+        solution: &Solution,
+        out: &Path,
+    ) -> Result<(), crate::path_file::save::PathFileError> {
+        let (Some(path), Some(scene)) = (&solution.path, entry.scene()) else { return Ok(()) };
+        let file = record::path_file(out, &entry.file_stem(), seed);
+        let models = save::model_names(scene, &file)?;
+        let context = PathContext {
+            problem: &entry.model().problem,
+            graph: &entry.model().graph,
+            models: &models,
+            seed,
+            scheduler: self.scheduler.name(),
+            simd: crate::SIMD_LEVEL,
+        };
+        save::save(&write_path(&context, path), &file)
+    }
+}
+
+impl Row {
+    /// Takes over what a solve has found.
+    fn fill(&mut self, solution: &Solution) {
+        let report = &solution.report;
+        self.solve_time = report.solve_time;
+        self.work = Some(Work {
+            steps: report.steps,
+            candidates: report.candidates,
+            nodes: report.nodes,
+            edges: report.edges,
+            fingerprint: report.fingerprint,
+        });
+        self.path = solution.path.as_ref().map(|path| PathNumbers {
+            segments: path.segments.len(),
+            length: report.path_length.unwrap_or_default(),
+            min_clearance: path.certificate.min_clearance,
+            max_residual: path.certificate.max_residual,
+        });
+        if let SearchOutcome::InfeasibleStart(why) | SearchOutcome::InfeasibleGoal(why) = &solution.outcome {
+            self.message.clone_from(why);
+        }
+        self.outcome = RowOutcome::Ended(solution.outcome.clone());
+        if solution.outcome == SearchOutcome::Solved && solution.path.is_none() {
+            self.fail(RowOutcome::Failed, "start and goal hang together, but no path was extracted".into());
+        }
+    }
+
+    fn fail(&mut self, outcome: RowOutcome, message: String) {
+        (self.outcome, self.message) = (outcome, message);
+    }
+}
+
+/// What a panic says.
+fn panic_message(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().copied().or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+    text.unwrap_or("a panic without a message").to_owned()
+}

@@ -1,0 +1,203 @@
+//! One solve of a batch, as a row of `results.csv`.
+
+use super::entry::Entry;
+use foliate_components::outcome::SearchOutcome;
+use serde_json::{Value, json};
+use std::time::Duration;
+
+/// The columns of `results.csv`. Cells are empty where there is nothing to say, as there is no path length without a path.
+pub const COLUMNS: [&str; 16] = [
+    "scene",
+    "seed",
+    "scheduler",
+    "outcome",
+    "solve_ms",
+    "load_ms",
+    "steps",
+    "candidates",
+    "nodes",
+    "edges",
+    "segments",
+    "path_length",
+    "min_clearance",
+    "max_residual",
+    "roadmap",
+    "message",
+];
+
+/// How a solve of a batch ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum RowOutcome {
+    /// As a search ends.
+    Ended(SearchOutcome),
+    /// It panicked.
+    Crashed,
+    /// It could not start, or its answer could not be written.
+    Failed,
+}
+
+/// What a search did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Work {
+    /// Steps.
+    pub steps: u64,
+    /// Candidates.
+    pub candidates: u64,
+    /// Roadmap nodes.
+    pub nodes: usize,
+    /// Roadmap edges.
+    pub edges: usize,
+    /// Hash of the whole roadmap.
+    pub fingerprint: u64,
+}
+
+/// What a path is like.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathNumbers {
+    /// Segments.
+    pub segments: usize,
+    /// Weighted length, metres.
+    pub length: f64,
+    /// Proven clearance beyond the margins, metres.
+    pub min_clearance: f64,
+    /// Proven bound of the residual, metres and radians.
+    pub max_residual: f64,
+}
+
+/// One solve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Name of the problem.
+    pub scene: String,
+    /// Seed.
+    pub seed: u64,
+    /// Name of the scheduler.
+    pub scheduler: String,
+    /// How it ended.
+    pub outcome: RowOutcome,
+    /// Wall time of the search, from the prepared model to the certified path; of a crash, up to it.
+    pub solve_time: Duration,
+    /// Wall time of reading the scene and building its model, once for all seeds.
+    pub load_time: Duration,
+    /// What the search did, where it came to an end.
+    pub work: Option<Work>,
+    /// What the path is like, where there is one.
+    pub path: Option<PathNumbers>,
+    /// Why there is no answer, where there is a reason to tell.
+    pub message: String,
+}
+
+impl RowOutcome {
+    /// The outcome's name: those of searches, `crashed`, `failed`.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Ended(outcome) => outcome.name(),
+            Self::Crashed => "crashed",
+            Self::Failed => "failed",
+        }
+    }
+}
+
+impl Row {
+    pub(super) fn new(entry: &Entry, seed: u64, scheduler: &str) -> Self {
+        Self {
+            scene: entry.name().into(),
+            seed,
+            scheduler: scheduler.into(),
+            outcome: RowOutcome::Failed,
+            solve_time: Duration::ZERO,
+            load_time: entry.load_time(),
+            work: None,
+            path: None,
+            message: String::new(),
+        }
+    }
+
+    /// Whether the solve gave a path.
+    #[must_use]
+    pub fn is_solved(&self) -> bool {
+        self.outcome == RowOutcome::Ended(SearchOutcome::Solved)
+    }
+
+    /// The cells, in the order of [`COLUMNS`].
+    #[must_use]
+    pub fn cells(&self) -> [String; COLUMNS.len()] {
+        let work = |cell: fn(&Work) -> String| self.work.as_ref().map(cell).unwrap_or_default();
+        let path = |cell: fn(&PathNumbers) -> String| self.path.as_ref().map(cell).unwrap_or_default();
+        [
+            self.scene.clone(),
+            self.seed.to_string(),
+            self.scheduler.clone(),
+            self.outcome.name().into(),
+            format!("{:.3}", milliseconds(self.solve_time)),
+            format!("{:.3}", milliseconds(self.load_time)),
+            work(|w| w.steps.to_string()),
+            work(|w| w.candidates.to_string()),
+            work(|w| w.nodes.to_string()),
+            work(|w| w.edges.to_string()),
+            path(|p| p.segments.to_string()),
+            path(|p| format!("{:?}", p.length)),
+            path(|p| format!("{:?}", p.min_clearance)),
+            path(|p| format!("{:?}", p.max_residual)),
+            work(|w| format!("{:016x}", w.fingerprint)),
+            self.message.clone(),
+        ]
+    }
+
+    /// The row as a line of CSV.
+    #[must_use]
+    pub fn csv(&self) -> String {
+        csv_line(&self.cells())
+    }
+
+    /// The row as a JSON object.
+    #[must_use]
+    pub fn json(&self) -> Value {
+        json!({
+            "scene": self.scene,
+            "seed": self.seed,
+            "scheduler": self.scheduler,
+            "outcome": self.outcome.name(),
+            "solve_ms": milliseconds(self.solve_time),
+            "load_ms": milliseconds(self.load_time),
+            "steps": self.work.map(|w| w.steps),
+            "candidates": self.work.map(|w| w.candidates),
+            "nodes": self.work.map(|w| w.nodes),
+            "edges": self.work.map(|w| w.edges),
+            "segments": self.path.map(|p| p.segments),
+            "path_length": self.path.map(|p| p.length),
+            "min_clearance": self.path.map(|p| p.min_clearance),
+            "max_residual": self.path.map(|p| p.max_residual),
+            "roadmap": self.work.map(|w| format!("{:016x}", w.fingerprint)),
+            "message": self.message,
+        })
+    }
+}
+
+fn milliseconds(time: Duration) -> f64 {
+    time.as_secs_f64() * 1e3
+}
+
+/// A line of CSV (RFC 4180): cells with commas, quotes or line breaks stand in quotes, quotes in them doubled.
+pub(super) fn csv_line<S: AsRef<str>>(cells: &[S]) -> String {
+    let cells: Vec<String> = cells.iter().map(|cell| csv_cell(cell.as_ref())).collect();
+    cells.join(",") + "\n"
+}
+
+fn csv_cell(text: &str) -> String {
+    if text.contains(['"', ',', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::csv_line;
+
+    #[test]
+    fn cells_that_need_quotes_have_them() {
+        assert_eq!(
+            csv_line(&["plain", "a, b", "say \"no\"", "two\nlines", ""]),
+            "plain,\"a, b\",\"say \"\"no\"\"\",\"two\nlines\",\n"
+        );
+    }
+}

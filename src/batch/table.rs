@@ -1,0 +1,155 @@
+//! The table that the papers give: minimum, median and maximum of time and nodes.
+
+use super::machine::Machine;
+use super::row::Row;
+use super::seeds::Seeds;
+use std::fmt::Write;
+use std::time::Duration;
+
+/// Minimum, median and maximum.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    /// Minimum.
+    pub min: f64,
+    /// Median; between two values in the middle their mean.
+    pub median: f64,
+    /// Maximum.
+    pub max: f64,
+}
+
+/// A problem's line of the table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneSummary {
+    /// Name of the problem.
+    pub scene: String,
+    /// Solves that gave a path.
+    pub solved: usize,
+    /// All solves.
+    pub runs: usize,
+    /// Seconds, of the solves that gave a path.
+    pub time: Option<Spread>,
+    /// Roadmap nodes, of the solves that gave a path.
+    pub nodes: Option<Spread>,
+}
+
+/// The table, and what has to be said about it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// Where it was measured.
+    pub machine: Machine,
+    /// When.
+    pub date: String,
+    /// Name of the scheduler.
+    pub scheduler: String,
+    /// Seeds.
+    pub seeds: Seeds,
+    /// Solves side by side.
+    pub threads: usize,
+    /// Wall time after which one solve gave up.
+    pub time_limit: Duration,
+    /// The lines.
+    pub scenes: Vec<SceneSummary>,
+}
+
+impl Spread {
+    /// Of some values; `None` without any.
+    #[must_use]
+    pub fn of(mut values: Vec<f64>) -> Option<Self> {
+        values.sort_by(f64::total_cmp);
+        let (&min, &max) = (values.first()?, values.last()?);
+        let half = values.len() / 2;
+        let median = if values.len() % 2 == 1 { values[half] } else { 0.5 * (values[half - 1] + values[half]) };
+        Some(Self { min, median, max })
+    }
+}
+
+impl SceneSummary {
+    /// Of the rows of one problem.
+    #[must_use]
+    pub fn of(scene: &str, rows: &[Row]) -> Self {
+        let rows = rows.iter().filter(|row| row.scene == scene);
+        let solved: Vec<&Row> = rows.clone().filter(|row| row.is_solved()).collect();
+        Self {
+            scene: scene.into(),
+            solved: solved.len(),
+            runs: rows.count(),
+            time: Spread::of(solved.iter().map(|row| row.solve_time.as_secs_f64()).collect()),
+            nodes: Spread::of(solved.iter().filter_map(|row| Some(row.work?.nodes as f64)).collect()),
+        }
+    }
+}
+
+impl Table {
+    /// The table in Markdown, with machine, date and version at its head.
+    #[must_use]
+    pub fn markdown(&self) -> String {
+        let mut out = String::new();
+        let build = if cfg!(debug_assertions) { "debug build, whose times say nothing" } else { "release build" };
+        let _ = writeln!(
+            out,
+            "foliate {} ({build}), scheduler {}, {} arithmetic; {}; {}",
+            env!("CARGO_PKG_VERSION"),
+            self.scheduler,
+            crate::SIMD_LEVEL,
+            self.machine,
+            self.date
+        );
+        let _ = writeln!(
+            out,
+            "seeds {}, each solve on one thread, {} side by side, at most {} s each; times without loading\n",
+            self.seeds,
+            self.threads,
+            self.time_limit.as_secs_f64()
+        );
+        out.push_str("| scene | solved | time (s): min / median / max | nodes: min / median / max |\n");
+        out.push_str("| :-- | --: | --: | --: |\n");
+        for line in &self.scenes {
+            let (name, solved, runs) = (&line.scene, line.solved, line.runs);
+            let (time, nodes) = (spread(line.time, seconds), spread(line.nodes, count));
+            let _ = writeln!(out, "| {name} | {solved}/{runs} | {time} | {nodes} |");
+        }
+        if self.scenes.iter().any(|line| line.solved < line.runs) {
+            out.push_str("\nTimes and nodes are those of the solves that gave a path.\n");
+        }
+        out
+    }
+}
+
+fn spread(spread: Option<Spread>, cell: fn(f64) -> String) -> String {
+    let cells = spread.map(|s| [s.min, s.median, s.max].map(cell).join(" / "));
+    cells.unwrap_or_else(|| "–".into())
+}
+
+/// Three digits.
+fn seconds(value: f64) -> String {
+    let decimals = match value {
+        v if v >= 100.0 => 0,
+        v if v >= 10.0 => 1,
+        v if v >= 1.0 => 2,
+        v if v >= 0.1 => 3,
+        _ => 4,
+    };
+    format!("{value:.decimals$}")
+}
+
+fn count(value: f64) -> String {
+    if value.fract() == 0.0 { format!("{value:.0}") } else { format!("{value:.1}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Spread, count, seconds};
+
+    #[test]
+    fn the_median_stands_in_the_middle() {
+        assert_eq!(Spread::of(vec![3.0, 1.0, 2.0]), Some(Spread { min: 1.0, median: 2.0, max: 3.0 }));
+        assert_eq!(Spread::of(vec![4.0, 1.0, 2.0, 3.0]), Some(Spread { min: 1.0, median: 2.5, max: 4.0 }));
+        assert_eq!(Spread::of(Vec::new()), None);
+    }
+
+    #[test]
+    fn numbers_keep_three_digits() {
+        assert_eq!([0.0123, 0.5, 1.234, 12.34, 1234.5].map(seconds), ["0.0123", "0.500", "1.23", "12.3", "1234"]);
+        assert_eq!([199.0, 199.5].map(count), ["199", "199.5"]);
+    }
+}

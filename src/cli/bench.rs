@@ -1,0 +1,110 @@
+//! `foliate bench`: many seeds of some scenes, a row each, and the table of the papers.
+
+use super::solve::{deadline, no_scheduler};
+use super::{Ending, Refusal, print, print_json, say};
+use foliate::batch::{Batch, Entry, Row, Seeds, Settings, Spread, Table};
+use foliate::scene::PackagePath;
+use foliate::systems::schedulers;
+use foliate::systems::settings::SearchSettings;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+/// Solves scenes for many seeds and tabulates times and nodes
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// Shipped scenes' names, or scene files
+    #[arg(required = true, value_name = "SCENE")]
+    scenes: Vec<String>,
+    /// From A to B, both included: 1..20 are twenty seeds
+    #[arg(long, default_value = "1..20", value_name = "A..B")]
+    seeds: Seeds,
+    /// Solves side by side; each of them uses one thread
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=512))]
+    threads: u16,
+    /// Seconds after which one solve gives up
+    #[arg(long, default_value_t = 60.0, value_name = "S")]
+    time_limit: f64,
+    /// New folder for results.csv, table.md and paths/
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Search scheduler
+    #[arg(long, default_value = "mrrt")]
+    scheduler: String,
+    /// One JSON object instead of text
+    #[arg(long)]
+    json: bool,
+}
+
+pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
+    let settings = Settings {
+        seeds: arguments.seeds,
+        threads: usize::from(arguments.threads),
+        time_limit: deadline(arguments.time_limit)?,
+        search: SearchSettings::default(),
+    };
+    let scheduler = schedulers::named(&arguments.scheduler).ok_or_else(|| no_scheduler(&arguments.scheduler))?;
+    let entries = load(&arguments.scenes, packages)?;
+    let refused = |error: foliate::batch::BatchError| Refusal(error.to_string());
+    let batch = Batch::new(entries, settings).map_err(refused)?.scheduler(scheduler.into());
+    let tell = |row: &Row| {
+        if !arguments.json {
+            say(&line(row));
+        }
+    };
+    let rows = batch.run(&arguments.out, tell).map_err(refused)?;
+    let table = batch.table(&rows);
+    match arguments.json {
+        true => print_json(&object(&table, &rows))?,
+        false => print(&format!("\n{}", table.markdown())),
+    }
+    Ok(if rows.iter().all(Row::is_solved) { Ending::Done } else { Ending::Failed })
+}
+
+/// Loads all scenes before anything is solved.
+fn load(scenes: &[String], packages: &PackagePath) -> Result<Vec<Entry>, Refusal> {
+    let load = |name: &String| {
+        let entry = Entry::load(name, packages)?;
+        for warning in entry.scene().into_iter().flat_map(|scene| &scene.warnings) {
+            say(&format!("warning: {warning}\n"));
+        }
+        Ok(entry)
+    };
+    scenes.iter().map(load).collect()
+}
+
+/// A row while the batch runs.
+fn line(row: &Row) -> String {
+    let nodes = row.work.map(|work| format!(", {} nodes", work.nodes)).unwrap_or_default();
+    let why = if row.message.is_empty() { String::new() } else { format!(": {}", row.message.escape_debug()) };
+    let (scene, seed, time) = (&row.scene, row.seed, row.solve_time.as_secs_f64());
+    format!("{scene} {seed}: {} in {time:.3} s{nodes}{why}\n", row.outcome.name())
+}
+
+fn object(table: &Table, rows: &[Row]) -> Value {
+    let spread = |s: Option<Spread>| s.map(|s| json!({ "min": s.min, "median": s.median, "max": s.max }));
+    let scenes: Vec<Value> = table
+        .scenes
+        .iter()
+        .map(|s| {
+            json!({
+                "scene": s.scene,
+                "solved": s.solved,
+                "runs": s.runs,
+                "time_s": spread(s.time),
+                "nodes": spread(s.nodes),
+            })
+        })
+        .collect();
+    json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "machine": table.machine.to_string(),
+        "date": table.date,
+        "scheduler": table.scheduler,
+        "simd": foliate::SIMD_LEVEL,
+        "seeds": table.seeds.to_string(),
+        "threads": table.threads,
+        "time_limit_s": table.time_limit.as_secs_f64(),
+        "scenes": scenes,
+        "rows": rows.iter().map(Row::json).collect::<Vec<_>>(),
+    })
+}
