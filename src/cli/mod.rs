@@ -24,6 +24,9 @@ struct Cli {
     /// Directory that holds packages, for package:// URLs; may be given several times
     #[arg(long, global = true, value_name = "DIR")]
     package_path: Vec<PathBuf>,
+    /// SIMD level of the arithmetic; results are equal bit for bit only at one level
+    #[arg(long, global = true, value_name = "LEVEL", value_parser = [foliate::SIMD_LEVEL])]
+    simd: Option<String>,
     #[command(subcommand)]
     command: Command,
 }
