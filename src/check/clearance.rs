@@ -19,6 +19,8 @@ use glam::DVec3;
 const ROUNDING: f64 = 1e-10;
 /// A step over which the solids approach each other by no more than this cannot be told from contact, metres.
 const RESOLUTION: f64 = 1e-8;
+/// How far ahead of a stand contact is looked for, metres of movement.
+const LOOK_AHEAD: f64 = 1e-3;
 /// A cheap bound is good enough to march by when it is at least this, metres.
 const FAR: f64 = 0.05;
 
@@ -166,13 +168,30 @@ impl March<'_, '_> {
                 return;
             }
             if next <= moved + RESOLUTION {
-                let place = Place::at(self.motion.index, at.t());
-                let name = self.tester.name(self.pair);
-                self.report.violate(place, Kind::Undecided, name, free + self.threshold, self.threshold);
-                return;
+                return self.stalled(moved, at, free);
             }
             moved = next;
         }
+    }
+
+    /// A march comes to a stand just before two solids meet: looks ahead for the place where they have met. Where none
+    /// is found they graze each other, closer than can be told.
+    fn stalled(&mut self, moved: f64, at: At, free: f64) {
+        let end = self.movement[self.motion.last()];
+        let mut ahead = RESOLUTION;
+        while ahead <= LOOK_AHEAD {
+            let place = self.place((moved + ahead).min(end));
+            let placed = self.tester.placed(self.motion, self.pair, place);
+            let found = self.tester.judge(self.motion.index, place.t(), self.pair, placed, self.threshold, self.report);
+            let still_free = found > 0.0;
+            if !still_free {
+                return;
+            }
+            ahead *= 2.0;
+        }
+        let place = Place::at(self.motion.index, at.t());
+        let name = self.tester.name(self.pair);
+        self.report.violate(place, Kind::Undecided, name, free + self.threshold, self.threshold);
     }
 
     /// How far the solids may approach each other from here without coming too close; at least `enough`, or nearly
