@@ -8,6 +8,7 @@ use foliate_components::path::{Certificate, ManipulationPath, Segment};
 use foliate_components::roadmap::{EdgeId, Motion, NodeId, Roadmap};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
+use std::f64::consts::TAU;
 
 /// The shortest path (weighted length of its motions) from `start` to `goal`; ties by lowest node id. `None` where they
 /// do not hang together.
@@ -85,10 +86,14 @@ fn unwrap_coordinates(model: &PlanningModel, path: &mut ManipulationPath) {
     }
 }
 
+/// Unwrapping rounds; angles closer than this are one.
+const SAME_ANGLE: f64 = 1e-13;
+
 fn follow_angle(last: &[f64], knot: &mut [f64], i: usize) {
-    // Equal angles stay equal bit for bit: joint knots are shared.
+    // Where two motions meet, or an angle stands still, the number is the same bit for bit; what is added elsewhere are
+    // whole turns, so that other numbers keep their bits too.
     let turn = wrap(knot[i] - last[i]);
-    knot[i] = if turn == 0.0 { last[i] } else { last[i] + turn };
+    knot[i] = if turn.abs() < SAME_ANGLE { last[i] } else { knot[i] + TAU * ((last[i] - knot[i]) / TAU).round() };
 }
 
 fn follow_sign(last: &[f64], knot: &mut [f64], i: usize) {
