@@ -65,7 +65,7 @@ pub struct PlannedLeg {
     pub state: StateId,
     /// One per foliating constraint of that state.
     pub parameters: Vec<LegParameter>,
-    /// Whole configurations, end to end; at least two once steered.
+    /// Whole configurations, end to end; at least two once steered, and one in a leg that only enters the target.
     pub knots: Vec<f64>,
     /// Proven clearance beyond the margins, metres.
     pub clearance: f64,

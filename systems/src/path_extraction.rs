@@ -1,7 +1,7 @@
 //! From a roadmap in which start and goal hang together to the path between them.
 
 use crate::model::PlanningModel;
-use foliate_components::configuration::{Group, quaternion};
+use foliate_components::configuration::{Group, quaternion, wrap};
 use foliate_components::graph::TransitionId;
 use foliate_components::leaf::LeafIndex;
 use foliate_components::path::{Certificate, ManipulationPath, Segment};
@@ -86,10 +86,14 @@ fn unwrap_coordinates(model: &PlanningModel, path: &mut ManipulationPath) {
     }
 }
 
-/// Adds the whole turns that bring the angle nearest to the last one. The same number with the same turns is the same sum,
-/// so joint knots stay shared bit for bit.
+/// Unwrapping rounds; angles closer than this are one.
+const SAME_ANGLE: f64 = 1e-13;
+
 fn follow_angle(last: &[f64], knot: &mut [f64], i: usize) {
-    knot[i] += TAU * ((last[i] - knot[i]) / TAU).round();
+    // Where two motions meet, or an angle stands still, the number is the same bit for bit; what is added elsewhere are
+    // whole turns, so that other numbers keep their bits too.
+    let turn = wrap(knot[i] - last[i]);
+    knot[i] = if turn.abs() < SAME_ANGLE { last[i] } else { knot[i] + TAU * ((last[i] - knot[i]) / TAU).round() };
 }
 
 fn follow_sign(last: &[f64], knot: &mut [f64], i: usize) {

@@ -13,7 +13,7 @@ use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Mut, Query, Res, ResMut};
 use foliate_components::Pose;
 use foliate_components::candidate::{Candidate, CandidateArena, LegParameter, PlannedLeg};
-use foliate_components::graph::{ConstraintId, ConstraintKind, Leg, StateId, TransitionId, TransitionKind};
+use foliate_components::graph::{ConstraintId, ConstraintKind, Leg, StateId, Transition, TransitionId, TransitionKind};
 use foliate_components::leaf::{LeafIndex, Parameter};
 use foliate_components::outcome::Rejection;
 use foliate_components::roadmap::Roadmap;
@@ -119,6 +119,18 @@ impl<'a> Lane<'a> {
         let parameters = leaf.parameters.iter().map(|&p| LegParameter::Known(p)).collect();
         Some(Self { candidate, legs, random, q, parameters })
     }
+
+    /// Where the last leg ends on the border of the target, adds a leg of one knot that lies in it.
+    fn enter(&mut self, transition: &Transition) {
+        self.legs.push(PlannedLeg {
+            leg: transition.legs.len() as u32,
+            state: transition.to,
+            parameters: self.parameters.clone(),
+            knots: self.q.clone(),
+            clearance: 0.0,
+            residual: 0.0,
+        });
+    }
 }
 
 impl Context<'_> {
@@ -130,8 +142,18 @@ impl Context<'_> {
             lanes.iter_mut().for_each(|lane| lane.candidate.reject(Rejection::Stopped));
             return;
         }
+        if let Some(first) = transition.legs.first().filter(|first| first.state != transition.from) {
+            // Another hand keeps the object: what is released is left at once.
+            for lane in lanes.iter_mut() {
+                let mut q = lane.q.clone();
+                lane.parameters = self.arrive(transition.from, first.state, lane, &mut q, &mut scratch.X_WJ);
+            }
+        }
         for (number, leg) in transition.legs.iter().enumerate() {
             self.project_leg(id, number, leg, lanes, scratch);
+        }
+        if transition.legs.last().is_some_and(|last| last.state != transition.to) {
+            lanes.iter_mut().filter(|lane| lane.candidate.is_alive()).for_each(|lane| lane.enter(transition));
         }
         for lane in lanes.iter_mut() {
             if lane.candidate.is_alive() && transition.kind == TransitionKind::Loop && self.stands_still(lane) {

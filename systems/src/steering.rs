@@ -53,6 +53,9 @@ fn steer_leg(model: &PlanningModel, settings: &SearchSettings, leaves: &LeafInde
     }
     let size = model.problem.robot.space.size();
     let arguments = interior.arguments(model, leaves, leg.state, &leg.parameters, None);
+    if leg.knots.len() <= size {
+        return true;
+    }
     let (a, b) = leg.knots.split_at(size);
     let steered = project_between(model, settings, interior, &arguments, a, &b[b.len() - size..]);
     steered.is_some_and(|steered| {

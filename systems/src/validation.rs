@@ -142,6 +142,13 @@ fn certify_leg(
 fn cut(model: &PlanningModel, carriages: &[Carriage], leg: &mut PlannedLeg, start: usize, t: f64, guard: f64) {
     let space = &model.problem.robot.space;
     let size = space.size();
+    if model.interior_program(leg.state).is_ok_and(|interior| interior.program.rows() > 0) {
+        // Between the knots of implicit rows a configuration is on the leaf only to within the path tolerance; a node has
+        // to be on it exactly.
+        leg.knots.truncate(start + size);
+        leg.clearance = leg.clearance.min(guard);
+        return;
+    }
     let mut end = vec![0.0; size];
     space.interpolate(&leg.knots[start..start + size], &leg.knots[start + size..start + 2 * size], t, &mut end);
     let moved = space.distance(&leg.knots[start..start + size], &end, &model.weights);
