@@ -11,6 +11,9 @@ use std::process::{Command, Output};
 
 const BAXTER: [&str; 5] = ["baxter-case1", "baxter-case2", "baxter-case3", "baxter-case4", "baxter-manipulation-boxes"];
 
+/// Scenes of the papers' family on other robots: planar roots, unlimited joints, axial grasps, a plane to stand on.
+const OTHERS: [&str; 4] = ["ur3-spheres", "hpp-tutorial-3", "pr2-manipulation-kitchen", "pr2-in-iai-kitchen"];
+
 /// The demo, and the published scenes where their models are at hand.
 fn scenes(test: &str) -> Vec<&'static str> {
     let mut scenes = vec!["demo"];
@@ -64,6 +67,24 @@ fn every_scene_is_solved_and_proven_again_from_the_file() {
 }
 
 #[test]
+fn other_robots_solve_theirs() {
+    if common::published_models("other_robots_solve_theirs").is_none() {
+        return;
+    }
+    let folder = Folder::new("others");
+    let python = python();
+    let has_python = common::imports(&python, "pinocchio, coal");
+    for scene in OTHERS {
+        let path = solve(&folder, scene, 1, 2);
+        let output = foliate(&["check", &path.to_string_lossy()]);
+        assert!(output.status.success(), "{scene}: {}", String::from_utf8_lossy(&output.stdout));
+        if has_python {
+            recheck(&python, &path, &["--adaptive"]);
+        }
+    }
+}
+
+#[test]
 fn files_do_not_depend_on_threads() {
     let folder = Folder::new("threads");
     for scene in scenes("files_do_not_depend_on_threads") {
@@ -74,7 +95,7 @@ fn files_do_not_depend_on_threads() {
 
 #[test]
 fn an_independent_checker_finds_no_violation() {
-    let python = std::env::var_os("FOLIATE_PYTHON").map_or(PathBuf::from("python3"), PathBuf::from);
+    let python = python();
     if !common::imports(&python, "pinocchio, coal") {
         eprintln!("SKIPPED an_independent_checker_finds_no_violation: python3 with pin and coal is not at hand");
         return;
@@ -86,6 +107,11 @@ fn an_independent_checker_finds_no_violation() {
             recheck(&python, &solve(&folder, scene, seed, 1), &["--adaptive"]);
         }
     }
+}
+
+/// The interpreter with pinocchio and coal.
+fn python() -> PathBuf {
+    std::env::var_os("FOLIATE_PYTHON").map_or(PathBuf::from("python3"), PathBuf::from)
 }
 
 fn recheck(python: &Path, path: &Path, mode: &[&str]) {

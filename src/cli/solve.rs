@@ -51,7 +51,7 @@ pub(crate) struct SearchArguments {
 #[derive(clap::Args, Clone, Copy, Debug)]
 pub(crate) struct Tuning {
     /// Candidates per step; another number is another search
-    #[arg(long, default_value_t = 64, value_name = "B", value_parser = clap::value_parser!(u16).range(1..=4096))]
+    #[arg(long, default_value_t = 16, value_name = "B", value_parser = clap::value_parser!(u16).range(1..=4096))]
     pub candidates: u16,
     /// How a node to extend is chosen
     #[arg(long, value_enum, default_value_t = SelectionRule::LeafFirst, value_name = "RULE")]

@@ -59,7 +59,7 @@ pub fn write_path(context: &PathContext<'_>, path: &ManipulationPath) -> PathFil
             .map(|s| SegmentEntry {
                 transition: context.graph.transition(s.transition).name.clone(),
                 state: context.graph.state(s.state).name.clone(),
-                attachments: s.attachments.iter().map(|a| attachment_entry(robot, a)).collect(),
+                attachments: s.attachments.iter().filter_map(|a| attachment_entry(robot, a)).collect(),
                 constraints: Vec::new(),
                 knots: s.knots.clone(),
                 times: None,
@@ -124,26 +124,25 @@ fn documents(robot: &Robot) -> Documents {
     Documents { grippers: grippers.collect(), handles: handles.collect(), surfaces: surfaces.collect() }
 }
 
-fn attachment_entry(robot: &Robot, attachment: &Attachment) -> AttachmentEntry {
+/// What a segment says an object hangs on; nothing for one that stays where it is without touching a documented surface.
+fn attachment_entry(robot: &Robot, attachment: &Attachment) -> Option<AttachmentEntry> {
     let part = |object: JointIndex| robot.parts[robot.joints[object.at()].part.at()].name.clone();
     match *attachment {
-        Attachment::Grasp { object, gripper, handle, carrier } => AttachmentEntry {
+        Attachment::Grasp { object, gripper, handle, carrier } => Some(AttachmentEntry {
             object: part(object),
             gripper: Some(robot.grippers[gripper.at()].name.clone()),
             handle: Some(robot.handles[handle.at()].name.clone()),
             carrier,
             ..AttachmentEntry::default()
-        },
-        Attachment::Contact { object, surface, support } => AttachmentEntry {
+        }),
+        Attachment::Contact { object, surface, support } => Some(AttachmentEntry {
             object: part(object),
             surface: Some(robot.surfaces[surface.0.at()].name.clone()),
             support: Some(robot.surfaces[support.0.at()].name.clone()),
             carrier: true,
             ..AttachmentEntry::default()
-        },
-        Attachment::Rest { object } => {
-            AttachmentEntry { object: part(object), carrier: true, ..AttachmentEntry::default() }
-        }
+        }),
+        Attachment::Rest { .. } => None,
     }
 }
 

@@ -114,7 +114,7 @@ impl Model {
                 _ => Ok(None),
             })
             .collect::<Result<_, _>>()?;
-        let locked_joints: Vec<JointIndex> = problem.graph.locked.iter().map(|&(joint, _)| joint).collect();
+        let locked_joints = locked_joints(&problem);
         let rule = PairRule {
             ignored: &problem.ignored_pairs,
             margins: &problem.margins,
@@ -433,6 +433,13 @@ fn object_models(problem: &Problem, graph: &ConstraintGraph) -> Result<Vec<Objec
         Ok(ObjectModel { root, resting })
     };
     graph.objects.iter().map(model).collect()
+}
+
+/// Joints that never move: those that the problem locks, and those between equal bounds.
+fn locked_joints(problem: &Problem) -> Vec<JointIndex> {
+    let all = (0..problem.robot.joints.len() as u32).map(JointIndex);
+    let named = |joint: JointIndex| problem.graph.locked.iter().any(|&(locked, _)| locked == joint);
+    all.filter(|&joint| named(joint) || problem.robot.joints[joint.at()].is_immovable()).collect()
 }
 
 fn locked_coordinates(problem: &Problem) -> Vec<(usize, f64)> {

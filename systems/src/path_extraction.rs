@@ -1,13 +1,14 @@
 //! From a roadmap in which start and goal hang together to the path between them.
 
 use crate::model::PlanningModel;
-use foliate_components::configuration::{Group, quaternion, wrap};
+use foliate_components::configuration::{Group, quaternion};
 use foliate_components::graph::TransitionId;
 use foliate_components::leaf::LeafIndex;
 use foliate_components::path::{Certificate, ManipulationPath, Segment};
 use foliate_components::roadmap::{EdgeId, Motion, NodeId, Roadmap};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
+use std::f64::consts::TAU;
 
 /// The shortest path (weighted length of its motions) from `start` to `goal`; ties by lowest node id. `None` where they
 /// do not hang together.
@@ -85,10 +86,10 @@ fn unwrap_coordinates(model: &PlanningModel, path: &mut ManipulationPath) {
     }
 }
 
+/// Adds the whole turns that bring the angle nearest to the last one. The same number with the same turns is the same sum,
+/// so joint knots stay shared bit for bit.
 fn follow_angle(last: &[f64], knot: &mut [f64], i: usize) {
-    // Equal angles stay equal bit for bit: joint knots are shared.
-    let turn = wrap(knot[i] - last[i]);
-    knot[i] = if turn == 0.0 { last[i] } else { last[i] + turn };
+    knot[i] += TAU * ((last[i] - knot[i]) / TAU).round();
 }
 
 fn follow_sign(last: &[f64], knot: &mut [f64], i: usize) {

@@ -126,21 +126,17 @@ fn members(roadmap: &Roadmap, tree: ComponentId) -> impl Iterator<Item = Compone
     (0..roadmap.trees() as u32).map(ComponentId).filter(move |&c| roadmap.component(c) == tree)
 }
 
-/// One of the leaves that a tree has reached, uniformly.
+/// One of the leaves that a tree has reached: a state uniformly, then one of the leaves reached in it. States with few
+/// leaves are often the narrow ones (one leaf holds every solid grasp of an object), so leaves alone would starve them.
 fn leaf_of(roadmap: &Roadmap, leaves: &ReachedLeaves, tree: ComponentId, rng: &mut impl rand::Rng) -> Option<LeafId> {
-    let total: usize = members(roadmap, tree).map(|c| leaves.by_component[c.at()].len()).sum();
-    if total == 0 {
-        return None;
-    }
-    let mut index = rng.random_range(0..total);
-    for member in members(roadmap, tree) {
-        let reached = &leaves.by_component[member.at()];
-        if index < reached.len() {
-            return Some(reached[index]);
-        }
-        index -= reached.len();
-    }
-    None
+    let mut reached: Vec<(StateId, LeafId)> = members(roadmap, tree)
+        .flat_map(|c| &leaves.by_component[c.at()])
+        .filter_map(|&leaf| roadmap.nodes_on(leaf).first().map(|&n| (roadmap.node(n).state, leaf)))
+        .collect();
+    reached.sort_unstable();
+    reached.dedup();
+    let states: Vec<_> = reached.chunk_by(|a, b| a.0 == b.0).collect();
+    states.choose(rng)?.choose(rng).map(|&(_, leaf)| leaf)
 }
 
 fn states_of(roadmap: &Roadmap, leaves: &ReachedLeaves, tree: ComponentId) -> Vec<StateId> {

@@ -5,8 +5,9 @@ use bevy_ecs::prelude::Resource;
 /// How a node to extend is chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Selection {
-    /// A tree, then one of the leaves it has reached, then the node of that leaf nearest to q_rand; trees and leaves
-    /// uniformly. Nodes crowd on few leaves, so this spreads effort over what matters: where objects are.
+    /// A tree, then one of the states it has reached, one of the leaves in it, and the node of that leaf nearest to q_rand;
+    /// all but the node uniformly. Nodes crowd on few leaves and leaves in few states, so this spreads effort over what
+    /// matters: who holds what, and where objects are.
     #[default]
     LeafFirst,
     /// A tree, then one of the states it has reached, then the node of that state nearest to q_rand (HPP's M-RRT).
@@ -51,7 +52,7 @@ impl Default for SearchSettings {
     fn default() -> Self {
         Self {
             seed: 1,
-            candidates: 64,
+            candidates: 16,
             max_steps: 0,
             max_nodes: 2_000_000,
             selection: Selection::default(),
