@@ -141,6 +141,7 @@ impl Batch {
             machine: Machine::here(),
             date: today(),
             scheduler: self.scheduler.name().into(),
+            search: self.settings.search.clone(),
             seeds: self.settings.seeds,
             threads: self.settings.threads,
             time_limit: self.settings.time_limit,

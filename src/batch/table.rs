@@ -3,6 +3,7 @@
 use super::machine::Machine;
 use super::row::Row;
 use super::seeds::Seeds;
+use foliate_systems::settings::SearchSettings;
 use std::fmt::Write;
 use std::time::Duration;
 
@@ -41,6 +42,8 @@ pub struct Table {
     pub date: String,
     /// Name of the scheduler.
     pub scheduler: String,
+    /// Settings of the searches.
+    pub search: SearchSettings,
     /// Seeds.
     pub seeds: Seeds,
     /// Solves side by side.
@@ -87,9 +90,10 @@ impl Table {
         let build = if cfg!(debug_assertions) { "debug build, whose times say nothing" } else { "release build" };
         let _ = writeln!(
             out,
-            "foliate {} ({build}), scheduler {}, {} arithmetic; {}; {}",
+            "foliate {} ({build}), scheduler {}{}, {} arithmetic; {}; {}",
             env!("CARGO_PKG_VERSION"),
             self.scheduler,
+            changed(&self.search),
             crate::SIMD_LEVEL,
             self.machine,
             self.date
@@ -113,6 +117,28 @@ impl Table {
         }
         out
     }
+}
+
+/// The settings that are not the defaults.
+fn changed(search: &SearchSettings) -> String {
+    let default = SearchSettings::default();
+    let mut out = String::new();
+    if search.candidates != default.candidates {
+        let _ = write!(out, ", {} candidates per step", search.candidates);
+    }
+    if search.selection != default.selection {
+        let _ = write!(out, ", selection {:?}", search.selection);
+    }
+    let told = SearchSettings {
+        seed: default.seed,
+        candidates: default.candidates,
+        selection: default.selection,
+        ..search.clone()
+    };
+    if told != default {
+        out.push_str(", other settings changed");
+    }
+    out
 }
 
 fn spread(spread: Option<Spread>, cell: fn(f64) -> String) -> String {

@@ -1,11 +1,10 @@
 //! `foliate bench`: many seeds of some scenes, a row each, and the table of the papers.
 
-use super::solve::{deadline, no_scheduler};
+use super::solve::{Tuning, deadline, no_scheduler};
 use super::{Ending, Refusal, print, print_json, say};
 use foliate::batch::{Batch, Entry, Row, Seeds, Settings, Spread, Table};
 use foliate::scene::PackagePath;
 use foliate::systems::schedulers;
-use foliate::systems::settings::SearchSettings;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -30,6 +29,8 @@ pub(crate) struct Arguments {
     /// Search scheduler
     #[arg(long, default_value = "mrrt")]
     scheduler: String,
+    #[command(flatten)]
+    tuning: Tuning,
     /// One JSON object instead of text
     #[arg(long)]
     json: bool,
@@ -40,7 +41,7 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
         seeds: arguments.seeds,
         threads: usize::from(arguments.threads),
         time_limit: deadline(arguments.time_limit)?,
-        search: SearchSettings::default(),
+        search: arguments.tuning.settings(arguments.seeds.first()),
     };
     let scheduler = schedulers::named(&arguments.scheduler).ok_or_else(|| no_scheduler(&arguments.scheduler))?;
     let entries = load(&arguments.scenes, packages)?;
@@ -101,6 +102,8 @@ fn object(table: &Table, rows: &[Row]) -> Value {
         "date": table.date,
         "scheduler": table.scheduler,
         "simd": foliate::SIMD_LEVEL,
+        "candidates": table.search.candidates,
+        "selection": format!("{:?}", table.search.selection),
         "seeds": table.seeds.to_string(),
         "threads": table.threads,
         "time_limit_s": table.time_limit.as_secs_f64(),

@@ -40,15 +40,33 @@ pub(crate) struct SearchArguments {
     /// Threads for the search; the answer does not depend on it
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=512))]
     pub threads: u16,
+    #[command(flatten)]
+    pub tuning: Tuning,
+    /// Seconds after which to give up
+    #[arg(long, default_value_t = 60.0, value_name = "S")]
+    pub time_limit: f64,
+}
+
+/// Settings of the search that a user may change; defaults serve every shipped scene.
+#[derive(clap::Args, Clone, Copy, Debug)]
+pub(crate) struct Tuning {
     /// Candidates per step; another number is another search
     #[arg(long, default_value_t = 16, value_name = "B", value_parser = clap::value_parser!(u16).range(1..=4096))]
     pub candidates: u16,
     /// How a node to extend is chosen
     #[arg(long, value_enum, default_value_t = SelectionRule::LeafFirst, value_name = "RULE")]
     pub selection: SelectionRule,
-    /// Seconds after which to give up
-    #[arg(long, default_value_t = 60.0, value_name = "S")]
-    pub time_limit: f64,
+}
+
+impl Tuning {
+    pub(crate) fn settings(self, seed: u64) -> SearchSettings {
+        SearchSettings {
+            seed,
+            candidates: usize::from(self.candidates),
+            selection: self.selection.into(),
+            ..SearchSettings::default()
+        }
+    }
 }
 
 /// [`Selection`] on the command line.
@@ -73,15 +91,6 @@ impl From<SelectionRule> for Selection {
 }
 
 impl SearchArguments {
-    fn settings(&self) -> SearchSettings {
-        SearchSettings {
-            seed: self.seed,
-            candidates: usize::from(self.candidates),
-            selection: self.selection.into(),
-            ..SearchSettings::default()
-        }
-    }
-
     /// The time limit, where it is a number of seconds.
     pub(crate) fn deadline(&self) -> Result<Duration, Refusal> {
         deadline(self.time_limit)
@@ -90,7 +99,7 @@ impl SearchArguments {
     /// A planner for a scene's problem.
     pub(crate) fn planner(&self, scene: &Scene) -> Result<Planner, Refusal> {
         let planner = Planner::new(scene.problem.clone()).map_err(|e| Refusal(e.to_string()))?;
-        let planner = planner.settings(self.settings()).time_limit(self.deadline()?);
+        let planner = planner.settings(self.tuning.settings(self.seed)).time_limit(self.deadline()?);
         planner.scheduler_named(&self.scheduler).ok_or_else(|| no_scheduler(&self.scheduler))
     }
 }
