@@ -4,6 +4,7 @@
 pub mod batch;
 pub mod check;
 pub mod diagram;
+pub mod inspection;
 pub mod path_file;
 pub mod planner;
 pub mod scene;

@@ -40,6 +40,8 @@ fn the_example_loads_as_the_page_says() {
     assert_eq!(problem.graph.rules.len(), 2);
     assert!(!problem.graph.rules[0].allowed && problem.graph.rules[1].grasps[0].1.is_none());
     assert_eq!(problem.graph.objects[1].handles.len(), 1);
+    let plane = problem.graph.objects[1].plane.expect("the brick's plane");
+    assert_eq!((plane.world_from_plane.translation.z, plane.object_from_frame.translation.z), (0.7, -0.041));
     assert!(problem.ignored_pairs.iter().any(|p| p.reason == "adjacent"));
     assert_eq!(problem.margins.len(), 1);
     assert_eq!(problem.start[0], 0.1);
@@ -57,7 +59,7 @@ fn every_key_that_is_read_is_in_the_example_and_in_a_table() {
     let keys = "format name description part coordinates ignore margins locked graph start goal sha256 kind urdf srdf root \
                 pose root_bounds joint_bounds values mimic mesh_up_axis masks mask_complements gripper handle surface link \
                 clearance mask mask_complement approaching_direction points polygons grippers supports objects grasps rules \
-                when allow placement_margin preplacement_distance pair distance configuration handles surfaces xyz rpy \
+                when allow placement_margin preplacement_distance plane frame pair distance configuration handles surfaces xyz rpy \
                 quaternion";
     let tables = REFERENCE.rsplit_once("```").expect("the example ends").1;
     for key in keys.split_whitespace() {
@@ -147,4 +149,30 @@ fn an_environment_stands_still_at_the_values_that_are_given() {
     assert_eq!((robot.joints.len(), robot.space.size()), (0, 0));
     assert_eq!(robot.links[1].joint_from_link.translation.z, 0.25);
     assert_eq!(robot.links[1].joint, None::<JointIndex>);
+}
+
+#[test]
+fn a_root_that_is_locked_stands_where_it_is_locked() {
+    let text = "format = \"foliate.scene/1\"\nname = \"cart\"\n[[part]]\nname = \"cart\"\nkind = \"robot\"\nroot = \"planar\"\n\
+                urdf = \"demo/box.urdf\"\nroot_bounds = [[-1.0, 1.0], [-1.0, 1.0]]\n[[part]]\nname = \"kite\"\nkind = \"robot\"\n\
+                root = \"freeflyer\"\nurdf = \"demo/box.urdf\"\n[locked]\n\"cart/root_joint\" = [0.5, -0.5, 0.25]\n\
+                \"kite/root_joint\" = [0.0, 0.0, 2.0, 1.0, 0.0, 0.0, 0.0]\n[start]\n[[goal]]\nconfiguration = {}\n";
+    let scene = load(text).unwrap_or_else(|e| panic!("{e}"));
+    let problem = &scene.problem;
+    let stands = [0.5, -0.5, 0.25, 0.0, 0.0, 2.0, 1.0, 0.0, 0.0, 0.0];
+    assert_eq!(problem.start, stands);
+    assert_eq!((&problem.robot.space.lower[..], &problem.robot.space.upper[..]), (&stands[..], &stands[..]));
+    assert!(problem.robot.joints.iter().all(|j| j.is_immovable()));
+    assert!(problem.graph.locked.is_empty());
+
+    let cases = [
+        ("[0.5, -0.5, 0.25]", "[1.5, -0.5, 0.25]", "locked.cart/root_joint", "outside the `root_bounds`"),
+        ("[start]", "[start]\n\"cart/theta\" = 0.5", "start", "never moves from 0.25"),
+        ("[-1.0, 1.0]]", "[-1.0, 1.0], [-2.0, 2.0]]", "part[0].root_bounds", "half a turn"),
+    ];
+    for (before, after, element, says) in cases {
+        let error = load(&text.replacen(before, after, 1)).map(|_| ()).expect_err(after);
+        assert_eq!(error.element, element, "{error}");
+        assert!(error.to_string().contains(says), "{error}");
+    }
 }

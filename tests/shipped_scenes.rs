@@ -61,8 +61,8 @@ fn scenes_with_published_robots_load_with_the_files_they_were_made_with() {
 
 /// `tests/facts/problems.json`: nq, order of joints, start and goal of the records that the scenes were made from.
 #[test]
-fn the_baxter_scenes_are_the_published_records() {
-    let Some(packages) = common::published_models("the_baxter_scenes_are_the_published_records") else { return };
+fn the_scenes_are_the_published_records() {
+    let Some(packages) = common::published_models("the_scenes_are_the_published_records") else { return };
     let text = include_str!("facts/problems.json");
     let facts: serde_json::Value = serde_json::from_str(text).expect("facts are JSON");
     let numbers = |v: &serde_json::Value| -> Vec<f64> {

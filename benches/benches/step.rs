@@ -1,7 +1,7 @@
 //! What does one step of the search cost with 8, 64 and 512 candidates, and what per candidate?
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
-use foliate_benches::{criterion, one_thread, sample_model, scene_model};
+use foliate_benches::{criterion, long_model, one_thread, scene_model};
 use foliate_systems::events::{EventSink, StopSignal};
 use foliate_systems::model::PlanningModel;
 use foliate_systems::schedulers::mrrt::Mrrt;
@@ -12,7 +12,7 @@ use foliate_systems::settings::SearchSettings;
 /// roadmaps are of like size.
 const WARM_UP: usize = 512;
 
-/// A search under way, of the first seed from `seed` on that is not solved by then.
+/// A search under way, of the next seed that is not solved by then.
 fn under_way(model: &PlanningModel, candidates: usize, seed: &mut u64) -> Search {
     loop {
         *seed += 1;
@@ -47,9 +47,9 @@ fn bench_scene(c: &mut Criterion, name: &str, model: &PlanningModel) {
 
 fn bench(c: &mut Criterion) {
     one_thread();
-    bench_scene(c, "sample", &sample_model());
-    if let Some(model) = scene_model("baxter-case2") {
-        bench_scene(c, "baxter-case2", &model);
+    bench_scene(c, "four boxes", &long_model());
+    if let Some(model) = scene_model("baxter-case4") {
+        bench_scene(c, "baxter-case4", &model);
     }
 }
 

@@ -6,7 +6,7 @@ use criterion::Criterion;
 use foliate::batch::Entry;
 use foliate::scene::PackagePath;
 use foliate_components::robot::Robot;
-use foliate_components::sample_problems::swap_two_boxes;
+use foliate_components::sample_problems::{boxes_on_a_table, swap_two_boxes};
 use foliate_systems::model::{Model, PlanningModel};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -31,6 +31,16 @@ pub fn one_thread() {
 #[must_use]
 pub fn sample_model() -> PlanningModel {
     PlanningModel(Arc::new(Model::new(swap_two_boxes().expect("fixed models")).expect("a sound problem")))
+}
+
+/// Four boxes that change places in a circle under one seven-axis arm: not solved within the steps that a bench takes.
+#[must_use]
+pub fn long_model() -> PlanningModel {
+    let places = [(0.5, 0.2), (0.75, 0.2), (0.75, -0.2), (0.5, -0.2)];
+    let mut goals = places;
+    goals.rotate_left(1);
+    let problem = boxes_on_a_table(&places, &goals).expect("fixed models");
+    PlanningModel(Arc::new(Model::new(problem).expect("a sound problem")))
 }
 
 /// The model of a shipped scene; `None`, and said so, where its published robots are not at hand.

@@ -40,7 +40,7 @@ pub enum Group {
 pub struct ConfigurationSpace {
     /// Factors in order of coordinates.
     pub factors: Vec<Factor>,
-    /// Lower bounds, one per configuration number; −∞ where there is none (always so for quaternions).
+    /// Lower bounds, one per configuration number; −∞ where there is none (always so for quaternions that may turn).
     pub lower: Vec<f64>,
     /// Upper bounds.
     pub upper: Vec<f64>,
@@ -194,7 +194,11 @@ impl ConfigurationSpace {
                 }
                 Group::FreeFlyer => {
                     (0..3).for_each(|k| out[i + k] = self.uniform(rng, i + k, 1.0));
-                    set_quaternion(out, i, random_rotation(rng));
+                    let turned = match self.is_immovable(i + 3..i + 7) {
+                        true => quaternion(&self.lower, i),
+                        false => random_rotation(rng),
+                    };
+                    set_quaternion(out, i, turned);
                 }
             }
         }
@@ -204,6 +208,12 @@ impl ConfigurationSpace {
         let low = if self.lower[i].is_finite() { self.lower[i] } else { self.upper[i].min(reach) - 2.0 * reach };
         let high = if self.upper[i].is_finite() { self.upper[i] } else { low + 2.0 * reach };
         if low < high { rng.random_range(low..=high) } else { low }
+    }
+
+    /// Whether these configuration numbers lie between equal bounds.
+    #[must_use]
+    pub fn is_immovable(&self, mut numbers: std::ops::Range<usize>) -> bool {
+        numbers.all(|i| self.lower[i] >= self.upper[i])
     }
 
     /// The first configuration number outside its bounds by more than `tolerance`, if any.
@@ -288,6 +298,17 @@ mod tests {
             space.integrate(&a, &v, &mut c);
             assert!(same_place(&space, &b, &c));
         }
+    }
+
+    #[test]
+    fn what_lies_between_equal_bounds_never_moves() {
+        let mut space = space();
+        let stands = [0.5, -1.0, 0.25, -0.5, 2.0, 0.0, 0.1, 0.2, 1.0, 0.0, 0.0, 0.0];
+        (space.lower, space.upper) = (stands.to_vec(), stands.to_vec());
+        space.factors[1].group = Group::Real;
+        let (mut rng, mut q) = (rand_chacha::ChaCha8Rng::seed_from_u64(9), space.neutral());
+        space.random(&mut rng, &mut q);
+        assert_eq!(q, stands);
     }
 
     #[test]

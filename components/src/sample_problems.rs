@@ -2,7 +2,7 @@
 
 use crate::Pose;
 use crate::pose::pose_to_array;
-use crate::problem::{Goal, GraphOptions, ObjectOptions, Problem};
+use crate::problem::{Goal, GraphOptions, ObjectOptions, Problem, RestingPlane};
 use crate::robot::{ComposeError, DisabledPair, Robot};
 use crate::sample_models::{block, environment, fixed_robot, movable_object, seven_axis_arm, table};
 use glam::{DQuat, DVec3};
@@ -82,4 +82,26 @@ pub fn swap_two_boxes() -> Result<Problem, ComposeError> {
 /// As [`boxes_on_a_table`].
 pub fn move_one_box() -> Result<Problem, ComposeError> {
     boxes_on_a_table(&[(0.6, 0.15)], &[(0.7, -0.2)])
+}
+
+/// Two boxes that change places, both sides foliated: they stand on a plane, and the grasp leaves the turn about the
+/// approach axis free. Trees that grow from start and goal share no grasp (P1 §I-A, figure 2).
+///
+/// # Errors
+/// As [`boxes_on_a_table`].
+pub fn swap_with_crossed_foliations() -> Result<Problem, ComposeError> {
+    let mut problem = swap_two_boxes()?;
+    for object in &mut problem.graph.objects {
+        object.surfaces.clear();
+        object.plane = Some(RestingPlane {
+            world_from_plane: Pose::from_translation(DVec3::Z * (0.5 * SIDE + 1e-3)),
+            object_from_frame: Pose::identity(),
+        });
+        for handle in &object.handles {
+            let handle = &mut problem.robot.handles[handle.at()];
+            (handle.mask, handle.mask_complement) = ([true, true, true, false, true, true], [false; 6]);
+            handle.mask_complement[3] = true;
+        }
+    }
+    Ok(problem)
 }

@@ -6,6 +6,7 @@ use foliate::components::pose::pose_to_array;
 use foliate::components::robot::model::{JointKind, JointModel, Model};
 use foliate::components::robot::shape::Geometry;
 use foliate::components::robot::{PartKind, PartPlacement, Robot, RootJoint};
+use foliate::inspection::always_colliding;
 use foliate::scene::{PackagePath, SceneError, read_model};
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -37,7 +38,16 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     };
     let robot = Robot::compose(&[(&read.model, placement)])
         .map_err(|error| SceneError::new(&arguments.urdf, "<robot>", error.to_string()))?;
-    let found = Found { model: &read.model, robot: &robot, warnings: &read.warnings, tree: tree(&read.model) };
+    // The model is a part called `model` here; its shapes are told without that.
+    let short = |name: String| name.strip_prefix("model/").map_or(name.clone(), str::to_owned);
+    let colliding = always_colliding(&robot).map(|all| all.into_iter().map(|(a, b)| (short(a), short(b))).collect());
+    let found = Found {
+        colliding: &colliding,
+        model: &read.model,
+        robot: &robot,
+        warnings: &read.warnings,
+        tree: tree(&read.model),
+    };
     match arguments.json {
         true => print_json(&found.json())?,
         false => print(&found.text()),
@@ -49,6 +59,8 @@ struct Found<'a> {
     model: &'a Model,
     robot: &'a Robot,
     warnings: &'a [SceneError],
+    /// Pairs of shapes that collide wherever the joints are; `None` where that was not looked at.
+    colliding: &'a Option<Vec<(String, String)>>,
     /// Joints by depth-first walk, with their depth.
     tree: Vec<(usize, &'a JointModel)>,
 }
@@ -136,6 +148,10 @@ impl Found<'_> {
             }
         }
         self.documents(&mut out);
+        for (first, second) in self.colliding.iter().flatten() {
+            let _ =
+                writeln!(out, "\nAlways in collision: {first} and {second}; disable the pair in the SRDF or the scene");
+        }
         let _ = writeln!(out, "\nWarnings: {}", self.warnings.len());
         for warning in self.warnings {
             let _ = writeln!(out, "  {warning}");
@@ -204,6 +220,7 @@ impl Found<'_> {
             })).collect::<Vec<_>>(),
             "disabled_pairs": model.disabled_pairs,
             "configurations": model.group_states.iter().map(|s| json!({ "name": s.name, "values": s.values })).collect::<Vec<_>>(),
+            "always_colliding": self.colliding,
             "warnings": self.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
         })
     }

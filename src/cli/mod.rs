@@ -24,6 +24,9 @@ struct Cli {
     /// Directory that holds packages, for package:// URLs; may be given several times
     #[arg(long, global = true, value_name = "DIR")]
     package_path: Vec<PathBuf>,
+    /// SIMD level of the arithmetic; results are equal bit for bit only at one level
+    #[arg(long, global = true, value_name = "LEVEL", value_parser = [foliate::SIMD_LEVEL])]
+    simd: Option<String>,
     #[command(subcommand)]
     command: Command,
 }
@@ -66,8 +69,6 @@ pub(crate) fn main() -> ExitCode {
         Command::Solve(arguments) => solve::run(arguments, &packages),
         Command::Check(arguments) => check::run(arguments, &packages),
         Command::Bench(arguments) => bench::run(arguments, &packages),
-        Command::Bench(arguments) => bench::run(arguments, &packages),
-        Command::Check(arguments) => check::run(arguments, &packages),
         Command::Graph(arguments) => graph::run(arguments, &packages),
         Command::Inspect(arguments) => inspect::run(arguments, &packages),
         Command::Models(arguments) => models::run(arguments, &packages),

@@ -6,6 +6,7 @@ use foliate::components::outcome::SearchOutcome;
 use foliate::path_file::{PathContext, save, write_path};
 use foliate::scene::{PackagePath, Scene, load_scene};
 use foliate::systems::events::SearchEvent;
+use foliate::systems::settings::{SearchSettings, Selection};
 use foliate::{Planner, Solution};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
@@ -39,12 +40,48 @@ pub(crate) struct SearchArguments {
     /// Threads for the search; the answer does not depend on it
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=512))]
     pub threads: u16,
+    /// Candidates per step; another number is another search
+    #[arg(long, default_value_t = 16, value_name = "B", value_parser = clap::value_parser!(u16).range(1..=4096))]
+    pub candidates: u16,
+    /// How a node to extend is chosen
+    #[arg(long, value_enum, default_value_t = SelectionRule::LeafFirst, value_name = "RULE")]
+    pub selection: SelectionRule,
     /// Seconds after which to give up
     #[arg(long, default_value_t = 60.0, value_name = "S")]
     pub time_limit: f64,
 }
 
+/// [`Selection`] on the command line.
+#[derive(clap::ValueEnum, Clone, Copy, Debug)]
+pub(crate) enum SelectionRule {
+    /// A tree, one of its leaves, the nearest node on it
+    LeafFirst,
+    /// A tree, one of its states, the nearest node in it
+    StateFirst,
+    /// The nearest node of the whole roadmap
+    Nearest,
+}
+
+impl From<SelectionRule> for Selection {
+    fn from(rule: SelectionRule) -> Self {
+        match rule {
+            SelectionRule::LeafFirst => Self::LeafFirst,
+            SelectionRule::StateFirst => Self::StateFirst,
+            SelectionRule::Nearest => Self::Nearest,
+        }
+    }
+}
+
 impl SearchArguments {
+    fn settings(&self) -> SearchSettings {
+        SearchSettings {
+            seed: self.seed,
+            candidates: usize::from(self.candidates),
+            selection: self.selection.into(),
+            ..SearchSettings::default()
+        }
+    }
+
     /// The time limit, where it is a number of seconds.
     pub(crate) fn deadline(&self) -> Result<Duration, Refusal> {
         deadline(self.time_limit)
@@ -53,7 +90,7 @@ impl SearchArguments {
     /// A planner for a scene's problem.
     pub(crate) fn planner(&self, scene: &Scene) -> Result<Planner, Refusal> {
         let planner = Planner::new(scene.problem.clone()).map_err(|e| Refusal(e.to_string()))?;
-        let planner = planner.seed(self.seed).time_limit(self.deadline()?);
+        let planner = planner.settings(self.settings()).time_limit(self.deadline()?);
         planner.scheduler_named(&self.scheduler).ok_or_else(|| no_scheduler(&self.scheduler))
     }
 }

@@ -35,6 +35,22 @@ const DEMO: Embedded = &[
     ("box.srdf", scene_file!("demo/box.srdf")),
 ];
 
+/// The box of the PR2 scenes: the published package has another one under the name that the records use.
+const TWO_HAND: Embedded = &[
+    ("box.urdf", scene_file!("pr2-manipulation-two-hand/box.urdf")),
+    ("box.srdf", scene_file!("pr2-manipulation-two-hand/box.srdf")),
+];
+
+/// The same.
+const KITCHEN: Embedded = &[
+    ("box.urdf", scene_file!("pr2-manipulation-kitchen/box.urdf")),
+    ("box.srdf", scene_file!("pr2-manipulation-kitchen/box.srdf")),
+];
+
+/// The same.
+const TUTORIAL: Embedded =
+    &[("box.urdf", scene_file!("hpp-tutorial-3/box.urdf")), ("box.srdf", scene_file!("hpp-tutorial-3/box.srdf"))];
+
 const SCENES: &[ShippedScene] = &[
     ShippedScene {
         name: "demo",
@@ -75,6 +91,41 @@ const SCENES: &[ShippedScene] = &[
         name: "baxter-manipulation-boxes",
         summary: "Baxter swaps two boxes with both arms (benchmark layout of 2022-2024)",
         text: scene_file!("baxter-manipulation-boxes/scene.toml"),
+        needs_models: true,
+        files: &[],
+    },
+    ShippedScene {
+        name: "pr2-in-iai-kitchen",
+        summary: "PR2 moves both arms among the furniture of a kitchen (motion planning only)",
+        text: scene_file!("pr2-in-iai-kitchen/scene.toml"),
+        needs_models: true,
+        files: &[],
+    },
+    ShippedScene {
+        name: "hpp-tutorial-3",
+        summary: "PR2 moves a box along a table with its left hand (third tutorial of HPP)",
+        text: scene_file!("hpp-tutorial-3/scene.toml"),
+        needs_models: true,
+        files: TUTORIAL,
+    },
+    ShippedScene {
+        name: "pr2-manipulation-kitchen",
+        summary: "PR2 drives and carries a box from a table to the counter of the sink",
+        text: scene_file!("pr2-manipulation-kitchen/scene.toml"),
+        needs_models: true,
+        files: KITCHEN,
+    },
+    ShippedScene {
+        name: "pr2-manipulation-two-hand",
+        summary: "PR2 turns a box over, passing it from one hand to the other",
+        text: scene_file!("pr2-manipulation-two-hand/scene.toml"),
+        needs_models: true,
+        files: TWO_HAND,
+    },
+    ShippedScene {
+        name: "ur3-spheres",
+        summary: "A UR3 swaps two spheres on the ground",
+        text: scene_file!("ur3-spheres/scene.toml"),
         needs_models: true,
         files: &[],
     },

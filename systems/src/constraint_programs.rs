@@ -12,7 +12,6 @@ use foliate_components::constraint::{Constraint, Frame, Reference, RelativePose}
 use foliate_components::graph::{ConstraintId, ConstraintKind, StateId, TransitionId};
 use foliate_components::leaf::{LeafIndex, Parameter, ParameterId};
 use foliate_components::robot::{JointIndex, Source};
-use foliate_kernels::constraints::placement;
 use foliate_kernels::projection::{CarriageTemplate, CompileError, ConstraintProgram};
 use glam::DVec3;
 
@@ -132,12 +131,10 @@ fn aim(model: &Model, target: ConstraintId, drawn: &Parameter) -> Pose {
 /// The unit normal, pointing out, of the support on which an object at `X_WO` lies.
 fn support_normal(model: &Model, object: usize, X_WO: &Pose) -> DVec3 {
     let object = &model.objects()[object];
-    let Some(lying) = &object.placement else { return DVec3::Z };
+    let Some(resting) = &object.resting else { return DVec3::Z };
     let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
     X_WJ[object.root.at()] = *X_WO;
-    let contact = placement::contact(lying, &X_WJ);
-    // A support's x points into it.
-    -(lying.supports[contact.support].frame.joint_from_frame.rotation * DVec3::X)
+    resting.normal(&X_WJ)
 }
 
 impl<'a> Draft<'a> {
@@ -184,10 +181,10 @@ impl<'a> Draft<'a> {
                     let (world, root) = (Frame::world(Pose::identity()), Frame::of_joint(object.root));
                     let rows = RelativePose::rigid(world, root, Reference::Argument(slot));
                     self.constraints.push(Constraint::RelativePose(rows));
-                } else if let Some(lying) = &object.placement {
+                } else if let Some(resting) = &object.resting {
                     let lifted = matches!(kind, ConstraintKind::Preplacement { .. });
-                    let distance = if lifted { model.problem.graph.preplacement_distance } else { 0.0 };
-                    self.constraints.push(Constraint::Placement(lying.lifted(distance)));
+                    let lift = if lifted { model.problem.graph.preplacement_distance } else { 0.0 };
+                    self.constraints.push(resting.constraint(lift));
                 }
             }
         }

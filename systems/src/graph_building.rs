@@ -181,13 +181,9 @@ impl<'a> Builder<'a> {
 
     /// What holds an object in place while nobody holds it.
     fn resting_constraint(&mut self, object: usize) -> ConstraintId {
-        let has_surfaces = !self.options.objects[object].surfaces.is_empty();
+        let rests = self.rests(object);
         let object = object as u32;
-        self.constraint(if has_surfaces {
-            ConstraintKind::Placement { object }
-        } else {
-            ConstraintKind::Rest { object }
-        })
+        self.constraint(if rests { ConstraintKind::Placement { object } } else { ConstraintKind::Rest { object } })
     }
 
     fn constraint(&mut self, kind: ConstraintKind) -> ConstraintId {
@@ -390,9 +386,14 @@ impl<'a> Builder<'a> {
         self.robot.grippers[change.gripper.at()].clearance + self.robot.handles[change.handle.at()].clearance > 0.0
     }
 
+    /// Whether an object needs something to rest on.
+    fn rests(&self, object: usize) -> bool {
+        let options = &self.options.objects[object];
+        !options.surfaces.is_empty() || options.plane.is_some()
+    }
+
     fn has_preplacement(&self, change: Change) -> bool {
-        let lies = !self.options.objects[change.object].surfaces.is_empty();
-        lies && self.options.preplacement_distance > 0.0 && !self.held_otherwise(change)
+        self.rests(change.object) && self.options.preplacement_distance > 0.0 && !self.held_otherwise(change)
     }
 
     /// Whether another gripper holds the object in both states.

@@ -19,6 +19,7 @@ pub mod path_extraction;
 pub mod projection;
 pub mod random;
 pub mod rendezvous;
+pub mod resting;
 pub mod sampling;
 pub mod schedule;
 pub mod schedulers;

@@ -2,14 +2,14 @@
 
 use crate::model::{Model, ObjectModel, PlanningModel, hanging};
 use crate::random::{Purpose, stream};
+use crate::resting::relative_pose_residual;
 use crate::settings::SearchSettings;
 use foliate_components::Pose;
-use foliate_components::constraint::{Constraint, Placement, RelativePose};
+use foliate_components::constraint::Constraint;
 use foliate_components::graph::{ConstraintId, ConstraintKind, StateId};
 use foliate_components::leaf::Parameter;
 use foliate_components::robot::{PartIndex, Robot};
 use foliate_kernels::collision::CollisionScratch;
-use foliate_kernels::constraints::{placement, placement_of, relative_pose};
 use foliate_kernels::projection::{CarriageTemplate, ConstraintProgram, Scratch, Settings, project};
 
 /// A configuration that may be a root: its state and the values of the state's foliating constraints.
@@ -76,29 +76,13 @@ pub fn residual(model: &Model, constraint: ConstraintId, X_WJ: &[Pose]) -> f64 {
             relative_pose_residual(&relative, X_WJ)
         }
         ConstraintKind::Placement { object } | ConstraintKind::Preplacement { object } => {
-            let Some(placement) = &model.objects()[object as usize].placement else { return f64::INFINITY };
-            if matches!(kind, ConstraintKind::Placement { .. }) {
-                placement_residual(placement, X_WJ)
-            } else {
-                let lifted = placement.lifted(model.problem.graph.preplacement_distance);
-                placement_residual(&lifted, X_WJ)
-            }
+            let Some(resting) = &model.objects()[object as usize].resting else { return f64::INFINITY };
+            let lifted = matches!(kind, ConstraintKind::Preplacement { .. });
+            resting.residual(if lifted { model.problem.graph.preplacement_distance } else { 0.0 }, X_WJ)
         }
         // It stays wherever it is: no rows.
         ConstraintKind::Rest { .. } => 0.0,
     }
-}
-
-fn relative_pose_residual(constraint: &RelativePose, X_WJ: &[Pose]) -> f64 {
-    let (a, b) = (placement_of(&constraint.a), placement_of(&constraint.b));
-    let value = relative_pose::value(&a, &b, &Pose::identity(), X_WJ);
-    let held = value.iter().zip(&constraint.rows).filter(|(_, row)| row.is_some());
-    held.map(|(v, _)| v.abs()).fold(0.0, f64::max)
-}
-
-fn placement_residual(constraint: &Placement, X_WJ: &[Pose]) -> f64 {
-    let value = placement::value(constraint, placement::contact(constraint, X_WJ), X_WJ);
-    value.iter().map(|v| v.abs()).fold(0.0, f64::max)
 }
 
 /// The values that the foliating constraints of a state have where the bodies are.

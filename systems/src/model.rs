@@ -4,10 +4,11 @@
 //! compiled when it is first asked for, so that a graph with thousands of states starts at once.
 
 use crate::constraint_programs::{LegProgram, parameter_in};
+use crate::resting::Resting;
 use bevy_ecs::prelude::Resource;
 use foliate_components::Pose;
 use foliate_components::candidate::PlannedLeg;
-use foliate_components::constraint::{Grasp, Placement};
+use foliate_components::constraint::Grasp;
 use foliate_components::graph::{ConstraintGraph, ConstraintId, ConstraintKind, State, StateId, TransitionId};
 use foliate_components::leaf::{Leaf, LeafIndex, Parameter};
 use foliate_components::path::Attachment;
@@ -70,8 +71,8 @@ type Compiled = Result<LegProgram, CompileError>;
 pub struct ObjectModel {
     /// Its free-flyer.
     pub root: JointIndex,
-    /// How it may lie, where it has surfaces.
-    pub placement: Option<Placement>,
+    /// What it may rest on; without, it stays where it is.
+    pub resting: Option<Resting>,
 }
 
 /// Why a problem cannot be planned for.
@@ -113,7 +114,7 @@ impl Model {
                 _ => Ok(None),
             })
             .collect::<Result<_, _>>()?;
-        let locked_joints: Vec<JointIndex> = problem.graph.locked.iter().map(|&(joint, _)| joint).collect();
+        let locked_joints = locked_joints(&problem);
         let rule = PairRule {
             ignored: &problem.ignored_pairs,
             margins: &problem.margins,
@@ -329,7 +330,9 @@ impl Model {
         let position = self.graph.state(leaf.state).foliation.iter().position(|&c| c == constraint)?;
         let parameter = leaves.parameter(leaf.parameters[position]);
         let model = &self.objects[object];
-        let lying = model.placement.as_ref()?;
+        let Some(Resting::Surfaces(lying)) = &model.resting else {
+            return Some(Attachment::Rest { object: model.root });
+        };
         let mut X_WJ = vec![Pose::identity(); self.kinematics.bodies()];
         X_WJ[model.root.at()] = parameter.carrier_from_object;
         let touching = foliate_kernels::constraints::placement::contact(lying, &X_WJ);
@@ -425,15 +428,18 @@ fn object_models(problem: &Problem, graph: &ConstraintGraph) -> Result<Vec<Objec
         let root = part
             .root_joint
             .ok_or_else(|| ModelError::Document(format!("object `{}` does not move freely", part.name)))?;
-        let placement = if object.surfaces.is_empty() {
-            None
-        } else {
-            let placement = Placement::new(robot, &object.surfaces, &options.supports, options.placement_margin);
-            Some(placement.map_err(|e| ModelError::Document(format!("object `{}`: {e}", part.name)))?)
-        };
-        Ok(ObjectModel { root, placement })
+        let resting = Resting::of_object(robot, options, object);
+        let resting = resting.map_err(|e| ModelError::Document(format!("object `{}`: {e}", part.name)))?;
+        Ok(ObjectModel { root, resting })
     };
     graph.objects.iter().map(model).collect()
+}
+
+/// Joints that never move: those that the problem locks, and those between equal bounds.
+fn locked_joints(problem: &Problem) -> Vec<JointIndex> {
+    let all = (0..problem.robot.joints.len() as u32).map(JointIndex);
+    let named = |joint: JointIndex| problem.graph.locked.iter().any(|&(locked, _)| locked == joint);
+    all.filter(|&joint| named(joint) || problem.robot.joints[joint.at()].is_immovable()).collect()
 }
 
 fn locked_coordinates(problem: &Problem) -> Vec<(usize, f64)> {

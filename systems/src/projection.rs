@@ -6,7 +6,7 @@
 use crate::constraint_programs::LegProgram;
 use crate::events::StopSignal;
 use crate::membership::parameter_of;
-use crate::model::PlanningModel;
+use crate::model::{ObjectModel, PlanningModel};
 use crate::random::{Purpose, stream};
 use crate::schedule::StepCounter;
 use crate::settings::SearchSettings;
@@ -17,7 +17,6 @@ use foliate_components::graph::{ConstraintId, ConstraintKind, Leg, StateId, Tran
 use foliate_components::leaf::{LeafIndex, Parameter};
 use foliate_components::outcome::Rejection;
 use foliate_components::roadmap::Roadmap;
-use foliate_kernels::constraints::placement;
 use foliate_kernels::kinematics::Carriage;
 use foliate_kernels::projection::{
     ArgumentBlock, LANES, LaneBlock, LaneMask, Outcome, Scratch as NewtonScratch, Settings as NewtonSettings,
@@ -281,11 +280,10 @@ impl Context<'_> {
     fn exact_parameter(&self, constraint: ConstraintId, X_WJ: &[Pose]) -> Parameter {
         let mut found = parameter_of(self.model, constraint, X_WJ);
         if let ConstraintKind::Placement { object } = self.model.graph.constraint(constraint).kind
-            && let Some(lying) = &self.model.objects()[object as usize].placement
-            && let Some((contact, exact)) = placement::hold(lying, &placement::parameter(lying, X_WJ))
+            && let ObjectModel { root, resting: Some(resting) } = &self.model.objects()[object as usize]
+            && let Some(exact) = resting.exact(*root, X_WJ)
         {
-            found.carrier = lying.supports[contact.support].frame.joint;
-            found.carrier_from_object = exact;
+            (found.carrier, found.carrier_from_object) = exact;
         }
         found
     }

@@ -51,7 +51,7 @@ impl Default for SearchSettings {
     fn default() -> Self {
         Self {
             seed: 1,
-            candidates: 64,
+            candidates: 16,
             max_steps: 0,
             max_nodes: 2_000_000,
             selection: Selection::default(),

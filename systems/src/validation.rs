@@ -188,5 +188,11 @@ pub fn certify_whole(
 }
 
 fn certificate_settings(settings: &SearchSettings, all_or_nothing: bool) -> CertificateSettings {
-    CertificateSettings { clearance_guard: settings.clearance_guard, all_or_nothing, ..CertificateSettings::default() }
+    // Motions start at nodes and waypoints that are known to be free: pairs that do not move need not be looked at.
+    CertificateSettings {
+        clearance_guard: settings.clearance_guard,
+        all_or_nothing,
+        start_is_free: true,
+        ..CertificateSettings::default()
+    }
 }

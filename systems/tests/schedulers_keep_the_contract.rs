@@ -8,7 +8,9 @@ use common::{model, search, seeded, stop_within};
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::path::ManipulationPath;
 use foliate_components::problem::{Goal, Problem};
-use foliate_components::sample_problems::{boxes_on_a_table, move_one_box, swap_two_boxes};
+use foliate_components::sample_problems::{
+    boxes_on_a_table, move_one_box, swap_two_boxes, swap_with_crossed_foliations,
+};
 use foliate_systems::events::{EventSink, SearchEvent, StopSignal};
 use foliate_systems::model::PlanningModel;
 use foliate_systems::schedulers::{Scheduler, shipped};
@@ -20,6 +22,7 @@ fn small_problems() -> Vec<Problem> {
         move_one_box().unwrap(),
         swap_two_boxes().unwrap(),
         boxes_on_a_table(&[(0.6, 0.1), (0.7, 0.25)], &[(0.75, -0.1), (0.6, 0.0)]).unwrap(),
+        swap_with_crossed_foliations().unwrap(),
     ]
 }
 

@@ -48,7 +48,9 @@ pub struct PartPlacement {
     pub world_from_root: Pose,
     /// Whether mimic joints follow (true) or are coordinates of their own (false).
     pub mimic_follows: bool,
-    /// Bounds of the root's translation x y z (free-flyer) or x y (planar) as (lower, upper), metres.
+    /// Bounds of the root's first coordinates as (lower, upper): x y z qx qy qz qw (free-flyer) or x y θ (planar), metres
+    /// and radians; those that are left out are unlimited. A root whose bounds are all equal never moves. Bounds on a
+    /// quaternion have no other use.
     pub root_bounds: Vec<(f64, f64)>,
     /// Bounds that replace the model's: joint name without prefix, lower, upper.
     pub joint_bounds: Vec<(String, f64, f64)>,
@@ -100,7 +102,7 @@ impl Robot {
         .map(|motion| {
             let mut lower = vec![f64::NEG_INFINITY; motion.configuration_size()];
             let mut upper = vec![f64::INFINITY; motion.configuration_size()];
-            for (i, &(low, high)) in placement.root_bounds.iter().enumerate().take(lower.len().min(3)) {
+            for (i, &(low, high)) in placement.root_bounds.iter().enumerate().take(lower.len()) {
                 (lower[i], upper[i]) = (low, high);
             }
             self.joints.push(Joint {

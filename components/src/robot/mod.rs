@@ -270,6 +270,14 @@ pub struct DisabledPair {
     pub reason: String,
 }
 
+impl Joint {
+    /// Whether all its coordinates lie between equal bounds, so that it never moves.
+    #[must_use]
+    pub fn is_immovable(&self) -> bool {
+        self.lower.iter().zip(&self.upper).all(|(low, high)| low >= high)
+    }
+}
+
 impl Robot {
     /// The part of that name.
     #[must_use]

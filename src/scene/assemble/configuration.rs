@@ -41,6 +41,10 @@ pub(super) fn locked(keys: &mut Keys<'_>, robot: &Robot) -> Result<Vec<(JointInd
     let has_number = |j: &Joint| matches!(j.source, Source::Coordinates { .. }) && axes(j.motion).is_empty();
     let mut locked = Vec::new();
     for (name, item) in item.keys()?.entries() {
+        if is_moving_root(name, robot) {
+            // Its bounds are equal already.
+            continue;
+        }
         let found = robot.joint(name).filter(|j| has_number(&robot.joints[j.at()]));
         let known = robot.joints.iter().filter(|j| has_number(j)).map(|j| j.name.as_str());
         let joint = found.ok_or_else(|| {
@@ -49,6 +53,11 @@ pub(super) fn locked(keys: &mut Keys<'_>, robot: &Robot) -> Result<Vec<(JointInd
         locked.push((joint, item.number()?));
     }
     Ok(locked)
+}
+
+/// Whether a name is that of the root joint of a part that is not fixed.
+fn is_moving_root(name: &str, robot: &Robot) -> bool {
+    robot.joint(name).is_some_and(|joint| robot.parts.iter().any(|p| p.root_joint == Some(joint)))
 }
 
 /// `coordinates`: the names that whole vectors of this scene are written in, as places in a configuration.
@@ -90,6 +99,10 @@ impl Reader<'_> {
             if let Source::Coordinates { q: i, .. } = self.robot.joints[joint.at()].source {
                 (q[i], known[i]) = (value, true);
             }
+        }
+        let space = &self.robot.space;
+        for i in (0..q.len()).filter(|&i| space.is_immovable(i..i + 1)) {
+            (q[i], known[i]) = (space.lower[i], true);
         }
         self.configuration(item, &mut q, &mut known)?;
         self.check_locked(item, &q)?;
@@ -269,7 +282,16 @@ impl Reader<'_> {
                 return Err(item.error(message).hint("a locked joint never moves"));
             }
         }
-        Ok(())
+        let space = &self.robot.space;
+        let moved = |i: &usize| space.is_immovable(*i..*i + 1) && (q[*i] - space.lower[*i]).abs() > 1e-9;
+        match (0..q.len()).find(moved) {
+            Some(i) => {
+                let (name, value) = (&coordinate_names(self.robot)[i], q[i]);
+                let message = format!("`{name}` is {value} here, and never moves from {}", space.lower[i]);
+                Err(item.error(message).hint("it is locked, or its bounds are equal"))
+            }
+            None => Ok(()),
+        }
     }
 
     fn is_root(&self, coordinate: usize) -> bool {

@@ -2,7 +2,8 @@
 
 use crate::scene::error::{SceneError, did_you_mean, quoted};
 use crate::scene::keys::{Item, Keys};
-use foliate_components::problem::{GraphOptions, ObjectOptions, Rule};
+use foliate_components::Pose;
+use foliate_components::problem::{GraphOptions, ObjectOptions, RestingPlane, Rule};
 use foliate_components::robot::{
     GripperIndex, HandleIndex, JointIndex, LinkIndex, PartIndex, PartKind, Robot, SurfaceIndex,
 };
@@ -147,7 +148,19 @@ fn object(name: &str, item: &Item<'_>, robot: &Robot, objects: &mut [ObjectOptio
         let all = || object.surfaces.iter().map(|s| (s.0, robot.surfaces[s.at()].name.as_str())).collect();
         object.surfaces = names(&item, |i| own(i, all()).map(SurfaceIndex))?;
     }
+    object.plane = keys.optional("plane").map(|item| plane(&item)).transpose()?;
     keys.finish()
+}
+
+/// `{ pose = …, frame = … }`: the plane in the world, and the frame of the object's root link that lies in it at rest.
+fn plane(item: &Item<'_>) -> Result<RestingPlane, SceneError> {
+    let mut keys = item.keys()?;
+    let plane = RestingPlane {
+        world_from_plane: keys.required("pose")?.pose()?,
+        object_from_frame: keys.optional("frame").map_or(Ok(Pose::identity()), |i| i.pose())?,
+    };
+    keys.finish()?;
+    Ok(plane)
 }
 
 /// `grasps = { "robot/gripper" = ["object/handle", …] }`.

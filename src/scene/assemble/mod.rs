@@ -64,10 +64,11 @@ pub(crate) fn load(name: &str, text: &str, base: SceneBase, packages: &PackagePa
     if items.is_empty() || items.len() > PARTS {
         return Err(part_items.error(format!("{} parts are given, 1 to {PARTS} are read", items.len())));
     }
-    let mut parts = Vec::with_capacity(items.len());
+    let mut parts: Vec<part::LoadedPart<'_>> = Vec::with_capacity(items.len());
     for item in &items {
         parts.push(part::read(item, &mut loader)?);
     }
+    part::lock_roots(&mut keys, &mut parts)?;
     let composed: Vec<_> = parts.iter().map(|p| (&p.model, p.placement.clone())).collect();
     let robot = Robot::compose(&composed).map_err(|error| {
         let at = parts.iter().find(|p| error.to_string().contains(&format!("`{}`", p.placement.name)));

@@ -8,10 +8,12 @@ use crate::scene::source::{ModelFile, OpenError, Opened, open};
 use crate::scene::srdf::{check_mask, check_polygons};
 use crate::scene::{srdf, urdf};
 use foliate_components::Pose;
+use foliate_components::pose::pose_to_array;
 use foliate_components::robot::model::{GripperModel, HandleModel, JointKind, Model, SurfaceModel};
 use foliate_components::robot::{PartKind, PartPlacement, RootJoint};
 use glam::{DQuat, DVec3};
 use std::collections::HashMap;
+use std::f64::consts::PI;
 
 /// A part, ready to be composed.
 pub(crate) struct LoadedPart<'f> {
@@ -135,16 +137,45 @@ fn placement(keys: &mut Keys<'_>, name: &str, kind: PartKind, model: &Model) -> 
 
 fn root_bounds(keys: &mut Keys<'_>, root: RootJoint) -> Result<Vec<(f64, f64)>, SceneError> {
     let Some(item) = keys.optional("root_bounds") else { return Ok(Vec::new()) };
-    let wanted = match root {
+    let (wanted, words) = match root {
         RootJoint::Fixed => return Err(item.error("a fixed root has no bounds")),
-        RootJoint::FreeFlyer => 3,
-        RootJoint::Planar => 2,
+        RootJoint::FreeFlyer => (3..=3, "3"),
+        RootJoint::Planar => (2..=3, "2 or 3"),
     };
     let list = item.list()?;
-    if list.len() != wanted {
-        return Err(item.error(format!("wants {wanted} pairs of lower and upper, got {}", list.len())));
+    if !wanted.contains(&list.len()) {
+        return Err(item.error(format!("wants {words} pairs of lower and upper, got {}", list.len())));
     }
-    list.iter().map(Item::bounds).collect()
+    let bounds: Vec<(f64, f64)> = list.iter().map(Item::bounds).collect::<Result<_, _>>()?;
+    // Motions turn the shorter way, which stays within bounds as long as these span no more than half a turn.
+    match (root, bounds.get(2)) {
+        (RootJoint::Planar, Some((low, high))) if high - low > PI => {
+            let hint = "leave them out where it may turn freely";
+            Err(item.error("the bounds of theta span more than half a turn").hint(hint))
+        }
+        _ => Ok(bounds),
+    }
+}
+
+/// `"part/root_joint" = [x, y, theta]`, or a pose, in `[locked]`: the root's bounds become equal, so that it never moves.
+pub(super) fn lock_roots(keys: &mut Keys<'_>, parts: &mut [LoadedPart<'_>]) -> Result<(), SceneError> {
+    let Some(item) = keys.optional("locked") else { return Ok(()) };
+    for (name, item) in item.keys()?.entries() {
+        let part = name.strip_suffix("/root_joint");
+        let found = parts.iter_mut().find(|p| Some(p.placement.name.as_str()) == part);
+        let Some(placement) = found.map(|p| &mut p.placement) else { continue };
+        let values = match placement.root {
+            RootJoint::Fixed => continue,
+            RootJoint::Planar => item.array::<3>("x y theta")?.to_vec(),
+            RootJoint::FreeFlyer => pose_to_array(&item.pose()?).to_vec(),
+        };
+        let beyond = |(x, (low, high)): (&f64, &(f64, f64))| !(low..=high).contains(&x);
+        if values.iter().zip(&placement.root_bounds).any(beyond) {
+            return Err(item.error(format!("is outside the `root_bounds` of `{}`", placement.name)));
+        }
+        placement.root_bounds = values.into_iter().map(|x| (x, x)).collect();
+    }
+    Ok(())
 }
 
 fn joint_bounds(keys: &mut Keys<'_>, model: &Model) -> Result<Vec<(String, f64, f64)>, SceneError> {

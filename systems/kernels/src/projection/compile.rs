@@ -141,14 +141,15 @@ impl Compiler<'_> {
         Ok(new)
     }
 
-    /// A coordinate between equal bounds is no variable.
+    /// A joint between equal bounds is no variable.
     fn lock_immovable(&mut self) {
         for (index, joint) in self.robot.joints.iter().enumerate() {
             let Source::Coordinates { q, .. } = joint.source else { continue };
-            let (low, high) = (self.robot.space.lower[q], self.robot.space.upper[q]);
-            if joint.motion.configuration_size() == 1 && low >= high && !self.is_locked[index] {
+            if joint.is_immovable() && !self.is_locked[index] {
                 self.is_locked[index] = true;
-                self.locked.push(LockedCoordinate { coordinate: q, value: LockedValue::Fixed(low) });
+                let stands =
+                    |(i, &low): (usize, &f64)| LockedCoordinate { coordinate: q + i, value: LockedValue::Fixed(low) };
+                self.locked.extend(joint.lower.iter().enumerate().map(stands));
             }
         }
     }

@@ -1,0 +1,116 @@
+//! How an object rests while nobody holds it: polygons on polygons (P0 §II-C.1), or a frame on a plane.
+
+use foliate_components::Pose;
+use foliate_components::constraint::{Constraint, Frame, Placement, Reference, RelativePose, Row};
+use foliate_components::pose::{exp_so3, log_so3};
+use foliate_components::problem::{GraphOptions, ObjectOptions};
+use foliate_components::robot::{JointIndex, Robot};
+use foliate_kernels::constraints::{placement, placement_of, relative_pose};
+use glam::DVec3;
+
+/// What an object may rest on.
+#[derive(Clone, Debug)]
+pub enum Resting {
+    /// Its surfaces on supports.
+    Surfaces(Placement),
+    /// A frame of it on a plane: rows z, rx, ry are zero; x, y, rz are the leaf's.
+    Plane {
+        /// The plane in the world.
+        plane: Frame,
+        /// The object's frame.
+        frame: Frame,
+    },
+}
+
+impl Resting {
+    /// Reads an object's documents; `None` where it has neither surfaces nor a plane.
+    ///
+    /// # Errors
+    /// Surfaces that make no placement.
+    pub fn of_object(robot: &Robot, options: &GraphOptions, object: &ObjectOptions) -> Result<Option<Self>, String> {
+        if let Some(plane) = &object.plane {
+            let root = robot.parts[object.part.at()].root_link;
+            let frame = Frame::on_link(robot, root, &plane.object_from_frame);
+            return Ok(Some(Self::Plane { plane: Frame::world(plane.world_from_plane), frame }));
+        }
+        if object.surfaces.is_empty() {
+            return Ok(None);
+        }
+        let placement = Placement::new(robot, &object.surfaces, &options.supports, options.placement_margin);
+        placement.map(|p| Some(Self::Surfaces(p))).map_err(|e| e.to_string())
+    }
+
+    /// The constraint to rest, or to be lifted by `lift` metres along the support's normal.
+    #[must_use]
+    pub fn constraint(&self, lift: f64) -> Constraint {
+        match self {
+            Self::Surfaces(placement) => Constraint::Placement(placement.lifted(lift)),
+            Self::Plane { plane, frame } => Constraint::RelativePose(on_plane(plane, frame, lift)),
+        }
+    }
+
+    /// The largest row of the constraint's error where the bodies are, metres and radians.
+    #[must_use]
+    pub fn residual(&self, lift: f64, X_WJ: &[Pose]) -> f64 {
+        match self {
+            Self::Surfaces(placement) => {
+                let lifted = placement.lifted(lift);
+                let value = placement::value(&lifted, placement::contact(&lifted, X_WJ), X_WJ);
+                value.iter().map(|v| v.abs()).fold(0.0, f64::max)
+            }
+            Self::Plane { plane, frame } => relative_pose_residual(&on_plane(plane, frame, lift), X_WJ),
+        }
+    }
+
+    /// Where exactly the object rests, given poses at which it does to within a projection's tolerance: its carrier, and
+    /// its root's pose there.
+    #[must_use]
+    pub fn exact(&self, root: JointIndex, X_WJ: &[Pose]) -> Option<(Option<JointIndex>, Pose)> {
+        match self {
+            Self::Surfaces(lying) => {
+                let (contact, X_CO) = placement::hold(lying, &placement::parameter(lying, X_WJ))?;
+                Some((lying.supports[contact.support].frame.joint, X_CO))
+            }
+            Self::Plane { plane, frame } => {
+                let X_WP = plane.joint_from_frame;
+                let X_PF = X_WP.inverse() * X_WJ[root.at()] * frame.joint_from_frame;
+                let yaw = log_so3(X_PF.rotation).z;
+                let flat = DVec3::new(X_PF.translation.x, X_PF.translation.y, 0.0);
+                let X_PF = Pose::from_parts(flat, exp_so3(DVec3::Z * yaw));
+                Some((None, X_WP * X_PF * frame.joint_from_frame.inverse()))
+            }
+        }
+    }
+
+    /// The unit normal, pointing out, of what carries the object where the bodies are.
+    #[must_use]
+    pub fn normal(&self, X_WJ: &[Pose]) -> DVec3 {
+        match self {
+            Self::Surfaces(lying) => {
+                let contact = placement::contact(lying, X_WJ);
+                // A support's x points into it.
+                -(lying.supports[contact.support].frame.joint_from_frame.rotation * DVec3::X)
+            }
+            Self::Plane { plane, .. } => plane.joint_from_frame.rotation * DVec3::Z,
+        }
+    }
+}
+
+fn on_plane(plane: &Frame, frame: &Frame, lift: f64) -> RelativePose {
+    let zero = Some(Row::Zero);
+    RelativePose {
+        a: plane.then(&Pose::from_translation(DVec3::Z * lift)),
+        b: *frame,
+        rows: [None, None, zero, zero, zero, None],
+        reference: Reference::Identity,
+    }
+}
+
+/// The largest held row of a relative pose's error, metres and radians.
+#[must_use]
+pub fn relative_pose_residual(constraint: &RelativePose, X_WJ: &[Pose]) -> f64 {
+    let (a, b) = (placement_of(&constraint.a), placement_of(&constraint.b));
+    let value = relative_pose::value(&a, &b, &Pose::identity(), X_WJ);
+    let held = value.iter().zip(&constraint.rows).filter(|(_, row)| row.is_some());
+    held.map(|(v, _)| v.abs()).fold(0.0, f64::max)
+}
