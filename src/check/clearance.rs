@@ -233,3 +233,67 @@ impl March<'_, '_> {
         At { knot: next - 1, fraction: ((moved - low) / (high - low)).clamp(0.0, 1.0) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Planner;
+    use crate::check::{attachments, documents};
+    use crate::path_file::{PathContext, PathFile, save, write_path};
+    use crate::scene::{PackagePath, load_scene};
+    use std::path::Path;
+
+    /// A planned path of the embedded scene, with the models beside it.
+    fn planned(folder: &Path) -> PathFile {
+        let scene = load_scene("demo", &PackagePath::only(&[])).unwrap();
+        let planner = Planner::new(scene.problem.clone()).unwrap();
+        let models = save::model_names(&scene, &folder.join("demo.json")).unwrap();
+        let model = planner.model();
+        let context = PathContext {
+            problem: &model.problem,
+            graph: &model.graph,
+            models: &models,
+            seed: 1,
+            scheduler: "mrrt",
+            simd: crate::SIMD_LEVEL,
+        };
+        write_path(&context, &planner.solve().path.unwrap())
+    }
+
+    #[test]
+    fn no_two_solids_approach_faster_than_the_bound() {
+        let folder = std::env::temp_dir().join(format!("foliate-approach-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let file = planned(&folder);
+        let world = World::load(&file, &folder, &PackagePath::only(&[])).unwrap();
+        std::fs::remove_dir_all(&folder).unwrap();
+        let frames = documents::Frames::new(&file, &world).unwrap();
+        let attachments = attachments::resolve(&file, &world, &frames).unwrap();
+        let pairs = Pairs::list(&file, &world, &mut CheckReport::default()).unwrap();
+        let tester = Clearance::new(&world, &pairs);
+        let mut tightest = 0.0_f64;
+        for (index, segment) in file.segments.iter().enumerate() {
+            let motion = SegmentMotion::new(&world, segment, index, &attachments[index]).unwrap();
+            let reach = Reach::new(&motion);
+            for (pair, &(a, b)) in pairs.list.iter().enumerate() {
+                let end = |shape: usize| (tester.shapes[shape].body(), tester.shapes[shape].reach());
+                let movement = reach.movement(&reach.levers(end(a), end(b)), motion.knots.len());
+                let distance = |at: At| {
+                    let (a, b) = tester.placed(&motion, pair, at);
+                    exact(a, b).value.max(0.0)
+                };
+                for knot in 0..motion.last() {
+                    let places = [0.0, 0.21, 0.5, 0.83, 1.0].map(|fraction| At { knot, fraction });
+                    for step in places.windows(2) {
+                        let share = step[1].fraction - step[0].fraction;
+                        let bound = (movement[knot + 1] - movement[knot]) * share;
+                        let change = (distance(step[1]) - distance(step[0])).abs();
+                        assert!(change <= bound + 3e-9, "{} in segment {index}: {change} {bound}", tester.name(pair));
+                        tightest = tightest.max(change / bound.max(1e-3));
+                    }
+                }
+            }
+        }
+        assert!(tightest > 0.3, "the bound should not be this loose: {tightest}");
+    }
+}

@@ -40,7 +40,7 @@ pub struct CheckOptions {
 
 impl Default for CheckOptions {
     fn default() -> Self {
-        Self { work_limit: 200_000_000 }
+        Self { work_limit: 50_000_000 }
     }
 }
 

@@ -123,6 +123,6 @@ mod tests {
         assert_eq!(json_path(text, 1, 10), "a[1]");
         assert_eq!(json_path(text, 1, 27), "a[1][\"b c\"]");
         assert_eq!(json_path("", 1, 0), "the file");
-        assert_eq!(json_path("{\"ä", 9, 9), "the file");
+        assert_eq!(json_path("{\"ä", 9, 9), "[\"ä\"]");
     }
 }

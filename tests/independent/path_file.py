@@ -318,7 +318,7 @@ def _read_segment(index: int, node: _Node, width: int) -> Segment:
         index=index,
         transition=_optional_text(node.get("transition", "")),
         state=_optional_text(node.get("state", "")),
-        attachments=[_read_attachment(item) for item in node.get("attachments", []).items()],
+        attachments=[_read_attachment(item) for item in node.get("attachments", []).items() if not _only_rests(item)],
         constraints=[_read_constraint(item) for item in node.get("constraints", []).items()],
         knots=np.array(knots),
         times=None if times.value is None else times.numbers(len(knots)),
@@ -327,6 +327,11 @@ def _read_segment(index: int, node: _Node, width: int) -> Segment:
 
 def _optional_text(node: _Node) -> str:
     return "" if node.value is None else str(node.value)
+
+
+def _only_rests(node: _Node) -> bool:
+    """Whether an attachment names nothing but its object, which then stays where it is."""
+    return not any(key in node.expect(dict, "an object") for key in ("gripper", "handle", "surface", "support"))
 
 
 def _read_attachment(node: _Node) -> Attachment:
