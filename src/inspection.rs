@@ -36,8 +36,10 @@ pub fn always_colliding(robot: &Robot) -> Option<Vec<(String, String)>> {
         }
         robot.space.random(&mut stream(0, Purpose::Sample, 0, sample), &mut q);
         kinematics.forward(&q, &mut X_WJ);
-        let touches =
-            |pair: &PairId| !(pair_clearance(&scene, *pair, &X_WJ, Ask::exact(0.0), &mut DVec3::ZERO.clone()) > 0.0);
+        let touches = |pair: &PairId| {
+            let clearance = pair_clearance(&scene, *pair, &X_WJ, Ask::exact(0.0), &mut DVec3::ZERO.clone());
+            clearance <= 0.0 || clearance.is_nan()
+        };
         suspects.retain(touches);
     }
     let name = |shape: foliate_components::robot::ShapeIndex| robot.shapes[shape.at()].name.clone();

@@ -4,6 +4,8 @@
 //! One path per scene is re-checked at a step at which no body point moves more than half a millimetre, more paths with
 //! steps chosen by coal's distances. All of it through the program, as a user would.
 
+#![allow(clippy::expect_used, reason = "a test that cannot go on says so")]
+
 mod common;
 
 use std::path::{Path, PathBuf};

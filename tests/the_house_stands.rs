@@ -1,5 +1,7 @@
 //! The layout is a promise too: layers, and what is absent from them (ARCHITECTURE.md).
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on says so")]
+
 use std::path::{Path, PathBuf};
 use std::process::Command;
 

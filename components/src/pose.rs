@@ -52,7 +52,7 @@ pub fn exp_so3(v: DVec3) -> DQuat {
 
 /// J such that d log(R)/dt = J·ω, where ω is the angular velocity of R in the *fixed* (left) frame.
 ///
-/// This is the inverse left Jacobian of SO(3): 1 − ½[v] + (1/θ² − (1 + cos θ)/(2θ sin θ))[v]², v = log R, θ = |v|.
+/// This is the inverse left Jacobian of SO(3): 1 − ½V + (1/θ² − (1 + cos θ)/(2θ sin θ))V², v = log R, θ = |v|, V = skew(v).
 /// For ω in the moving (right) frame use its transpose.
 #[must_use]
 pub fn log_so3_jacobian(v: DVec3) -> DMat3 {

@@ -33,7 +33,7 @@ dense_id! {
     EdgeId
 }
 dense_id! {
-    /// The first of an edge's motions in [`Roadmap::motions`].
+    /// The first of an edge's motions ([`Roadmap::motions_of`]).
     MotionId
 }
 dense_id! {

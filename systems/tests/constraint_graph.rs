@@ -1,6 +1,8 @@
 //! The constraint graph of P1 Algorithm 1: which states and transitions there are, how they are called, where crossed
 //! transitions stand, what restricts them, and that one built by hand serves as well.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on says so")]
+
 mod common;
 
 use common::{search, seeded};

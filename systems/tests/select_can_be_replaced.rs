@@ -1,6 +1,8 @@
 //! Promise 5: every part can be replaced. Our Select is taken out of the shipped schedule and another is put in, with
 //! public items only: queries, resources, and the fields of `Candidate`.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on says so")]
+
 mod common;
 
 use bevy_ecs::prelude::*;

@@ -3,6 +3,8 @@
 //! The fingerprint covers the containers in their order (nodes, edges, leaves, knots), not only their numbers: order is
 //! where scheduling would leak. A budget of steps makes unsolved searches comparable too.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on says so")]
+
 mod common;
 
 use common::{model, search, seeded};

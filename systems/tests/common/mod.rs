@@ -1,5 +1,6 @@
 //! Searches that the tests share.
 #![allow(dead_code, reason = "every test file uses some of it")]
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on says so")]
 
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::problem::Problem;
