@@ -94,7 +94,7 @@ pub(super) struct Relative<'r> {
 /// followed by nearness, radians and metres.
 const LONGEST: f64 = 0.5;
 /// An interval whose bound adds less than this share of the tolerance is not halved further.
-const FINEST: f64 = 1e-3;
+const FINEST: f64 = 1e-6;
 
 /// Proves a relation over the whole segment, or reports where it does not hold.
 pub(super) fn prove(
