@@ -13,8 +13,10 @@ use std::process::{Command, Output};
 
 const BAXTER: [&str; 5] = ["baxter-case1", "baxter-case2", "baxter-case3", "baxter-case4", "baxter-manipulation-boxes"];
 
-/// Scenes of the papers' family on other robots: planar roots, unlimited joints, axial grasps, a plane to stand on.
-const OTHERS: [&str; 4] = ["ur3-spheres", "hpp-tutorial-3", "pr2-manipulation-kitchen", "pr2-in-iai-kitchen"];
+/// Scenes of the papers' family on other robots: planar roots, unlimited joints, axial grasps, a plane to stand on,
+/// a handover.
+const OTHERS: [&str; 5] =
+    ["ur3-spheres", "hpp-tutorial-3", "pr2-manipulation-two-hand", "pr2-manipulation-kitchen", "pr2-in-iai-kitchen"];
 
 /// The demo, and the published scenes where their models are at hand.
 fn scenes(test: &str) -> Vec<&'static str> {
