@@ -37,40 +37,6 @@ pub fn first_collision(
     groups.find_map(|g| first_in_group(scene, X_WJ, &pairs.margins, g, guard, &scratch.balls))
 }
 
-/// As [`first_collision`], for the pairs of `pairs` that keep their relative pose on the leaf.
-///
-/// # Panics
-/// If `X_WJ` is shorter than the number of bodies.
-#[must_use]
-pub fn first_constant_collision(
-    scene: &CollisionScene,
-    X_WJ: &[Pose],
-    pairs: &PairSet,
-    guard: f64,
-    scratch: &mut CollisionScratch,
-) -> Option<Contact> {
-    place_balls(scene, X_WJ, &mut scratch.balls);
-    let mut groups = pairs.constant.iter();
-    groups.find_map(|g| first_in_group(scene, X_WJ, &pairs.margins, g, guard, &scratch.balls))
-}
-
-/// As [`first_collision`], for the pairs of moving ones alone.
-///
-/// # Panics
-/// If `X_WJ` is shorter than the number of bodies.
-#[must_use]
-pub fn first_moving_collision(
-    scene: &CollisionScene,
-    X_WJ: &[Pose],
-    pairs: &PairSet,
-    guard: f64,
-    scratch: &mut CollisionScratch,
-) -> Option<Contact> {
-    place_balls(scene, X_WJ, &mut scratch.balls);
-    let mut groups = pairs.moving.iter();
-    groups.find_map(|g| first_in_group(scene, X_WJ, &pairs.margins, g, guard, &scratch.balls))
-}
-
 fn first_in_group(
     scene: &CollisionScene,
     X_WJ: &[Pose],
