@@ -1,6 +1,7 @@
 //! A manipulation problem (P0 §II-E): the hybrid robot, who may hold what and where things may lie, a start and goals.
 
 use crate::Pose;
+use crate::constraint::Constraint;
 use crate::robot::{DisabledPair, GripperIndex, HandleIndex, JointIndex, LinkIndex, PartIndex, Robot, SurfaceIndex};
 
 /// Everything that defines a problem; how it is searched is not part of it.
@@ -62,6 +63,77 @@ pub struct GraphOptions {
     pub preplacement_distance: f64,
     /// Joints that never move, with their values.
     pub locked: Vec<(JointIndex, f64)>,
+    /// Joints of articulated parts (doors, drawers, lids) that move only while a handle beyond them is held.
+    pub resting_joints: Vec<RestingJoint>,
+    /// Constraints of the problem's own; what follows names them by number. Parameter rows name slot 0.
+    pub constraints: Vec<NamedConstraint>,
+    /// Those of them that hold in every state: feet that stand still, balance.
+    pub everywhere: Vec<u32>,
+    /// States of the problem's own, such as the stances of a walking robot. Every state of the graph is one of them
+    /// together with a map of grasps; without any there is one that demands nothing.
+    pub states: Vec<WrittenState>,
+    /// How the states of the problem's own follow one another.
+    pub transitions: Vec<WrittenTransition>,
+}
+
+/// A joint of one coordinate that nobody moves but who holds a handle beyond it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RestingJoint {
+    /// The joint.
+    pub joint: JointIndex,
+    /// Where it is while no handle beyond it is held.
+    pub rest: JointRest,
+}
+
+/// Where a joint is while nobody holds it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum JointRest {
+    /// Wherever it was left: its value foliates the states in which it rests.
+    Stays,
+    /// At this value, a door that must be shut: radians or metres.
+    At(f64),
+}
+
+/// A constraint with a name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedConstraint {
+    /// For output and errors.
+    pub name: String,
+    /// What it demands.
+    pub constraint: Constraint,
+}
+
+/// A state of the problem's own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WrittenState {
+    /// For output and errors.
+    pub name: String,
+    /// What holds in it besides [`GraphOptions::everywhere`]: numbers of [`GraphOptions::constraints`].
+    pub constraints: Vec<u32>,
+}
+
+/// A way from one of the problem's own states to another (or the same).
+#[derive(Clone, Debug, PartialEq)]
+pub struct WrittenTransition {
+    /// For output and errors.
+    pub name: String,
+    /// Number of the state that is left.
+    pub from: u32,
+    /// Number of the state that is reached.
+    pub to: u32,
+    /// Its legs, in order; without any there is one, in `from`, that ends where all that `to` demands holds.
+    pub legs: Vec<WrittenLeg>,
+}
+
+/// A motion within one of the problem's own states, up to a waypoint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WrittenLeg {
+    /// Number of the state in which it lies.
+    pub within: u32,
+    /// What holds at its end besides what the state demands: numbers of [`GraphOptions::constraints`].
+    pub until: Vec<u32>,
+    /// Whether its end is looked for near its start instead of anywhere.
+    pub short: bool,
 }
 
 /// A movable object's documents.

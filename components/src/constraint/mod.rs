@@ -3,6 +3,9 @@
 //! Right-hand sides are never stored here: a row that depends on one names the *slot* of the argument list in which a
 //! solve finds it. Every argument is a pose (a locked joint's value travels as the x of a translation).
 
+mod centre_of_mass;
+mod custom;
+mod distance;
 mod grasp;
 mod locked;
 mod mask;
@@ -10,6 +13,9 @@ mod placement;
 mod relative_pose;
 mod row;
 
+pub use centre_of_mass::{BodyMass, CentreOfMass, CentreOfMassBetween, Masses, NoMass, PlaneRow};
+pub use custom::{Curvature, Custom, Function, Gradient};
+pub use distance::Distance;
 pub use grasp::Grasp;
 pub use locked::{Locked, LockedValue};
 pub use mask::{Mask, MaskError};
@@ -30,4 +36,54 @@ pub enum Constraint {
     PlacementHold(Placement, usize),
     /// A joint keeps its value.
     Locked(Locked),
+}
+
+impl Constraint {
+    /// Whether some of its rows are parameters: it foliates the states it holds in.
+    #[must_use]
+    pub fn foliates(&self) -> bool {
+        match self {
+            Self::RelativePose(pose) => pose.rows.contains(&Some(Row::Parameter)),
+            Self::Placement(_) => false,
+            Self::PlacementComplement(..) | Self::PlacementHold(..) => true,
+            Self::Locked(locked) => matches!(locked.value, LockedValue::Argument(_)),
+        }
+    }
+
+    /// The same with its parameter rows measured against the argument in `slot`; unchanged where it has none.
+    #[must_use]
+    pub fn at_slot(&self, slot: usize) -> Self {
+        if !self.foliates() {
+            return self.clone();
+        }
+        match self.clone() {
+            Self::RelativePose(pose) => {
+                Self::RelativePose(RelativePose { reference: Reference::Argument(slot), ..pose })
+            }
+            Self::PlacementComplement(placement, _) => Self::PlacementComplement(placement, slot),
+            Self::PlacementHold(placement, _) => Self::PlacementHold(placement, slot),
+            Self::Locked(locked) => Self::Locked(Locked { value: LockedValue::Argument(slot), ..locked }),
+            other @ Self::Placement(_) => other,
+        }
+    }
+
+    /// Only the rows that are no parameters: what holds on every leaf; `None` where nothing is left.
+    #[must_use]
+    pub fn without_parameters(&self) -> Option<Self> {
+        match self {
+            Self::RelativePose(pose) => {
+                let rows = pose.rows.map(|row| row.filter(|&row| row != Row::Parameter));
+                let reference = match pose.reference {
+                    Reference::Argument(_) => Reference::Identity,
+                    kept => kept,
+                };
+                let left = RelativePose { rows, reference, ..*pose };
+                (left.dimension() > 0).then_some(Self::RelativePose(left))
+            }
+            Self::PlacementComplement(..) => None,
+            Self::PlacementHold(placement, _) => Some(Self::Placement(placement.clone())),
+            Self::Locked(locked) => matches!(locked.value, LockedValue::Fixed(_)).then_some(Self::Locked(*locked)),
+            other @ Self::Placement(_) => Some(other.clone()),
+        }
+    }
 }
