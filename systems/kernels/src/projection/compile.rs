@@ -71,7 +71,8 @@ impl ConstraintProgram {
     /// Compiles constraints.
     ///
     /// `carriages` say which objects follow what; `locked` joints keep their values. Then, in order, every constraint that
-    /// wholly determines an object that nothing carries yet eliminates it too, unless the object would carry itself. A
+    /// wholly determines an object that nothing carries yet eliminates it too, unless the object would carry itself;
+    /// constraints between two objects come after those that carry one of them. A
     /// second relation on a carried object (two hands on one box) becomes rows. A constraint and its complement on the same
     /// frames are one constraint.
     ///
@@ -108,11 +109,13 @@ impl ConstraintProgram {
             compiler.known(number, template.carrier)?;
             compiler.carry(number, template)?;
         }
+        let mut waiting = Vec::new();
         for (number, constraint) in merged(constraints) {
             let number = number + carriages.len();
             compiler.check_joints(number, &constraint)?;
-            compiler.add(number, constraint)?;
+            waiting.push((number, constraint));
         }
+        compiler.add_all(waiting)?;
         Ok(compiler.finish())
     }
 }
@@ -230,6 +233,37 @@ impl Compiler<'_> {
             return Err(CompileError::Cycle(self.name(object)));
         }
         Ok(())
+    }
+
+    /// Adds constraints in order, except that a rigid relation of two objects waits until one of them is carried, or
+    /// nothing else is left: of a hand, a box and its lid the box follows the hand and the lid the box, in whatever order
+    /// they are named.
+    fn add_all(&mut self, mut waiting: Vec<(usize, Constraint)>) -> Result<(), CompileError> {
+        while !waiting.is_empty() {
+            let before = waiting.len();
+            let mut later = Vec::new();
+            for (number, constraint) in waiting {
+                if self.floats(&constraint) {
+                    later.push((number, constraint));
+                } else {
+                    self.add(number, constraint)?;
+                }
+            }
+            if later.len() == before {
+                let (number, constraint) = later.remove(0);
+                self.add(number, constraint)?;
+            }
+            waiting = later;
+        }
+        // The order of rows is that of the input.
+        self.remaining.sort_by_key(|(number, _)| *number);
+        Ok(())
+    }
+
+    /// Whether a constraint fixes two objects to each other that nothing carries yet.
+    fn floats(&self, constraint: &Constraint) -> bool {
+        let free = |frame: &Frame| frame.joint.is_some_and(|j| self.is_object(j) && !self.tree.is_carried(j));
+        matches!(constraint, Constraint::RelativePose(pose) if pose.is_rigid() && free(&pose.a) && free(&pose.b))
     }
 
     fn add(&mut self, number: usize, constraint: Constraint) -> Result<(), CompileError> {
