@@ -139,7 +139,7 @@ fn plant_roots(world: &mut World, model: &PlanningModel) -> Result<(), SearchOut
     for goal in &model.problem.goals {
         let found = match goal {
             Goal::Configuration(q) => membership::feasible(model, &settings, q).map(|f| vec![f]),
-            Goal::ObjectPoses(poses) => membership::sample_goals(model, &settings, &start, poses),
+            Goal::Partial(goal) => membership::sample_goals(model, &settings, &start, &goal.poses),
         };
         match found {
             Ok(found) => goals.extend(found),
