@@ -159,7 +159,7 @@ impl Reader<'_> {
         }
         match poses.is_empty() {
             true => Err(item.error("is empty").hint("name at least one object and its pose")),
-            false => Ok(Goal::ObjectPoses(poses)),
+            false => Ok(Goal::object_poses(poses)),
         }
     }
 
