@@ -128,7 +128,7 @@ impl Draw {
 }
 
 /// The z axis of one frame points away from the other's origin by more than 1 m: s = z·(p₂ − p₁) ≥ 1, and its x axis is
-/// level. A function with frames that turn, whose second derivatives are bounded while the frames are within 5 m.
+/// level. A function with frames that turn, whose second derivatives are bounded while the frames are within 10 m.
 #[derive(Debug)]
 pub struct Gaze {
     pub frames: [Frame; 2],
@@ -163,8 +163,8 @@ impl Function for Gaze {
         gradients[3] = Gradient::default();
     }
 
-    /// s″ = z″·d + 2z′·d′ + z·d″ with |d| ≤ 5, |z′| ≤ |ω|, |z″| ≤ |α| + |ω|².
+    /// s″ = z″·d + 2z′·d′ + z·d″ with |d| ≤ 10, |z′| ≤ |ω|, |z″| ≤ |α| + |ω|².
     fn curvature(&self) -> Option<Curvature> {
-        Some(Curvature { lipschitz: 5.0, bend: 5.0 })
+        Some(Curvature { lipschitz: 10.0, bend: 10.0 })
     }
 }
