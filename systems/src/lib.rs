@@ -11,6 +11,7 @@ pub mod commit;
 pub mod conclusion;
 pub mod connection;
 pub mod constraint_programs;
+pub mod demands;
 pub mod events;
 pub mod graph_building;
 pub mod membership;
