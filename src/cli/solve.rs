@@ -54,7 +54,7 @@ pub(crate) struct Tuning {
     #[arg(long, default_value_t = 16, value_name = "B", value_parser = clap::value_parser!(u16).range(1..=4096))]
     pub candidates: u16,
     /// How a node to extend is chosen
-    #[arg(long, value_enum, default_value_t = SelectionRule::LeafFirst, value_name = "RULE")]
+    #[arg(long, value_enum, default_value_t = SelectionRule::Guided, value_name = "RULE")]
     pub selection: SelectionRule,
 }
 
@@ -72,6 +72,8 @@ impl Tuning {
 /// [`Selection`] on the command line.
 #[derive(clap::ValueEnum, Clone, Copy, Debug)]
 pub(crate) enum SelectionRule {
+    /// Half of the candidates towards what other trees have reached, the others as leaf-first
+    Guided,
     /// A tree, one of its leaves, the nearest node on it
     LeafFirst,
     /// A tree, one of its states, the nearest node in it
@@ -83,6 +85,7 @@ pub(crate) enum SelectionRule {
 impl From<SelectionRule> for Selection {
     fn from(rule: SelectionRule) -> Self {
         match rule {
+            SelectionRule::Guided => Self::Guided,
             SelectionRule::LeafFirst => Self::LeafFirst,
             SelectionRule::StateFirst => Self::StateFirst,
             SelectionRule::Nearest => Self::Nearest,

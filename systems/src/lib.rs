@@ -7,6 +7,7 @@
 // Frames stand in names as the field writes them: `X_WG` is the pose of G in W, so that `X_WG * X_GH` reads right.
 #![allow(non_snake_case, reason = "pose names carry their frames")]
 
+pub mod aiming;
 pub mod carriers;
 pub mod commit;
 pub mod conclusion;
@@ -18,6 +19,7 @@ pub mod feedback;
 pub(crate) mod goal_programs;
 pub mod goals;
 pub mod graph_building;
+pub mod grasp_distance;
 pub mod membership;
 pub mod model;
 pub mod path_extraction;

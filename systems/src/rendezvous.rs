@@ -3,7 +3,8 @@
 //! Only the rows that the target's foliation adds to the source's count: the released object's placement, the new grasp's
 //! complement, where a door stays, where a foot stands. Leaves whose shared rows agree with the node's own come first, because reaching one of them lets the
 //! trees meet at once; without any, a leaf of the target state is drawn all the same, which brings the two trees one
-//! parameter closer. Among those, the draw goes by how often each was reached.
+//! parameter closer; and where no other tree is in the target state yet, a leaf of any state that has the added rows. Among
+//! those, the draw goes by how often each was reached. A guided candidate takes the leaf that it aims at.
 
 use crate::model::PlanningModel;
 use crate::random::{Purpose, stream};
@@ -42,6 +43,7 @@ pub fn draw_leaves(
         by_state[leaf.state.at()].push((id, Reached { leaf, visits }));
     }
     by_state.iter_mut().for_each(|list| list.sort_unstable_by_key(|&(id, _)| id));
+    let has_rows = |leaf: &Leaf, rows: &[ConstraintId]| rows.iter().all(|c| foliation(&model, leaf.state).contains(c));
 
     let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive()).collect();
     pool.par_iter_mut().for_each(|candidate| {
@@ -57,7 +59,16 @@ pub fn draw_leaves(
             source: leaves.leaf(roadmap.node(near).leaf),
             tree: roadmap.component_of(near),
         };
-        match draw.leaf(&by_state[transition.to.at()], rng.random()) {
+        if let Some(aim) = candidate.aim.filter(|&aim| has_rows(leaves.leaf(aim), &transition.adds)) {
+            candidate.drawn = Some(aim);
+            return;
+        }
+        let u = rng.random();
+        let drawn = draw.leaf(by_state[transition.to.at()].iter(), u).or_else(|| {
+            let elsewhere = by_state.iter().flatten().filter(|(_, r)| has_rows(r.leaf, &transition.adds));
+            draw.leaf(elsewhere, u)
+        });
+        match drawn {
             Some(leaf) => candidate.drawn = Some(leaf),
             None => candidate.reject(Rejection::NoLeafToAimAt),
         }
@@ -72,10 +83,10 @@ struct Draw<'a> {
 }
 
 impl Draw<'_> {
-    /// Draws by `u` ∈ [0, 1) among the reached leaves of the target state.
-    fn leaf(&self, reached: &[(LeafId, Reached<'_>)], u: f64) -> Option<LeafId> {
+    /// Draws by `u` ∈ [0, 1) among reached leaves.
+    fn leaf<'r>(&self, reached: impl Iterator<Item = &'r (LeafId, Reached<'r>)> + Clone, u: f64) -> Option<LeafId> {
         let weigh = |agreeing: bool| -> Vec<(LeafId, f64)> {
-            let wanted = reached.iter().filter(|(_, r)| !agreeing || self.shared_rows_agree(r.leaf));
+            let wanted = reached.clone().filter(|(_, r)| !agreeing || self.shared_rows_agree(r.leaf));
             wanted.map(|(id, r)| (*id, self.visits_of_others(r.visits))).filter(|&(_, w)| w > 0.0).collect()
         };
         let mut choices = weigh(true);

@@ -1,13 +1,14 @@
 //! Set Select: the node to extend, then a transition by weight (P1 §III-A steps 2-4, P0 Alg. 1 lines 5-6).
 
+use crate::aiming::Aims;
 use crate::model::PlanningModel;
 use crate::random::{Purpose, stream};
 use crate::schedule::StepCounter;
 use crate::settings::{SearchSettings, Selection};
 use bevy_ecs::prelude::{Component, Query, Res, ResMut, Resource};
 use foliate_components::candidate::{Candidate, CandidateArena};
-use foliate_components::graph::{StateId, TransitionId};
-use foliate_components::leaf::LeafId;
+use foliate_components::graph::{StateId, Transition, TransitionId};
+use foliate_components::leaf::{LeafId, LeafIndex};
 use foliate_components::outcome::Rejection;
 use foliate_components::roadmap::{ComponentId, NodeId, Roadmap};
 use rand::RngExt;
@@ -50,6 +51,8 @@ pub fn select_nodes(
     step: Res<'_, StepCounter>,
     roadmap: Res<'_, Roadmap>,
     leaves: Res<'_, ReachedLeaves>,
+    index: Res<'_, LeafIndex>,
+    aims: Res<'_, Aims>,
     arena: Res<'_, CandidateArena>,
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
@@ -71,11 +74,22 @@ pub fn select_nodes(
                     model.nearest(&roadmap, q, nodes, &model.weights)
                 })
             }
-            Selection::LeafFirst => leaf_of(&roadmap, &leaves, tree, &mut rng).and_then(|leaf| {
-                let here = |n: &NodeId| roadmap.component_of(*n) == tree;
-                let nodes = roadmap.nodes_on(leaf).iter().copied().filter(here);
-                model.nearest(&roadmap, q, nodes, &model.robot_weights)
-            }),
+            Selection::LeafFirst => {
+                let leaf = leaf_of(&reached_by(&roadmap, &leaves, tree), &mut rng);
+                leaf.and_then(|leaf| nearest_on(&model, &roadmap, leaf, tree, q))
+            }
+            Selection::Guided => {
+                let reached = reached_by(&roadmap, &leaves, tree);
+                let leaf = if rng.random::<f64>() < settings.guided_probability {
+                    let leaf = aims.leaf(&roadmap, &reached, tree, &mut rng);
+                    candidate.aim =
+                        leaf.and_then(|leaf| aims.aim(&model, &roadmap, &index, &leaves, (leaf, tree), &mut rng));
+                    leaf
+                } else {
+                    leaf_of(&reached, &mut rng)
+                };
+                leaf.and_then(|leaf| nearest_on(&model, &roadmap, leaf, tree, q))
+            }
         };
         match chosen {
             Some(node) => {
@@ -94,6 +108,8 @@ pub fn select_transitions(
     step: Res<'_, StepCounter>,
     roadmap: Res<'_, Roadmap>,
     weights: Res<'_, TransitionWeights>,
+    leaves: Res<'_, LeafIndex>,
+    mut aims: ResMut<'_, Aims>,
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
     for mut candidate in candidates.iter_mut().filter(|c| c.is_alive()) {
@@ -102,15 +118,26 @@ pub fn select_transitions(
             continue;
         };
         let mut rng = stream(settings.seed, Purpose::Select, step.step, candidate.index | 1 << 31);
-        let state = roadmap.node(near).state;
-        let total: f64 = model.graph.leaving(state).map(|(t, _)| weights.0[t.at()]).sum();
-        let mut left = rng.random::<f64>() * total;
-        let drawn = model.graph.leaving(state).find(|(t, _)| {
-            left -= weights.0[t.at()];
+        let row = roadmap.node(near);
+        if let Some(tries) = aims.tries.get_mut(row.leaf.at()) {
+            *tries += 1;
+        }
+        let from = leaves.leaf(row.leaf);
+        let aim = candidate.aim.map(|aim| leaves.leaf(aim));
+        let weigh = |(id, transition): (TransitionId, &Transition)| {
+            let preference = aim.map_or(1.0, |aim| {
+                aims.preference(aims.distance().after(&model.graph, from, transition, aim))
+            });
+            (id, weights.0[id.at()] * preference)
+        };
+        let choices: Vec<_> = model.graph.leaving(row.state).map(weigh).collect();
+        let mut left = rng.random::<f64>() * choices.iter().map(|&(_, w)| w).sum::<f64>();
+        let drawn = choices.iter().find(|&&(_, w)| {
+            left -= w;
             left < 0.0
         });
         match drawn {
-            Some((transition, _)) => candidate.transition = Some(transition),
+            Some(&(transition, _)) => candidate.transition = Some(transition),
             None => candidate.reject(Rejection::NoTransition),
         }
     }
@@ -126,17 +153,28 @@ fn members(roadmap: &Roadmap, tree: ComponentId) -> impl Iterator<Item = Compone
     (0..roadmap.trees() as u32).map(ComponentId).filter(move |&c| roadmap.component(c) == tree)
 }
 
-/// One of the leaves that a tree has reached: a state uniformly, then one of the leaves reached in it. States with few
-/// leaves are often the narrow ones (one leaf holds every solid grasp of an object), so leaves alone would starve them.
-fn leaf_of(roadmap: &Roadmap, leaves: &ReachedLeaves, tree: ComponentId, rng: &mut impl rand::Rng) -> Option<LeafId> {
+/// The leaves that a tree has reached, sorted by state.
+fn reached_by(roadmap: &Roadmap, leaves: &ReachedLeaves, tree: ComponentId) -> Vec<(StateId, LeafId)> {
     let mut reached: Vec<(StateId, LeafId)> = members(roadmap, tree)
         .flat_map(|c| &leaves.by_component[c.at()])
         .filter_map(|&leaf| roadmap.nodes_on(leaf).first().map(|&n| (roadmap.node(n).state, leaf)))
         .collect();
     reached.sort_unstable();
     reached.dedup();
+    reached
+}
+
+/// One of the leaves that a tree has reached: a state uniformly, then one of the leaves reached in it. States with few
+/// leaves are often the narrow ones (one leaf holds every solid grasp of an object), so leaves alone would starve them.
+fn leaf_of(reached: &[(StateId, LeafId)], rng: &mut impl rand::Rng) -> Option<LeafId> {
     let states: Vec<_> = reached.chunk_by(|a, b| a.0 == b.0).collect();
     states.choose(rng)?.choose(rng).map(|&(_, leaf)| leaf)
+}
+
+/// The node of a tree on a leaf that is nearest to q, objects aside.
+fn nearest_on(model: &PlanningModel, roadmap: &Roadmap, leaf: LeafId, tree: ComponentId, q: &[f64]) -> Option<NodeId> {
+    let here = |n: &NodeId| roadmap.component_of(*n) == tree;
+    model.nearest(roadmap, q, roadmap.nodes_on(leaf).iter().copied().filter(here), &model.robot_weights)
 }
 
 fn states_of(roadmap: &Roadmap, leaves: &ReachedLeaves, tree: ComponentId) -> Vec<StateId> {

@@ -5,10 +5,13 @@ use bevy_ecs::prelude::Resource;
 /// How a node to extend is chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Selection {
+    /// As `LeafFirst` for some candidates; the others ([`SearchSettings::guided_probability`]) take a leaf that is few grasps
+    /// from what another tree has reached, and a transition that leads towards it ([`crate::aiming`]).
+    #[default]
+    Guided,
     /// A tree, then one of the states it has reached, one of the leaves in it, and the node of that leaf nearest to q_rand;
     /// all but the node uniformly. Nodes crowd on few leaves and leaves in few states, so this spreads effort over what
     /// matters: who holds what, and where objects are.
-    #[default]
     LeafFirst,
     /// A tree, then one of the states it has reached, then the node of that state nearest to q_rand (HPP's M-RRT).
     StateFirst,
@@ -29,6 +32,8 @@ pub struct SearchSettings {
     pub max_nodes: usize,
     /// How a node to extend is chosen.
     pub selection: Selection,
+    /// Of a guided selection: probability that a candidate is guided.
+    pub guided_probability: f64,
     /// Probability that coordinates on which a waypoint does not depend stay where they are instead of moving to q_rand: an
     /// arm that has nothing to do with a grasp then keeps still.
     pub still_probability: f64,
@@ -63,6 +68,7 @@ impl Default for SearchSettings {
             max_steps: 0,
             max_nodes: 2_000_000,
             selection: Selection::default(),
+            guided_probability: 0.5,
             still_probability: 0.75,
             connect_neighbours: 7,
             projection_tolerance: 1e-6,

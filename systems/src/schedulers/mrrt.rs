@@ -2,7 +2,7 @@
 
 use super::Scheduler;
 use crate::schedule::{SearchSet, empty_schedule};
-use crate::{commit, conclusion, connection, feedback, goals, projection, rendezvous, sampling, selection, steering, validation};
+use crate::{aiming, commit, conclusion, connection, feedback, goals, projection, rendezvous, sampling, selection, steering, validation};
 use bevy_ecs::prelude::{IntoScheduleConfigs, Schedule, World};
 
 /// Random trees from the start and every goal, grown leaf by leaf through regular and crossed transitions.
@@ -18,7 +18,7 @@ impl Scheduler for Mrrt {
         let mut schedule = empty_schedule();
         schedule.add_systems((
             (sampling::reset_candidates, sampling::sample_configurations).chain().in_set(SearchSet::Sample),
-            (selection::gather_weights, selection::select_nodes, selection::select_transitions)
+            (selection::gather_weights, aiming::measure_leaves, selection::select_nodes, selection::select_transitions)
                 .chain()
                 .in_set(SearchSet::Select),
             rendezvous::draw_leaves.in_set(SearchSet::Rendezvous),

@@ -1,0 +1,129 @@
+//! Set Select, the guided half: a leaf that is few grasps from what another tree has reached, and the leaf to aim at.
+
+use crate::grasp_distance::GraspDistance;
+use crate::model::PlanningModel;
+use crate::selection::ReachedLeaves;
+use bevy_ecs::prelude::{Res, ResMut, Resource};
+use foliate_components::graph::StateId;
+use foliate_components::leaf::{LeafId, LeafIndex};
+use foliate_components::roadmap::{ComponentId, Roadmap};
+use rand::{Rng, RngExt};
+
+/// A leaf one change of grasp farther is so many times less likely to be chosen.
+const FOCUS: f64 = 2.0;
+/// A leaf loses half of its weight in so many tries, so that what leads nowhere is left alone.
+const LEAF_PATIENCE: f64 = 8.0;
+/// Likewise a state.
+const STATE_PATIENCE: f64 = 64.0;
+
+/// How far every leaf is from every tree, kept from step to step.
+#[derive(Clone, Debug, Default, Resource)]
+pub struct Aims {
+    distance: GraspDistance,
+    /// By tree: how many of the leaves it has reached are known here.
+    known: Vec<usize>,
+    /// By leaf and tree: changes of grasp to the nearest leaf that the tree has reached.
+    nearest: Vec<Vec<u16>>,
+    /// By leaf: candidates that started there.
+    pub tries: Vec<u32>,
+}
+
+impl Aims {
+    /// The distances.
+    #[must_use]
+    pub fn distance(&self) -> &GraspDistance {
+        &self.distance
+    }
+
+    /// Changes of grasp from a leaf to the nearest leaf of any tree but `tree`.
+    fn to_others(&self, roadmap: &Roadmap, leaf: LeafId, tree: ComponentId) -> u16 {
+        let others = (0u32..).map(ComponentId).zip(&self.nearest[leaf.at()]);
+        others.filter(|&(c, _)| roadmap.component(c) != tree).map(|(_, &d)| d).min().unwrap_or(0)
+    }
+
+    /// Chooses a leaf of a tree, `reached` sorted by state: a state by its nearest leaf, then a leaf in it.
+    pub(crate) fn leaf(
+        &self,
+        roadmap: &Roadmap,
+        reached: &[(StateId, LeafId)],
+        tree: ComponentId,
+        rng: &mut impl Rng,
+    ) -> Option<LeafId> {
+        let far = |leaf: LeafId| f64::from(self.to_others(roadmap, leaf, tree));
+        let tried = |leaf: LeafId| f64::from(self.tries[leaf.at()]);
+        let weigh = |leaves: &[(StateId, LeafId)]| {
+            let near = leaves.iter().map(|&(_, leaf)| far(leaf)).fold(f64::INFINITY, f64::min);
+            let tries: f64 = leaves.iter().map(|&(_, leaf)| tried(leaf)).sum();
+            FOCUS.powf(-near) / (1.0 + tries / STATE_PATIENCE)
+        };
+        let states: Vec<_> = reached.chunk_by(|a, b| a.0 == b.0).map(|leaves| (leaves, weigh(leaves))).collect();
+        let leaves = draw(&states, rng)?;
+        let weigh = |leaf| FOCUS.powf(-far(leaf)) / (1.0 + tried(leaf) / LEAF_PATIENCE);
+        draw(&leaves.iter().map(|&(_, leaf)| (leaf, weigh(leaf))).collect::<Vec<_>>(), rng)
+    }
+
+    /// Chooses what to aim at from `leaf`: among the leaves that other trees have reached, near ones first.
+    pub(crate) fn aim(
+        &self,
+        model: &PlanningModel,
+        roadmap: &Roadmap,
+        leaves: &LeafIndex,
+        reached: &ReachedLeaves,
+        (leaf, tree): (LeafId, ComponentId),
+        rng: &mut impl Rng,
+    ) -> Option<LeafId> {
+        let from = leaves.leaf(leaf);
+        let others = (0u32..).map(ComponentId).zip(&reached.by_component).filter(|&(c, _)| roadmap.component(c) != tree);
+        let weigh = |&to: &LeafId| {
+            let far = self.distance.between(&model.graph, from, leaves.leaf(to));
+            (to, FOCUS.powi(-2 * i32::from(far)))
+        };
+        draw(&others.flat_map(|(_, list)| list).map(weigh).collect::<Vec<_>>(), rng)
+    }
+
+    /// How much likelier a transition gets by what it leads to.
+    pub(crate) fn preference(&self, after: u16) -> f64 {
+        FOCUS.powi(-i32::from(after))
+    }
+}
+
+/// Draws in proportion to the weights.
+fn draw<T: Copy>(choices: &[(T, f64)], rng: &mut impl Rng) -> Option<T> {
+    let mut left = rng.random::<f64>() * choices.iter().map(|&(_, w)| w).sum::<f64>();
+    let drawn = choices.iter().find(|&&(_, w)| {
+        left -= w;
+        left < 0.0
+    });
+    drawn.or(choices.last()).map(|&(choice, _)| choice)
+}
+
+/// Measures the leaves that the last step has reached, each against all others.
+pub fn measure_leaves(
+    model: Res<'_, PlanningModel>,
+    leaves: Res<'_, LeafIndex>,
+    reached: Res<'_, ReachedLeaves>,
+    mut aims: ResMut<'_, Aims>,
+) {
+    let aims = &mut *aims;
+    if aims.distance.states() != model.graph.states.len() {
+        aims.distance = GraspDistance::new(&model.graph);
+    }
+    let trees = reached.by_component.len();
+    aims.known.resize(trees, 0);
+    aims.tries.resize(leaves.leaves().len(), 0);
+    let before = aims.nearest.len();
+    aims.nearest.resize(leaves.leaves().len(), Vec::new());
+    aims.nearest.iter_mut().for_each(|row| row.resize(trees, u16::MAX));
+    for (tree, list) in reached.by_component.iter().enumerate() {
+        let known = std::mem::replace(&mut aims.known[tree], list.len());
+        for (number, &to) in list.iter().enumerate() {
+            // Old leaves against new ones, and new ones against all.
+            let first = if number < known { before } else { 0 };
+            for from in first..aims.nearest.len() {
+                let far = aims.distance.between(&model.graph, &leaves.leaves()[from], leaves.leaf(to));
+                let nearest = &mut aims.nearest[from][tree];
+                *nearest = far.min(*nearest);
+            }
+        }
+    }
+}
