@@ -1,7 +1,7 @@
 //! Compiled constraints: each writes its rows of the Newton problem.
 
 use super::scratch::Decoded;
-use crate::constraints::{RowsOut, locked, placement, relative_pose};
+use crate::constraints::{RowsOut, locked, placement, reference_of, relative_pose};
 use crate::kinematics::{Column, Placement as BodyFrame};
 use foliate_components::Pose;
 use foliate_components::constraint::{LockedValue, Placement, Reference, Rows};
@@ -108,7 +108,7 @@ impl Block {
         let out = RowsOut { values: &mut values[first..end], jacobian, stride };
         match &self.kind {
             Kind::Pose(block) => {
-                let reference = reference(block.reference, arguments);
+                let reference = reference_of(block.reference, arguments);
                 relative_pose::linearise(&block.a, &block.b, &reference, &block.rows, &block.columns, X_WJ, out);
             }
             Kind::Contact(block) => block.linearise(decoded, X_WJ, out),
@@ -134,14 +134,6 @@ impl ContactBlock {
         } else {
             placement::linearise_hold(placement, target, columns, X_WJ, out);
         }
-    }
-}
-
-pub(super) fn reference(reference: Reference, arguments: &[Pose]) -> Pose {
-    match reference {
-        Reference::Identity => Pose::identity(),
-        Reference::Fixed(pose) => pose,
-        Reference::Argument(slot) => arguments[slot],
     }
 }
 

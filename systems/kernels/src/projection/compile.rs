@@ -29,6 +29,8 @@ pub enum CompileError {
     SeveralSupports(usize),
     #[error("constraint {0} is a placement without polygons")]
     EmptyPlacement(usize),
+    #[error("constraint {0} is of a kind that can be checked but not solved yet")]
+    NotSolved(usize),
     #[error("the kinematics were compiled for another robot")]
     OtherRobot,
 }
@@ -116,6 +118,10 @@ impl Compiler<'_> {
                 p.object.iter().chain(&p.supports).try_for_each(|polygon| self.known(number, polygon.frame.joint))
             }
             Constraint::Locked(locked) => self.known(number, Some(locked.joint)),
+            Constraint::CentreOfMass(_)
+            | Constraint::CentreOfMassBetween(_)
+            | Constraint::Distance(_)
+            | Constraint::Custom(_) => Err(CompileError::NotSolved(number)),
         }
     }
 
@@ -289,6 +295,15 @@ impl Compiler<'_> {
                 });
                 Block { source, first: 0, rows: pose.dimension(), kind }
             }
+            Constraint::CentreOfMass(_)
+            | Constraint::CentreOfMassBetween(_)
+            | Constraint::Distance(_)
+            | Constraint::Custom(_) => Block {
+                source,
+                first: 0,
+                rows: 0,
+                kind: Kind::Locked { coordinate: 0, value: LockedValue::Fixed(0.0) },
+            }, // refused before
             Constraint::Placement(placement) => contact(placement, Part::Contact),
             Constraint::PlacementComplement(placement, slot) => contact(placement, Part::Complement(*slot)),
             Constraint::PlacementHold(placement, slot) => contact(placement, Part::Hold(*slot)),
