@@ -203,7 +203,12 @@ fn root_rows(index: JointIndex, joint: &Joint, values: &[Option<f64>]) -> Constr
         (pose, [held[0], held[1], held[2], turned, turned, turned])
     };
     let a = Frame { joint: joint.parent, joint_from_frame: joint.parent_from_joint };
-    Constraint::RelativePose(RelativePose { a, b: Frame::of_joint(index), rows, reference: Reference::Fixed(reference) })
+    Constraint::RelativePose(RelativePose {
+        a,
+        b: Frame::of_joint(index),
+        rows,
+        reference: Reference::Fixed(reference),
+    })
 }
 
 /// What a constraint of the graph demands of a configuration, right-hand sides aside; `None` where nothing.
@@ -250,7 +255,9 @@ impl Staying {
                     if resting.rest != JointRest::Stays {
                         return None;
                     }
-                    let Source::Coordinates { q, .. } = model.problem.robot.joints[joint.at()].source else { return None };
+                    let Source::Coordinates { q, .. } = model.problem.robot.joints[joint.at()].source else {
+                        return None;
+                    };
                     Some(Self::Joint(record.name.clone(), Locked { joint, value: LockedValue::Fixed(start[q]) }))
                 }
                 _ => None,

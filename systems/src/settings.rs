@@ -27,6 +27,9 @@ pub struct SearchSettings {
     pub max_steps: u64,
     /// Roadmap nodes after which the search gives up, a bound on memory.
     pub max_nodes: usize,
+    /// Bytes of the roadmap ([`Roadmap::bytes`](foliate_components::roadmap::Roadmap::bytes)) after which the search gives up:
+    /// motions with implicit rows have many knots, so that nodes alone bound nothing.
+    pub max_bytes: u64,
     /// How a node to extend is chosen.
     pub selection: Selection,
     /// Probability that coordinates on which a waypoint does not depend stay where they are instead of moving to q_rand: an
@@ -62,6 +65,7 @@ impl Default for SearchSettings {
             candidates: 16,
             max_steps: 0,
             max_nodes: 2_000_000,
+            max_bytes: 4 << 30,
             selection: Selection::default(),
             still_probability: 0.75,
             connect_neighbours: 7,
