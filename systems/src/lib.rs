@@ -12,6 +12,7 @@ pub mod commit;
 pub mod conclusion;
 pub mod connection;
 pub mod constraint_programs;
+pub mod demands;
 pub mod events;
 pub mod feedback;
 pub(crate) mod goal_programs;
