@@ -233,3 +233,23 @@ impl SearchOutcome {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rates_start_at_the_prior_and_follow_the_counts() {
+        let mut s = TransitionStatistics::default();
+        assert_eq!(s.success_rate(Prior::default()), 0.5);
+        (s.attempts, s.reached) = (8, 2);
+        for _ in 0..3 {
+            s.count_rejection(Rejection::ProjectionFailed(0), None);
+        }
+        s.count_rejection(Rejection::NoLeafToAimAt, None);
+        s.count_rejection(Rejection::MotionBlocked(1), Some((ShapeIndex(0), ShapeIndex(1))));
+        assert_eq!(s.success_rate(Prior::default()), 3.0 / 10.0);
+        // One never came to projecting; of the other seven four were projected.
+        assert_eq!(s.projection_rate(Prior { successes: 0.0, attempts: 0.0 }), 4.0 / 7.0);
+    }
+}

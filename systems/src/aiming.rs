@@ -73,7 +73,8 @@ impl Aims {
         rng: &mut impl Rng,
     ) -> Option<LeafId> {
         let from = leaves.leaf(leaf);
-        let others = (0u32..).map(ComponentId).zip(&reached.by_component).filter(|&(c, _)| roadmap.component(c) != tree);
+        let others =
+            (0u32..).map(ComponentId).zip(&reached.by_component).filter(|&(c, _)| roadmap.component(c) != tree);
         let weigh = |&to: &LeafId| {
             let far = self.distance.between(&model.graph, from, leaves.leaf(to));
             (to, FOCUS.powi(-2 * i32::from(far)))

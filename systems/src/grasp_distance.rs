@@ -57,9 +57,10 @@ impl GraspDistance {
             distances.situations.push(situations);
         }
         for (number, subject) in distances.subjects.iter_mut().enumerate() {
-            let ends = graph.transitions.iter().map(|t| {
-                (distances.situations[t.from.at()][number], distances.situations[t.to.at()][number])
-            });
+            let ends = graph
+                .transitions
+                .iter()
+                .map(|t| (distances.situations[t.from.at()][number], distances.situations[t.to.at()][number]));
             subject.measure(ends);
         }
         distances

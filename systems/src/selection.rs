@@ -125,9 +125,8 @@ pub fn select_transitions(
         let from = leaves.leaf(row.leaf);
         let aim = candidate.aim.map(|aim| leaves.leaf(aim));
         let weigh = |(id, transition): (TransitionId, &Transition)| {
-            let preference = aim.map_or(1.0, |aim| {
-                aims.preference(aims.distance().after(&model.graph, from, transition, aim))
-            });
+            let preference =
+                aim.map_or(1.0, |aim| aims.preference(aims.distance().after(&model.graph, from, transition, aim)));
             (id, weights.0[id.at()] * preference)
         };
         let choices: Vec<_> = model.graph.leaving(row.state).map(weigh).collect();

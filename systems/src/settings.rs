@@ -30,6 +30,9 @@ pub struct SearchSettings {
     pub max_steps: u64,
     /// Roadmap nodes after which the search gives up, a bound on memory.
     pub max_nodes: usize,
+    /// Bytes of the roadmap ([`Roadmap::bytes`](foliate_components::roadmap::Roadmap::bytes)) after which the search gives up:
+    /// motions with implicit rows have many knots, so that nodes alone bound nothing.
+    pub max_bytes: u64,
     /// How a node to extend is chosen.
     pub selection: Selection,
     /// Of a guided selection: probability that a candidate is guided.
@@ -67,6 +70,7 @@ impl Default for SearchSettings {
             candidates: 16,
             max_steps: 0,
             max_nodes: 2_000_000,
+            max_bytes: 4 << 30,
             selection: Selection::default(),
             guided_probability: 0.5,
             still_probability: 0.75,

@@ -5,6 +5,7 @@
 //! residual between them stays below the path tolerance (DESIGN §5.4).
 
 use crate::constraint_programs::LegProgram;
+use crate::events::StopSignal;
 use crate::model::PlanningModel;
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Query, Res, ResMut};
@@ -28,6 +29,7 @@ pub struct Steered {
 pub fn steer_legs(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
+    stop: Res<'_, StopSignal>,
     leaves: Res<'_, LeafIndex>,
     mut arena: ResMut<'_, CandidateArena>,
     mut candidates: Query<'_, '_, &mut Candidate>,
@@ -36,6 +38,12 @@ pub fn steer_legs(
     pool.sort_unstable_by_key(|c| c.index);
     pool.par_iter_mut().zip(arena.legs.par_iter_mut()).filter(|(c, _)| c.is_alive()).for_each(|(candidate, legs)| {
         for index in 0..legs.len() {
+            // A leg with implicit rows of a humanoid may take long.
+            if stop.is_raised() {
+                candidate.reject(Rejection::Stopped);
+                legs.clear();
+                return;
+            }
             if !steer_leg(&model, &settings, &leaves, &mut legs[index]) {
                 candidate.reject(Rejection::SteeringFailed(legs[index].leg as u8));
                 legs.clear();
