@@ -63,7 +63,7 @@ pub fn move_one_box_with_a_level_hand() -> Result<Problem, ComposeError> {
     // Joints that bring the hand over the table, pointing down: shoulder + elbow + wrist make half a turn.
     for q in [&mut problem.start].into_iter().chain(problem.goals.iter_mut().filter_map(|goal| match goal {
         Goal::Configuration(q) => Some(q),
-        Goal::ObjectPoses(_) => None,
+        _ => None,
     })) {
         q[..7].copy_from_slice(&[0.0, -0.6, 0.0, 1.4, 0.0, FRAC_PI_2 - 0.8, 0.0]);
     }
