@@ -18,7 +18,7 @@ pub enum Rejection {
     OutOfBounds(u8),
     /// A waypoint that the projection found is in collision (number of the leg).
     WaypointBlocked(u8),
-    /// A leg could not be kept on its leaf between the waypoints (number of the leg).
+    /// A leg could not be kept on its leaf up to its waypoint (number of the leg); what comes before may be kept.
     SteeringFailed(u8),
     /// A leg collides, or may collide, before it has moved (number of the leg).
     MotionBlocked(u8),

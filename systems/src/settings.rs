@@ -50,6 +50,9 @@ pub struct SearchSettings {
     pub path_tolerance: f64,
     /// Clearance demanded beyond every margin, metres: room for the rounding of other people's checkers.
     pub clearance_guard: f64,
+    /// How close to the truth the end of a blocked motion's valid prefix has to be, as a share of the motion. What ends well
+    /// in front of an obstacle is quicker to prove and a better place to go on from.
+    pub prefix_resolution: f64,
     /// Residual at which a given start or goal counts as lying in a state, metres and radians.
     pub membership_tolerance: f64,
     /// How many configurations to look for at once where a goal leaves something free.
@@ -79,6 +82,7 @@ impl Default for SearchSettings {
             projection_iterations: 40,
             path_tolerance: 2e-4,
             clearance_guard: 1e-5,
+            prefix_resolution: 0.125,
             membership_tolerance: 1e-4,
             goal_samples: 8,
             goal_tries: 4096,
