@@ -208,7 +208,12 @@ fn root_rows(index: JointIndex, joint: &Joint, values: &[Option<f64>]) -> Constr
         (pose, [held[0], held[1], held[2], turned, turned, turned])
     };
     let a = Frame { joint: joint.parent, joint_from_frame: joint.parent_from_joint };
-    Constraint::RelativePose(RelativePose { a, b: Frame::of_joint(index), rows, reference: Reference::Fixed(reference) })
+    Constraint::RelativePose(RelativePose {
+        a,
+        b: Frame::of_joint(index),
+        rows,
+        reference: Reference::Fixed(reference),
+    })
 }
 
 /// What a constraint of the graph demands of a configuration, right-hand sides aside; `None` where nothing.
@@ -223,7 +228,9 @@ fn rows_of(model: &Model, constraint: ConstraintId) -> Option<Constraint> {
             let lift = model.problem.graph.preplacement_distance;
             Some(model.objects()[object as usize].resting_on(on)?.resting.constraint(lift))
         }
-        ConstraintKind::Given { .. } | ConstraintKind::JointRest { .. } => model.constraint(constraint)?.without_parameters(),
+        ConstraintKind::Given { .. } | ConstraintKind::JointRest { .. } => {
+            model.constraint(constraint)?.without_parameters()
+        }
         ConstraintKind::Rest { .. } => None,
     }
 }
