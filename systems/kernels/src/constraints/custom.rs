@@ -60,6 +60,20 @@ impl FunctionColumns {
         self.own.0.curvature()
     }
 
+    /// Whether all rows are inequalities that stay satisfied while none changes by more than `change`.
+    ///
+    /// # Panics
+    /// If `X_WJ` is too short.
+    #[must_use]
+    pub fn stays_satisfied(&self, X_WJ: &[Pose], change: f64) -> bool {
+        self.rows.iter().all(|&row| row == Row::Inequality) && {
+            let X_WF: Vec<Pose> = self.frames.iter().map(|frame| placement_of(frame).in_world(X_WJ)).collect();
+            let mut values = vec![0.0; self.rows.len()];
+            self.own.0.value(&X_WF, &mut values);
+            values.iter().all(|&value| value >= change)
+        }
+    }
+
     /// Writes the rows and their Jacobian. A satisfied inequality has value and Jacobian zero.
     ///
     /// # Panics

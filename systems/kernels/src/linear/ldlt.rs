@@ -16,8 +16,29 @@ pub fn solve_damped(jacobian: &[f64], rows: usize, damping: f64, gram: &mut [f64
         5 => solve_damped_sized(jacobian, 5, damping, gram, b),
         6 => solve_damped_sized(jacobian, 6, damping, gram, b),
         12 => solve_damped_sized(jacobian, 12, damping, gram, b),
-        _ => solve_damped_sized(jacobian, rows, damping, gram, b),
+        _ => {
+            damped_gram_of_sparse(jacobian, rows, damping, gram);
+            factor(gram, rows) > 0.0 && {
+                solve(gram, rows, b);
+                true
+            }
+        }
     }
+}
+
+/// As [`damped_gram`], and fills the lower triangle alone. With many rows most columns have few numbers that are not zero:
+/// a leg moves its own foot, not the other.
+fn damped_gram_of_sparse(jacobian: &[f64], rows: usize, damping: f64, gram: &mut [f64]) {
+    let gram = &mut gram[..rows * rows];
+    gram.fill(0.0);
+    for column in jacobian.chunks_exact(rows.max(1)) {
+        for (i, &a) in column.iter().enumerate().filter(|&(_, &a)| a != 0.0) {
+            for (b, sum) in column[..=i].iter().zip(&mut gram[i * rows..]) {
+                *sum += a * b;
+            }
+        }
+    }
+    gram.iter_mut().step_by(rows + 1).for_each(|d| *d += damping);
 }
 
 #[inline(always)]

@@ -7,6 +7,7 @@ use super::blocks::{Block, Kind};
 use super::hessian_bound::Link;
 use super::point_rates::{PointRates, Rates};
 use crate::constraints::centre_of_mass::{self, weighted};
+use crate::constraints::custom::FunctionColumns;
 use crate::constraints::placement_of;
 use crate::kinematics::{AttachmentTree, WeightedPoint};
 use foliate_components::Pose;
@@ -31,8 +32,8 @@ pub(super) enum FunctionBound {
         rates: PointRates,
     },
     Function {
+        function: FunctionColumns,
         frames: Vec<PointRates>,
-        curvature: Option<Curvature>,
     },
 }
 
@@ -66,7 +67,7 @@ impl FunctionBound {
             }
             Kind::Custom(function) => Self::Function {
                 frames: function.frames().iter().map(|frame| rates(None, vec![origin(frame, 1.0)])).collect(),
-                curvature: function.curvature(),
+                function: function.clone(),
             },
             Kind::Pose(_) | Kind::Contact(_) | Kind::Locked { .. } => return None,
         })
@@ -78,7 +79,7 @@ impl FunctionBound {
             Self::Balance { balance, rates } => of_balance(balance, &rates.rates(delta, start), start),
             Self::Between(rates) => of_stance(rates.each_ref().map(|rates| rates.rates(delta, start))),
             Self::Distance { distance, rates } => of_distance(distance, &rates.rates(delta, start), start),
-            Self::Function { frames, curvature } => of_function(frames, *curvature, delta, start),
+            Self::Function { function, frames } => of_function(function, frames, delta, start),
         };
         // What is not a number bounds nothing.
         if second >= 0.0 { 0.125 * second } else { f64::INFINITY }
@@ -132,17 +133,21 @@ fn of_distance(distance: &Distance, rates: &Rates, start: &[Pose]) -> f64 {
     if nearest <= 0.0 { f64::INFINITY } else { rates.acceleration + rates.speed * rates.speed / nearest }
 }
 
-fn of_function(frames: &[PointRates], curvature: Option<Curvature>, delta: &[f64], start: &[Pose]) -> f64 {
+fn of_function(function: &FunctionColumns, frames: &[PointRates], delta: &[f64], start: &[Pose]) -> f64 {
     let (mut speed, mut acceleration) = (0.0, 0.0);
     for frame in frames {
         let (point, (turn, turning)) = (frame.rates(delta, start), frame.turning(delta));
         speed += point.speed + turn;
         acceleration += point.acceleration + turning;
     }
-    match curvature {
+    match function.curvature() {
         _ if speed == 0.0 => 0.0,
         Some(Curvature { lipschitz, bend }) if lipschitz >= 0.0 && bend >= 0.0 => {
-            lipschitz * acceleration + bend * speed * speed
+            if function.stays_satisfied(start, lipschitz * speed) {
+                0.0
+            } else {
+                lipschitz * acceleration + bend * speed * speed
+            }
         }
         _ => f64::INFINITY,
     }
