@@ -210,7 +210,12 @@ fn root_rows(index: JointIndex, joint: &Joint, values: &[Option<f64>]) -> Constr
         (pose, [held[0], held[1], held[2], turned, turned, turned])
     };
     let a = Frame { joint: joint.parent, joint_from_frame: joint.parent_from_joint };
-    Constraint::RelativePose(RelativePose { a, b: Frame::of_joint(index), rows, reference: Reference::Fixed(reference) })
+    Constraint::RelativePose(RelativePose {
+        a,
+        b: Frame::of_joint(index),
+        rows,
+        reference: Reference::Fixed(reference),
+    })
 }
 
 /// What a constraint of the graph demands of a configuration, right-hand sides aside; `None` where nothing.
@@ -218,7 +223,9 @@ fn rows_of(model: &Model, constraint: ConstraintId) -> Option<Constraint> {
     match model.graph.constraint(constraint).kind {
         ConstraintKind::Grasp { .. } => Some(Constraint::RelativePose(model.grasp(constraint)?.constraint())),
         ConstraintKind::Pregrasp { .. } => Some(Constraint::RelativePose(model.grasp(constraint)?.pregrasp())),
-        ConstraintKind::Placement { object } => Some(model.objects()[object as usize].resting.as_ref()?.constraint(0.0)),
+        ConstraintKind::Placement { object } => {
+            Some(model.objects()[object as usize].resting.as_ref()?.constraint(0.0))
+        }
         ConstraintKind::Preplacement { object } => {
             let lift = model.problem.graph.preplacement_distance;
             Some(model.objects()[object as usize].resting.as_ref()?.constraint(lift))
