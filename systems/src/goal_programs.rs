@@ -67,7 +67,7 @@ impl GoalProgram {
     }
 
     fn with_idle(model: &Model, program: ConstraintProgram) -> Self {
-        let objects: Vec<_> = model.objects().iter().map(|o| o.root).collect();
+        let objects: Vec<_> = model.objects().iter().filter_map(|o| o.root).collect();
         let mut idle = Vec::new();
         for (index, joint) in (0u32..).map(JointIndex).zip(&model.problem.robot.joints) {
             let Source::Coordinates { q, v } = joint.source else { continue };
@@ -92,9 +92,7 @@ impl Demands {
             let name = model.graph.constraint(constraint).name.clone();
             demands.constraints.extend(rows_of(model, constraint).map(|rows| (name, rows)));
         }
-        let options = &model.problem.graph;
-        let everywhere = options.everywhere.iter().filter_map(|&number| options.constraints.get(number as usize));
-        for named in everywhere.chain(&goal.constraints) {
+        for named in &goal.constraints {
             let rows = named.constraint.without_parameters();
             demands.constraints.extend(rows.map(|rows| (named.name.clone(), rows)));
         }
@@ -210,12 +208,7 @@ fn root_rows(index: JointIndex, joint: &Joint, values: &[Option<f64>]) -> Constr
         (pose, [held[0], held[1], held[2], turned, turned, turned])
     };
     let a = Frame { joint: joint.parent, joint_from_frame: joint.parent_from_joint };
-    Constraint::RelativePose(RelativePose {
-        a,
-        b: Frame::of_joint(index),
-        rows,
-        reference: Reference::Fixed(reference),
-    })
+    Constraint::RelativePose(RelativePose { a, b: Frame::of_joint(index), rows, reference: Reference::Fixed(reference) })
 }
 
 /// What a constraint of the graph demands of a configuration, right-hand sides aside; `None` where nothing.
@@ -223,13 +216,14 @@ fn rows_of(model: &Model, constraint: ConstraintId) -> Option<Constraint> {
     match model.graph.constraint(constraint).kind {
         ConstraintKind::Grasp { .. } => Some(Constraint::RelativePose(model.grasp(constraint)?.constraint())),
         ConstraintKind::Pregrasp { .. } => Some(Constraint::RelativePose(model.grasp(constraint)?.pregrasp())),
-        ConstraintKind::Placement { object } => {
-            Some(model.objects()[object as usize].resting.as_ref()?.constraint(0.0))
+        ConstraintKind::Placement { object, on } => {
+            Some(model.objects()[object as usize].resting_on(on)?.resting.constraint(0.0))
         }
-        ConstraintKind::Preplacement { object } => {
+        ConstraintKind::Preplacement { object, on } => {
             let lift = model.problem.graph.preplacement_distance;
-            Some(model.objects()[object as usize].resting.as_ref()?.constraint(lift))
+            Some(model.objects()[object as usize].resting_on(on)?.resting.constraint(lift))
         }
+        ConstraintKind::Given { .. } | ConstraintKind::JointRest { .. } => model.constraint(constraint)?.without_parameters(),
         ConstraintKind::Rest { .. } => None,
     }
 }
@@ -237,23 +231,24 @@ fn rows_of(model: &Model, constraint: ConstraintId) -> Option<Constraint> {
 /// Objects that stay where they are in a state, if nothing demands otherwise: those that rest and whose poses are not
 /// named. What lies on nothing in particular stays in any case.
 fn staying(model: &Model, goal: &PartialGoal, state: StateId, supported_too: bool) -> Vec<JointIndex> {
-    let state = model.graph.state(state);
+    let carriers = model.carriers(state);
     let stays = |&(index, _): &(usize, &crate::model::ObjectModel)| {
         let part = model.graph.objects[index].part;
-        let carrier = model.carrier_of(state, index).map(|c| model.graph.constraint(c).kind);
+        let carrier = carriers.of[index].map(|c| model.graph.constraint(c).kind);
         let rests = match carrier {
-            Some(ConstraintKind::Placement { .. }) => supported_too,
+            // What lies on something that moves goes with it.
+            Some(ConstraintKind::Placement { on, .. }) => supported_too && on.is_none(),
             Some(ConstraintKind::Rest { .. }) => true,
             _ => false,
         };
         rests && goal.poses.iter().all(|(named, _)| *named != part)
     };
-    model.objects().iter().enumerate().filter(stays).map(|(_, object)| object.root).collect()
+    model.objects().iter().enumerate().filter(stays).filter_map(|(_, object)| object.root).collect()
 }
 
 fn object_root(model: &Model, part: foliate_components::robot::PartIndex) -> Option<JointIndex> {
     let index = model.graph.objects.iter().position(|object| object.part == part)?;
-    Some(model.objects()[index].root)
+    model.objects()[index].root
 }
 
 fn in_state(model: &Model, state: StateId, why: &str) -> String {

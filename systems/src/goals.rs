@@ -342,7 +342,7 @@ fn what_collides(model: &Model, settings: &SearchSettings, q: &[f64], scratch: &
     }
     scratch.X_WJ.resize(model.kinematics.bodies(), Pose::identity());
     model.kinematics.forward(q, &mut scratch.X_WJ);
-    let Some(state) = membership::state_of(model, &scratch.X_WJ, settings.membership_tolerance) else {
+    let Some(state) = membership::state_of(model, q, &scratch.X_WJ, settings.membership_tolerance) else {
         return Try::Refused;
     };
     let collision = scratch.collision.get_or_insert_with(CollisionScratch::new);
