@@ -11,8 +11,8 @@ use foliate_components::constraint::{Constraint, Frame, Reference, RelativePose,
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::pose::pose_from_array;
 use foliate_components::problem::{Goal, GraphOptions, NamedConstraint, ObjectOptions, PartialGoal, Problem};
-use foliate_components::roadmap::Roadmap;
 use foliate_components::robot::{DisabledPair, PartIndex, Robot};
+use foliate_components::roadmap::Roadmap;
 use foliate_components::sample_models::{block, environment, fixed_robot, movable_object, seven_axis_arm, table};
 use foliate_components::sample_problems::{boxes_on_a_table, move_one_box};
 use foliate_systems::conclusion::Roots;
@@ -104,8 +104,12 @@ fn hand_at(problem: &Problem, place: DVec3) -> NamedConstraint {
     let gripper = &problem.robot.grippers[gripper.0 as usize];
     let hand = Frame::on_link(&problem.robot, gripper.link, &gripper.link_from_gripper);
     let rows = [ZERO, ZERO, ZERO, None, None, None];
-    let place =
-        RelativePose { a: Frame::world(Pose::from_translation(place)), b: hand, rows, reference: Reference::Identity };
+    let place = RelativePose {
+        a: Frame::world(Pose::from_translation(place)),
+        b: hand,
+        rows,
+        reference: Reference::Identity,
+    };
     NamedConstraint { name: "hand at the post".into(), constraint: Constraint::RelativePose(place) }
 }
 
@@ -152,8 +156,7 @@ fn an_object_may_be_asked_to_lie_turned_wherever_it_likes() {
 #[test]
 fn some_joints_may_be_all_that_a_goal_asks_for() {
     let mut problem = move_one_box().unwrap();
-    problem.goals =
-        vec![Goal::Partial(PartialGoal { coordinates: vec![(0, 1.1), (3, 0.9)], ..PartialGoal::default() })];
+    problem.goals = vec![Goal::Partial(PartialGoal { coordinates: vec![(0, 1.1), (3, 0.9)], ..PartialGoal::default() })];
     let (outcome, search) = search(&model(problem), &Mrrt, seeded(1), 1);
     assert_eq!(outcome, SearchOutcome::Solved);
     let end = end_of(&search);
@@ -182,12 +185,7 @@ fn a_goal_that_contradicts_every_state_is_told_with_the_constraint_and_never_tri
     let part = problem.robot.part("box0").unwrap();
     let root = problem.robot.parts[part.0 as usize].root_joint.unwrap();
     let rows = [None, None, ZERO, None, None, None];
-    let low = RelativePose {
-        a: Frame::world(Pose::identity()),
-        b: Frame::of_joint(root),
-        rows,
-        reference: Reference::Identity,
-    };
+    let low = RelativePose { a: Frame::world(Pose::identity()), b: Frame::of_joint(root), rows, reference: Reference::Identity };
     let low = NamedConstraint { name: "sunk in the table".into(), constraint: Constraint::RelativePose(low) };
     let Goal::Partial(mut goal) = in_the_air(part, 0.6) else { panic!() };
     goal.constraints.push(low);
