@@ -103,7 +103,7 @@ fn mistakes_are_told_with_line_key_and_a_way_out() {
             "graph.grippers[0]",
             "did you mean `robot/left_hand`?",
         ),
-        ("supports = [\"table/top\"]", "supports = [\"table/tap\"]", "graph.supports[0]", "did you mean `table/top`?"),
+        ("supports = [\"table/top\",", "supports = [\"table/tap\",", "graph.supports[0]", "did you mean `table/top`?"),
         (
             "masks = { top = [1, 1, 1, 0, 1, 1] }",
             "masks = { top = [1, 1, 1, 0, 0, 1] }",
