@@ -24,8 +24,8 @@ fn the_example_loads_as_the_page_says() {
     let scene = load(example()).unwrap_or_else(|e| panic!("{e}"));
     let problem = &scene.problem;
     let robot = &problem.robot;
-    assert_eq!(robot.parts.len(), 4);
-    assert_eq!(robot.space.size(), 18 + 7 + 7);
+    assert_eq!(robot.parts.len(), 5);
+    assert_eq!(robot.space.size(), 18 + 7 + 7 + 1);
     assert_eq!(robot.parts[2].root, RootJoint::FreeFlyer);
     let elbow = robot.joint("robot/left_elbow_pitch").expect("the elbow");
     assert_eq!(robot.joints[elbow.at()].upper, [2.2]);
@@ -45,10 +45,13 @@ fn the_example_loads_as_the_page_says() {
     assert!(problem.ignored_pairs.iter().any(|p| p.reason == "adjacent"));
     assert_eq!(problem.margins.len(), 1);
     assert_eq!(problem.start[0], 0.1);
-    assert_eq!(problem.goals.len(), 3);
+    assert_eq!(problem.goals.len(), 4);
     let Goal::Configuration(whole) = &problem.goals[0] else { panic!("the first goal is whole") };
     assert_eq!((whole[0], whole[19]), (0.1, 0.2));
     assert!(matches!(&problem.goals[1], Goal::Partial(goal) if goal.poses.len() == 2));
+    let Goal::Partial(partial) = &problem.goals[2] else { panic!("the third goal is not whole") };
+    assert_eq!(partial.coordinates, [(0, 0.2), (32, 0.0)]);
+    assert_eq!(partial.constraints[0].name, "upright");
     let sum = scene.warnings.iter().find(|w| w.message.contains("differs")).expect("the sum differs");
     assert_eq!(sum.element, "sha256.demo/box.urdf");
 }
@@ -56,15 +59,20 @@ fn the_example_loads_as_the_page_says() {
 #[test]
 fn every_key_that_is_read_is_in_the_example_and_in_a_table() {
     // The readers refuse every other key; a new one belongs here, in the example and in a table.
-    let keys = "format name description part coordinates ignore margins locked graph start goal sha256 kind urdf srdf root \
+    let keys = "format name description part coordinates ignore margins default_margin constraint locked graph start goal sha256 kind urdf srdf root \
                 pose root_bounds joint_bounds values mimic mesh_up_axis masks mask_complements gripper handle surface link \
                 clearance mask mask_complement approaching_direction points polygons grippers supports objects grasps rules \
                 when allow placement_margin preplacement_distance plane frame pair distance configuration handles surfaces xyz rpy \
-                quaternion";
+                quaternion frame to value parameter at_least at_most length parts polygon margin first second height joint \
+                everywhere state constraints transition from legs within until short resting_joints";
+    let kinds = "\"pose\" \"centre_of_mass\" \"centre_of_mass_between\" \"distance\" \"joint\" \"start\" \"stays\"";
+    let keys = format!("{keys} {kinds}");
     let tables = REFERENCE.rsplit_once("```").expect("the example ends").1;
     for key in keys.split_whitespace() {
         assert!(
-            tables.contains(&format!("`{key}`")) || tables.contains(&format!("{key} =")),
+            tables.contains(&format!("`{key}`"))
+                || tables.contains(&format!("{key} ="))
+                || tables.contains(&format!("= {key}")),
             "`{key}` is not described"
         );
         assert!(example().contains(key), "`{key}` is not in the example");
@@ -95,7 +103,7 @@ fn mistakes_are_told_with_line_key_and_a_way_out() {
             "graph.grippers[0]",
             "did you mean `robot/left_hand`?",
         ),
-        ("supports = [\"table/top\"]", "supports = [\"table/tap\"]", "graph.supports[0]", "did you mean `table/top`?"),
+        ("supports = [\"table/top\",", "supports = [\"table/tap\",", "graph.supports[0]", "did you mean `table/top`?"),
         (
             "masks = { top = [1, 1, 1, 0, 1, 1] }",
             "masks = { top = [1, 1, 1, 0, 0, 1] }",

@@ -18,9 +18,13 @@ const BAXTER: [&str; 5] = ["baxter-case1", "baxter-case2", "baxter-case3", "baxt
 const OTHERS: [&str; 5] =
     ["ur3-spheres", "hpp-tutorial-3", "pr2-manipulation-two-hand", "pr2-manipulation-kitchen", "pr2-in-iai-kitchen"];
 
-/// The demo, and the published scenes where their models are at hand.
+/// Scenes with models of their own.
+const SMALL: [&str; 3] = ["demo", "stack", "drawer"];
+
+/// The small scenes, and the published ones where their models are at hand. Not every shipped scene is listed here: those of
+/// humanoids and of the construction set are held by `shipped_scenes.rs` to load as their records say.
 fn scenes(test: &str) -> Vec<&'static str> {
-    let mut scenes = vec!["demo"];
+    let mut scenes = SMALL.to_vec();
     if common::published_models(test).is_some() {
         scenes.extend(BAXTER);
     }

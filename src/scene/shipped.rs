@@ -35,6 +35,26 @@ const DEMO: Embedded = &[
     ("box.srdf", scene_file!("demo/box.srdf")),
 ];
 
+/// The demo's robot and table, boxes that carry others.
+const STACK: Embedded = &[
+    ("../demo/robot.urdf", scene_file!("demo/robot.urdf")),
+    ("../demo/robot.srdf", scene_file!("demo/robot.srdf")),
+    ("../demo/table.urdf", scene_file!("demo/table.urdf")),
+    ("../demo/table.srdf", scene_file!("demo/table.srdf")),
+    ("../demo/box.urdf", scene_file!("demo/box.urdf")),
+    ("box.srdf", scene_file!("stack/box.srdf")),
+];
+
+/// A gantry, a cabinet, the demo's box.
+const DRAWER: Embedded = &[
+    ("gantry.urdf", scene_file!("drawer/gantry.urdf")),
+    ("gantry.srdf", scene_file!("drawer/gantry.srdf")),
+    ("cabinet.urdf", scene_file!("drawer/cabinet.urdf")),
+    ("cabinet.srdf", scene_file!("drawer/cabinet.srdf")),
+    ("../demo/box.urdf", scene_file!("demo/box.urdf")),
+    ("../demo/box.srdf", scene_file!("demo/box.srdf")),
+];
+
 /// The box of the PR2 scenes: the published package has another one under the name that the records use.
 const TWO_HAND: Embedded = &[
     ("box.urdf", scene_file!("pr2-manipulation-two-hand/box.urdf")),
@@ -58,6 +78,20 @@ const SCENES: &[ShippedScene] = &[
         text: scene_file!("demo/scene.toml"),
         needs_models: false,
         files: DEMO,
+    },
+    ShippedScene {
+        name: "stack",
+        summary: "The same robot stacks three boxes: objects lie on objects",
+        text: scene_file!("stack/scene.toml"),
+        needs_models: false,
+        files: STACK,
+    },
+    ShippedScene {
+        name: "drawer",
+        summary: "A hand on a gantry opens a drawer, takes a box out, puts it on top and shuts the drawer",
+        text: scene_file!("drawer/scene.toml"),
+        needs_models: false,
+        files: DRAWER,
     },
     ShippedScene {
         name: "baxter-case1",
@@ -126,6 +160,48 @@ const SCENES: &[ShippedScene] = &[
         name: "ur3-spheres",
         summary: "A UR3 swaps two spheres on the ground",
         text: scene_file!("ur3-spheres/scene.toml"),
+        needs_models: true,
+        files: &[],
+    },
+    ShippedScene {
+        name: "construction-set",
+        summary: "Two UR3 put a sphere on each end of a cylinder, by magnets, and lay the assembly down",
+        text: scene_file!("construction-set/scene.toml"),
+        needs_models: true,
+        files: &[],
+    },
+    ShippedScene {
+        name: "romeo-placard",
+        summary: "Romeo turns a placard about the vertical by passing it from hand to hand (Table I)",
+        text: scene_file!("romeo-placard/scene.toml"),
+        needs_models: true,
+        files: &[],
+    },
+    ShippedScene {
+        name: "talos-pass-box",
+        summary: "Talos passes a small box from its left to its right hand, standing still",
+        text: scene_file!("talos-pass-box/scene.toml"),
+        needs_models: true,
+        files: &[],
+    },
+    ShippedScene {
+        name: "pyrene-on-the-ground",
+        summary: "Talos moves an arm and slides over the ground with both feet, in balance",
+        text: scene_file!("pyrene-on-the-ground/scene.toml"),
+        needs_models: true,
+        files: &[],
+    },
+    ShippedScene {
+        name: "talos-steps",
+        summary: "Talos walks half a metre in quasi-static steps",
+        text: scene_file!("talos-steps/scene.toml"),
+        needs_models: true,
+        files: &[],
+    },
+    ShippedScene {
+        name: "romeo-fridge-upright",
+        summary: "Romeo takes a cup from the sink into the fridge: it opens the door, and shuts it again",
+        text: scene_file!("romeo-fridge-upright/scene.toml"),
         needs_models: true,
         files: &[],
     },

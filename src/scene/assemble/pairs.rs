@@ -115,7 +115,8 @@ pub(super) fn margins(keys: &mut Keys<'_>, robot: &Robot) -> Result<Vec<Margin>,
     }
     if let Some(item) = keys.optional("default_margin") {
         let distance = item.distance()?;
-        let others = others(&margins, robot);
+        // None at all is what pairs have that no margin names.
+        let others = if distance > 0.0 { others(&margins, robot) } else { Vec::new() };
         if margins.len() + others.len() > PAIRS {
             return Err(item.error(format!("with this there are more than {PAIRS} pairs of links")));
         }
