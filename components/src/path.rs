@@ -46,7 +46,7 @@ pub struct PathConstraint {
 pub enum Attachment {
     /// A gripper holds one of its handles.
     Grasp {
-        /// Root joint of the object.
+        /// Root joint of the object; of a part that is fixed in the world the joint that moves the held link.
         object: JointIndex,
         /// Who holds.
         gripper: GripperIndex,

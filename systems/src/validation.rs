@@ -94,10 +94,12 @@ fn waypoints_are_free(
     scratch: &mut Scratch,
 ) -> bool {
     let size = model.problem.robot.space.size();
+    let Some(transition) = candidate.transition else { return false };
     for leg in legs {
         let q = &leg.knots[leg.knots.len() - size..];
         model.kinematics.forward(q, &mut scratch.X_WJ);
-        let contact = model.first_collision(leg.state, &scratch.X_WJ, settings.clearance_guard, &mut scratch.collision);
+        let (guard, collision) = (settings.clearance_guard, &mut scratch.collision);
+        let contact = model.first_collision_along(transition, &scratch.X_WJ, guard, collision);
         if let Some(contact) = contact {
             candidate.reject(Rejection::WaypointBlocked(leg.leg as u8));
             candidate.blocked_by = Some(model.pair_shapes(contact.pair));
