@@ -1,9 +1,50 @@
 //! The common centre of some masses in a frame: fixed or frozen components, or half-spaces that bound it.
 
-use super::{placement_of, reference_of};
+use super::{RowsOut, is_silent, placement_of, reference_of, silence};
+use crate::kinematics::{AttachmentTree, MomentColumn, PointTree, WeightedPoint};
 use foliate_components::Pose;
 use foliate_components::constraint::{CentreOfMass, Masses, PlaneRow, Row};
-use glam::DVec3;
+use foliate_components::robot::JointIndex;
+use glam::{DMat3, DVec3};
+
+/// How free coordinates move a centre of mass as seen from a body.
+#[derive(Clone, Debug)]
+pub struct MassColumns {
+    pub(crate) tree: PointTree,
+    pub(crate) columns: Vec<MomentColumn>,
+}
+
+impl MassColumns {
+    /// Reads the tree from the body `from` outwards; `variable` gives for a velocity coordinate its column, or `None`
+    /// where it is not free, `moves` whether any coordinate of a joint is free.
+    #[must_use]
+    pub fn new(
+        tree: &AttachmentTree<'_>,
+        from: Option<JointIndex>,
+        masses: &Masses,
+        moves: impl Fn(JointIndex) -> bool,
+        variable: impl Fn(usize) -> Option<usize>,
+    ) -> Self {
+        let points = PointTree::new(tree, from, weighted(masses), moves);
+        Self { columns: points.columns(tree, variable), tree: points }
+    }
+
+    /// How many moments a linearisation works with.
+    #[must_use]
+    pub fn moments(&self) -> usize {
+        self.tree.nodes().len()
+    }
+}
+
+/// The masses as points whose weighted sum is their common centre.
+pub(crate) fn weighted(masses: &Masses) -> impl Iterator<Item = WeightedPoint> + '_ {
+    let total = masses.total();
+    masses.bodies().iter().map(move |heavy| WeightedPoint {
+        body: heavy.body,
+        weight: heavy.mass / total,
+        point: heavy.center,
+    })
+}
 
 /// The common centre of the masses in the world, metres.
 ///
@@ -65,4 +106,36 @@ pub fn parameter(balance: &CentreOfMass, X_WJ: &[Pose]) -> Pose {
         }
     }
     Pose::from_translation(sum)
+}
+
+/// Writes the rows and their Jacobian; `masses` are those of the constraint, seen from its frame's body, and `moments` is
+/// working memory. A satisfied inequality has value and Jacobian zero.
+///
+/// # Panics
+/// If a slice is too short.
+pub fn linearise(
+    balance: &CentreOfMass,
+    reference: &Pose,
+    masses: &MassColumns,
+    X_WJ: &[Pose],
+    moments: &mut [DVec3],
+    out: RowsOut<'_>,
+) {
+    let RowsOut { values, jacobian, stride } = out;
+    let X_WF = placement_of(&balance.frame).in_world(X_WJ);
+    let center = X_WF.inverse_transform_point(masses.tree.moments(X_WJ, moments));
+    for (value, plane) in values.iter_mut().zip(&balance.rows) {
+        *value = row(plane, center, reference.translation);
+    }
+    let R_FW = DMat3::from_quat(X_WF.rotation.conjugate());
+    for column in &masses.columns {
+        let velocity = R_FW * column.velocity(X_WJ, moments);
+        let numbers = &mut jacobian[column.column.variable() * stride..];
+        for ((number, plane), value) in numbers.iter_mut().zip(&balance.rows).zip(values.iter()) {
+            if !is_silent(plane.row, *value) {
+                *number += plane.normal.dot(velocity);
+            }
+        }
+    }
+    silence(values, balance.rows.iter().map(|plane| plane.row));
 }

@@ -36,11 +36,8 @@ pub fn residual(robot: &Robot, constraint: &Constraint, q: &[f64], X_WJ: &[Pose]
             let mut values = [0.0; 4];
             let count = com_between::dimension(balance);
             com_between::value(balance, X_WJ, &mut values[..count]);
-            let equations = count - 2;
-            let row = |(k, &value): (usize, &f64)| {
-                depth(Some(if k < equations { Row::Zero } else { Row::Inequality }), value)
-            };
-            values[..count].iter().enumerate().map(row).fold(0.0, f64::max)
+            let row = |k: usize| depth(Some(com_between::kind(balance, k)), values[k]);
+            (0..count).map(row).fold(0.0, f64::max)
         }
         Constraint::Distance(apart) => depth(Some(apart.row), distance::value(apart, X_WJ)),
         Constraint::Custom(own) => {

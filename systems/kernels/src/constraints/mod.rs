@@ -16,7 +16,7 @@ pub use evaluation::{parameter, residual};
 
 use crate::kinematics::Placement;
 use foliate_components::Pose;
-use foliate_components::constraint::{Frame, Reference};
+use foliate_components::constraint::{Frame, Reference, Row};
 
 /// The frame of a constraint as kinematics names it.
 #[must_use]
@@ -30,6 +30,20 @@ pub(crate) fn reference_of(reference: Reference, arguments: &[Pose]) -> Pose {
         Reference::Identity => Pose::identity(),
         Reference::Fixed(pose) => pose,
         Reference::Argument(slot) => arguments[slot],
+    }
+}
+
+/// Whether a row has nothing to say: a satisfied inequality.
+fn is_silent(row: Row, value: f64) -> bool {
+    row == Row::Inequality && value >= 0.0
+}
+
+/// Zeroes the values of satisfied inequalities.
+fn silence(values: &mut [f64], rows: impl IntoIterator<Item = Row>) {
+    for (value, row) in values.iter_mut().zip(rows) {
+        if is_silent(row, *value) {
+            *value = 0.0;
+        }
     }
 }
 
