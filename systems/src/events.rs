@@ -4,6 +4,7 @@ use bevy_ecs::prelude::Resource;
 use crossbeam_channel::{Receiver, Sender, TrySendError, bounded};
 use foliate_components::graph::TransitionId;
 use foliate_components::outcome::Rejection;
+use crate::feedback::Feedback;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -33,6 +34,8 @@ pub enum SearchEvent {
         /// Why.
         reason: Rejection,
     },
+    /// How the transitions fare, every [`crate::settings::SearchSettings::feedback_interval`] steps and at the end.
+    Feedback(Box<Feedback>),
     /// A goal hangs together with the start.
     Solved {
         /// The step.

@@ -1,17 +1,15 @@
 //! Which state a configuration lies in, on which leaf, and whether it may be a start or a goal.
 
-use crate::model::{Model, ObjectModel, PlanningModel, hanging};
-use crate::random::{Purpose, stream};
+use crate::model::{Model, PlanningModel, hanging};
 use crate::resting::relative_pose_residual;
 use crate::settings::SearchSettings;
 use foliate_components::Pose;
 use foliate_components::constraint::Constraint;
 use foliate_components::graph::{ConstraintId, ConstraintKind, State, StateId};
 use foliate_components::leaf::Parameter;
-use foliate_components::robot::{PartIndex, Robot};
+use foliate_components::robot::Robot;
 use foliate_kernels::collision::CollisionScratch;
 use foliate_kernels::constraints;
-use foliate_kernels::projection::{CarriageTemplate, ConstraintProgram, Scratch, Settings, project};
 
 /// A configuration that may be a root: its state and the values of the state's foliating constraints.
 #[derive(Clone, Debug, PartialEq)]
@@ -147,62 +145,6 @@ fn why_no_state(model: &Model, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> Stri
     }
 }
 
-/// Goal configurations in which the named objects have the given poses: sampled, collision-free, in some state.
-///
-/// Other objects stay where the start has them; robots are drawn at random, and onto grasps in states that hold a named
-/// object. At most [`SearchSettings::goal_samples`] are returned.
-///
-/// # Errors
-/// A sentence, where none was found.
-pub fn sample_goals(
-    model: &PlanningModel,
-    settings: &SearchSettings,
-    start: &Feasible,
-    poses: &[(PartIndex, Pose)],
-) -> Result<Vec<Feasible>, String> {
-    const TRIES: u32 = 512;
-    let mut found = Vec::new();
-    let mut complaint = String::from("no configuration was tried");
-    for attempt in 0..TRIES {
-        let mut q = start.q.clone();
-        let mut rng = stream(settings.seed, Purpose::Goal, 0, attempt);
-        model.problem.robot.space.random(&mut rng, &mut q);
-        model.lock(&mut q);
-        model.place_objects(&start.q, poses, &mut q);
-        let state = StateId(attempt % model.graph.states.len().max(1) as u32);
-        if !grasp_where_it_stands(model, settings, state, &mut q) {
-            continue;
-        }
-        match feasible(model, settings, &q) {
-            Ok(goal) => found.push(goal),
-            Err(why) => complaint = why,
-        }
-        if found.len() >= settings.goal_samples {
-            break;
-        }
-    }
-    if found.is_empty() {
-        return Err(format!("no configuration with these object poses in {TRIES} tries; the last one: {complaint}"));
-    }
-    Ok(found)
-}
-
-/// Moves the robots of `q` so that all grasps of a state hold, with the objects where they are; false where that fails.
-fn grasp_where_it_stands(model: &Model, settings: &SearchSettings, state: StateId, q: &mut [f64]) -> bool {
-    let grasps = model.graph.state(state).manifold.iter().filter_map(|&c| model.grasp(c));
-    let constraints: Vec<_> = grasps.map(|g| Constraint::RelativePose(g.constraint())).collect();
-    let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
-    model.kinematics.forward(q, &mut X_WJ);
-    let standing = |o: &ObjectModel| o.root.map(|root| CarriageTemplate::fixed(root, None, X_WJ[root.at()]));
-    let carriages: Vec<_> = model.objects().iter().filter_map(standing).collect();
-    let (robot, locked) = (&model.problem.robot, &model.problem.graph.locked);
-    let Ok(program) = ConstraintProgram::compile(robot, &model.kinematics, &constraints, &carriages, locked) else {
-        return false;
-    };
-    let solve = Settings { tolerance: settings.projection_tolerance, ..Settings::default() };
-    project(&program, q, &[], &solve, &mut Scratch::default()).is_converged()
-}
-
 fn in_words(clearance: f64) -> String {
     if clearance > 0.0 {
         format!("{:.2} mm apart", clearance * 1e3)
@@ -212,7 +154,7 @@ fn in_words(clearance: f64) -> String {
 }
 
 /// The name of a configuration number, for messages.
-fn coordinate(robot: &Robot, index: usize) -> String {
+pub(crate) fn coordinate(robot: &Robot, index: usize) -> String {
     use foliate_components::robot::Source;
     let owner = robot.joints.iter().find_map(|joint| match joint.source {
         Source::Coordinates { q, .. } if (q..q + joint.motion.configuration_size()).contains(&index) => {

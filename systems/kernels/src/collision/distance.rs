@@ -51,7 +51,8 @@ impl Solid {
 ///
 /// `X_WA` and `X_WB` are the solids' poses in one frame. `hint` remembers a separating direction in that frame from one
 /// call for the pair to the next; start with zero. For two convex solids it is afterwards the unit vector from `b` to `a`
-/// along which they are at least as far apart as the result says. Results depend on the hint only within the tolerances.
+/// along which they are at least as far apart as the result says; with meshes it is one that set some triangles apart.
+/// Results depend on the hint only within the tolerances.
 #[must_use]
 pub fn clearance(a: &Solid, X_WA: &Pose, b: &Solid, X_WB: &Pose, ask: Ask, hint: &mut DVec3) -> f64 {
     // Infinite coordinates would give NaN differences further on: stop both at the gate.
@@ -65,12 +66,23 @@ pub fn clearance(a: &Solid, X_WA: &Pose, b: &Solid, X_WB: &Pose, ask: Ask, hint:
     let found = match (a, b) {
         (Solid::Convex(a), Solid::Convex(b)) => convex_clearance(a, X_WA, b, X_WB, ask, hint),
         (Solid::Mesh(mesh), Solid::Convex(convex)) => {
-            mesh_convex_distance(mesh, convex, &Relative::between(X_WA, X_WB), ask)
+            let mut local = X_WA.rotation.conjugate() * *hint;
+            let found = mesh_convex_distance(mesh, convex, &Relative::between(X_WA, X_WB), ask, &mut local);
+            *hint = X_WA.rotation * local;
+            found
         }
         (Solid::Convex(convex), Solid::Mesh(mesh)) => {
-            mesh_convex_distance(mesh, convex, &Relative::between(X_WB, X_WA), ask)
+            let mut local = X_WB.rotation.conjugate() * -*hint;
+            let found = mesh_convex_distance(mesh, convex, &Relative::between(X_WB, X_WA), ask, &mut local);
+            *hint = -(X_WB.rotation * local);
+            found
         }
-        (Solid::Mesh(a), Solid::Mesh(b)) => mesh_mesh_distance(a, b, &Relative::between(X_WA, X_WB), ask),
+        (Solid::Mesh(a), Solid::Mesh(b)) => {
+            let mut local = X_WA.rotation.conjugate() * *hint;
+            let found = mesh_mesh_distance(a, b, &Relative::between(X_WA, X_WB), ask, &mut local);
+            *hint = X_WA.rotation * local;
+            found
+        }
     };
     if found.is_nan() { f64::NEG_INFINITY } else { found }
 }
