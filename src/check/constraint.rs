@@ -87,7 +87,7 @@ impl Case<'_> {
         let mut frame = self.frames.named(leaf.motion.world, name, || format!("{}.{key}", self.place))?;
         if let Some(row) = within {
             let Some(pose) = pose_from_array(*row) else { return self.refuse(key, "is no pose") };
-            frame.body_from_frame = frame.body_from_frame * pose;
+            frame.body_from_frame *= pose;
         }
         Ok(frame)
     }

@@ -250,3 +250,101 @@ fn centre_of_mass(robot: &Robot, balance: &CentreOfMass, argument: &Pose, entry:
         ..entry
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use foliate_components::constraint::Mask;
+    use foliate_components::pose::{exp_so3, log_so3, pose_from_array};
+    use foliate_components::robot::JointIndex;
+    use foliate_components::sample_problems::boxes_on_a_table;
+    use foliate_kernels::constraints::{placement_of, relative_pose};
+    use foliate_kernels::kinematics::Kinematics;
+    use glam::DVec3;
+
+    /// Numbers in [-1, 1), the same in every run.
+    struct Numbers(u64);
+
+    impl Numbers {
+        fn next(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        }
+
+        fn vector(&mut self) -> DVec3 {
+            DVec3::new(self.next(), self.next(), self.next())
+        }
+
+        fn pose(&mut self) -> Pose {
+            Pose::from_parts(self.vector(), exp_so3(self.vector()))
+        }
+    }
+
+    /// Where a written frame is.
+    fn placed(robot: &Robot, frame: &FrameEntry, bodies: &[Pose]) -> Pose {
+        let (name, within) = frame.parts();
+        let link = robot.link(name).map(|l| &robot.links[l.at()]);
+        let body = link.and_then(|l| l.joint).map_or(Pose::identity(), |j| bodies[j.at()]);
+        let fixed = link.map_or(Pose::identity(), |l| l.joint_from_link);
+        body * fixed * within.and_then(|w| pose_from_array(*w)).unwrap_or_default()
+    }
+
+    /// The rows of an entry as the table says them.
+    fn read(robot: &Robot, entry: &ConstraintEntry, bodies: &[Pose]) -> [Option<f64>; 6] {
+        let place = |frame: &Option<FrameEntry>| placed(robot, frame.as_ref().unwrap(), bodies);
+        let value = pose_from_array(entry.value.unwrap()).unwrap();
+        let off = value.inverse() * (place(&entry.to).inverse() * place(&entry.frame));
+        let turn = log_so3(off.rotation);
+        let rows = [off.translation.to_array(), turn.to_array()].concat();
+        let mask = entry.mask.unwrap();
+        std::array::from_fn(|i| mask[i].then_some(rows[i]))
+    }
+
+    #[test]
+    fn a_written_pose_has_the_rows_of_its_constraint() {
+        let robot = boxes_on_a_table(&[(0.6, 0.2)], &[(0.7, 0.1)]).unwrap().robot;
+        let kinematics = Kinematics::new(&robot);
+        let mut random = Numbers(3);
+        let mut bodies = vec![Pose::identity(); kinematics.bodies()];
+        for case in 0..300 {
+            let q: Vec<f64> = (0..robot.space.size() - 7).map(|_| 2.0 * random.next()).collect();
+            let q: Vec<f64> = q.into_iter().chain(pose_to_array(&random.pose())).collect();
+            kinematics.forward(&q, &mut bodies);
+            let mut frame = || {
+                let joint = ((random.next() + 1.0) / 2.0 * (robot.joints.len() + 1) as f64) as usize;
+                let joint = (joint < robot.joints.len()).then_some(JointIndex(joint as u32));
+                Frame { joint, joint_from_frame: random.pose() }
+            };
+            let (a, b) = (frame(), frame());
+            let turns = case % 2 == 0;
+            let zero = Mask(std::array::from_fn(|i| if i < 3 { random.next() > 0.2 } else { turns }));
+            let free = Mask(std::array::from_fn(|i| i < 3 && random.next() > 0.0));
+            let argument = random.pose();
+            let reference = match case % 3 {
+                0 => Reference::Identity,
+                1 => Reference::Fixed(random.pose()),
+                _ => Reference::Argument(0),
+            };
+            let rows = foliate_components::constraint::rows(zero, free);
+            let constraint = RelativePose { a, b, rows, reference };
+            let wanted =
+                relative_pose::value(&placement_of(&a), &placement_of(&b), &referred(reference, &argument), &bodies);
+            let demand = PathConstraint {
+                name: "given".into(),
+                constraint: Constraint::RelativePose(constraint),
+                argument: Some(argument),
+            };
+            let mut found = [None; 6];
+            for entry in entries(&robot, &demand, 1e-4) {
+                for (all, row) in found.iter_mut().zip(read(&robot, &entry, &bodies)) {
+                    assert!(all.is_none() || row.is_none(), "a row is said twice");
+                    *all = all.or(row);
+                }
+            }
+            for i in 0..6 {
+                assert_eq!(found[i].is_some(), rows[i].is_some());
+                assert!(found[i].is_none_or(|value| (value - wanted[i]).abs() < 1e-9), "{found:?} {wanted:?}");
+            }
+        }
+    }
+}

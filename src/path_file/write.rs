@@ -11,7 +11,7 @@ use foliate_components::graph::ConstraintGraph;
 use foliate_components::path::{Attachment, ManipulationPath, Segment};
 use foliate_components::pose::pose_to_array;
 use foliate_components::problem::Problem;
-use foliate_components::robot::{JointIndex, LinkIndex, Part, PartKind, Robot, RootJoint};
+use foliate_components::robot::{HandleIndex, JointIndex, LinkIndex, Part, PartKind, Robot, RootJoint};
 use std::collections::BTreeMap;
 
 /// What a path file says besides the path: the problem, where its models are, and how it was searched.
@@ -131,8 +131,8 @@ fn documents(robot: &Robot) -> Documents {
 fn attachment_entry(robot: &Robot, attachment: &Attachment) -> Option<AttachmentEntry> {
     let part = |object: JointIndex| robot.parts[robot.joints[object.at()].part.at()].name.clone();
     match *attachment {
-        Attachment::Grasp { object, gripper, handle, carrier } => Some(AttachmentEntry {
-            object: part(object),
+        Attachment::Grasp { gripper, handle, carrier, .. } => Some(AttachmentEntry {
+            object: held(robot, handle),
             gripper: Some(robot.grippers[gripper.at()].name.clone()),
             handle: Some(robot.handles[handle.at()].name.clone()),
             carrier,
@@ -147,6 +147,13 @@ fn attachment_entry(robot: &Robot, attachment: &Attachment) -> Option<Attachment
         }),
         Attachment::Rest { .. } => None,
     }
+}
+
+/// The part that a handle is on, with the link where that is not rigidly the part's root.
+fn held(robot: &Robot, handle: HandleIndex) -> String {
+    let link = &robot.links[robot.handles[handle.at()].link.at()];
+    let part = &robot.parts[link.part.at()];
+    if link.joint == robot.links[part.root_link.at()].joint { part.name.clone() } else { link.name.clone() }
 }
 
 fn row(pose: &Pose) -> PoseRow {

@@ -37,6 +37,8 @@ COAL_ACCURACY = 2e-6
 """coal's distances are trusted to this (m); its GJK stops at 1e-6."""
 MESH_MARGIN = 0.02
 """coal is asked whether meshes are farther apart than this (m) only by their boxes; intervals are halved instead."""
+MEASURING_SLACK = 2e-3
+"""How much farther than the smallest distance so far (m) a pair is asked to be, so as not to be asked at every knot."""
 CHUNK = 256
 """Samples whose poses are computed at once when certifying..."""
 RUN = 64
@@ -132,7 +134,7 @@ class Clearance:
             self._certify(motion, travel, pair_reach, thresholds)
         else:
             self._sample(motion, travel, shape_reach, pair_reach, thresholds, step)
-        self._measure_at_knots(motion)
+        self._measure_at_knots(motion, travel, pair_reach)
 
     def check_written_end(self, motion: SegmentMotion) -> None:
         """The last knot as written (objects where the file puts them, not where carriers take them)."""
@@ -308,29 +310,46 @@ class Clearance:
         self.report.see_distance(motion.segment.index, parameter, name, distance)
         return True
 
-    def _measure_at_knots(self, motion: SegmentMotion, most: int = 500) -> None:
-        """The smallest distance at (at most so many) knots: what a claimed clearance must not exceed."""
+    def _measure_at_knots(self, motion: SegmentMotion, travel, pair_reach, most: int = 500) -> None:
+        """The smallest distance at (at most so many) knots: what a claimed clearance must not exceed. A pair that was
+        seen far apart is asked again only once it may have come near."""
         everything = np.arange(len(self.pairs))
-        for knot in np.unique(np.linspace(0, motion.last, most).astype(int)):
+        knots = np.unique(np.linspace(0, motion.last, most).astype(int))
+        moved = travel[knots] @ pair_reach
+        seen = _Seen(np.full(len(self.pairs), -np.inf), np.zeros(len(self.pairs)))
+        for row, knot in enumerate(knots):
             poses = self._shape_poses(motion.body_poses(np.array([float(knot)])))
             samples = np.zeros(len(everything), dtype=int)
             bounds = self._box_bounds(poses, poses.apply(self.centers), samples, everything)
-            self._measure(motion, float(knot), Placed(poses[0]), bounds)
+            bounds = np.maximum(bounds, seen.at_least - (moved[row] - seen.moved))
+            self._measure(motion, float(knot), Placed(poses[0]), bounds, seen, moved[row])
 
-    def _measure(self, motion: SegmentMotion, parameter: float, placed: "Placed", bounds: np.ndarray) -> None:
+    def _measure(self, motion, parameter: float, placed: "Placed", bounds, seen: "_Seen", moved) -> None:
         for pair in np.argsort(bounds):
             known = self.report.min_distance["value"] if self.report.min_distance else np.inf
             if bounds[pair] >= known:
                 return
             one, other = self._shapes_of(pair)
-            if np.isfinite(known) and self.exact.farther_than(placed, one, other, max(known, 0.0)):
+            seen.moved[pair] = moved[pair]
+            wanted = max(known, 0.0) * 1.5 + MEASURING_SLACK
+            if np.isfinite(known) and self.exact.farther_than(placed, one, other, wanted):
+                seen.at_least[pair] = wanted - COAL_ACCURACY
                 continue
             distance = self.exact.distance(placed, one, other)
+            seen.at_least[pair] = distance - COAL_ACCURACY
             self.report.see_distance(motion.segment.index, parameter, self._pair_name(pair), distance)
 
     def _pair_name(self, pair: int) -> str:
         one, other = self.shapes[self.pairs.first[pair]], self.shapes[self.pairs.second[pair]]
         return f"{one.link} - {other.link}"
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """For each pair a lower bound of its distance, and how far it had moved by then."""
+
+    at_least: np.ndarray
+    moved: np.ndarray
 
 
 class _Clock:

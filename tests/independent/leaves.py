@@ -1,20 +1,17 @@
 """Whether a segment stays on its leaf: carried objects where their carriers take them, grasps and placements as they
-should be and unchanging, further constraints held.
-
-Errors of relative poses are told in R3 x SO3: translation (m) and rotation (rad) apart. Rotations are never measured
-by single rows of a large logarithm: with all three rows fixed by the angle, with one rotation free by the angle
-between the free axis and where it should be.
+should be and unchanging, further constraints held, joints of objects at rest while nobody holds them.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from constraints import constraint_errors, frozen_errors, zero_errors
 from motion import SegmentMotion, attachment_links
 from packages import InputError
-from path_file import Attachment, Constraint, Surface
+from path_file import Attachment, Surface
 from report import Report
-from rigid import Poses, angle_between, log_rotation, rotation_angle
+from rigid import Poses, angle_between, rotation_angle
 from scene import Member
 
 CARRIER_TOLERANCE = 1e-5
@@ -28,6 +25,7 @@ SAMPLES_PER_INTERVAL = (4, 200)
 def check_leaf(motion: SegmentMotion, report: Report) -> None:
     """All checks of one segment against its state."""
     _check_carriers(motion, report)
+    _check_unheld_joints(motion, report)
     segment = motion.segment
     if not segment.attachments and not segment.constraints:
         return
@@ -39,7 +37,8 @@ def check_leaf(motion: SegmentMotion, report: Report) -> None:
         check = _check_grasp if attachment.is_grasp else _check_placement
         check(motion, attachment, parameters, worlds, report)
     for constraint in segment.constraints:
-        _check_constraint(motion, constraint, parameters, worlds, report)
+        tolerance, errors = constraint_errors(motion, constraint, parameters, worlds, report)
+        judge(motion, parameters, "constraint", str(constraint), errors, tolerance, report)
 
 
 def _sample_parameters(motion: SegmentMotion) -> np.ndarray:
@@ -50,7 +49,7 @@ def _sample_parameters(motion: SegmentMotion) -> np.ndarray:
     return np.concatenate(pieces + [[float(motion.last)]])
 
 
-def _judge(motion, parameters, kind: str, subject: str, errors: dict, tolerance: float, report: Report) -> None:
+def judge(motion, parameters, kind: str, subject: str, errors: dict, tolerance: float, report: Report) -> None:
     """Report every error (N,) that exceeds the tolerance, and remember the largest."""
     for what, error in errors.items():
         worst = int(np.argmax(error))
@@ -86,13 +85,43 @@ def _check_carriers(motion: SegmentMotion, report: Report) -> None:
                     report.violate(motion.segment.index, knot, kind, subject, error, tolerance)
 
 
+def _check_unheld_joints(motion: SegmentMotion, report: Report) -> None:
+    """Joints of objects move only while a gripper holds what is beyond them."""
+    tolerance = min(CARRIER_TOLERANCE, motion.scene.path.path_tolerance)
+    for member in motion.scene.members:
+        if member.entry.kind != "object" or not member.part.joints:
+            continue
+        values = member.joint_values(motion.knots)
+        moved = np.abs(values - values[0])
+        held = _bodies_between_root_and_hands(motion, member)
+        for joint in member.part.joints:
+            if joint.index not in held:
+                for knot in np.flatnonzero(moved[:, joint.index] > tolerance):
+                    name = f"{member.name}/{joint.name}"
+                    report.violate(motion.segment.index, knot, "joint-unheld", name, moved[knot, joint.index], tolerance)
+
+
+def _bodies_between_root_and_hands(motion: SegmentMotion, member: Member) -> set[int]:
+    """A part's bodies (its own numbering) with a held handle on them or beyond them."""
+    between = set()
+    for attachment in motion.segment.attachments:
+        if attachment.is_grasp and attachment.handle in motion.scene.path.handles:
+            body = motion.scene.link(motion.scene.path.handles[attachment.handle].link)[0]
+            if motion.scene.member_of_body(body) is member:
+                own = body - member.first_body
+                while own > 0:
+                    between.add(own)
+                    own = member.part.parents[own]
+    return between
+
+
 def _note_idle_carrier(motion: SegmentMotion, attachment: Attachment, report: Report) -> None:
     member = motion.scene.by_name.get(attachment.object.partition("/")[0])
     if attachment.carrier and member and not member.floats:
         report.note(f"{attachment} carries {attachment.object}, which has no free-flying root: checked, not followed")
 
 
-# Grasps and constraints
+# Grasps
 
 
 def _check_grasp(motion: SegmentMotion, attachment: Attachment, parameters, worlds: Poses, report: Report) -> None:
@@ -102,87 +131,9 @@ def _check_grasp(motion: SegmentMotion, attachment: Attachment, parameters, worl
     gripper = motion.frame_poses(worlds, attachment.gripper)
     relative = gripper.inverse() @ motion.frame_poses(worlds, attachment.handle)
     tolerance, subject = motion.scene.path.path_tolerance, str(attachment)
-    _judge(motion, parameters, "grasp", subject, zero_errors(relative, handle.mask), tolerance, report)
+    judge(motion, parameters, "grasp", subject, zero_errors(relative, handle.mask), tolerance, report)
     frozen = frozen_errors(relative, handle.mask, handle.mask_complement)
-    _judge(motion, parameters, "grasp-constancy", subject, frozen, tolerance, report)
-
-
-def zero_errors(relative: Poses, mask: list[bool]) -> dict[str, np.ndarray]:
-    """Distance (N,) of the masked rows from zero."""
-    errors = {}
-    if any(mask[:3]):
-        errors["translation"] = np.linalg.norm(relative.translation[:, mask[:3]], axis=-1)
-    if any(mask[3:]):
-        errors["rotation"] = _rotation_error(relative.rotation, np.eye(3), mask[3:])
-    return errors
-
-
-def frozen_errors(relative: Poses, mask: list[bool], complement: list[bool]) -> dict[str, np.ndarray]:
-    """Change (N,) of the rows of the complement since the first sample."""
-    errors = {}
-    if any(complement[:3]):
-        change = relative.translation - relative.translation[0]
-        errors["translation"] = np.linalg.norm(change[:, complement[:3]], axis=-1)
-    if any(complement[3:]):
-        rows = [fixed or frozen for fixed, frozen in zip(mask[3:], complement[3:])]
-        errors["rotation"] = _rotation_error(relative.rotation, relative.rotation[0], rows)
-    return errors
-
-
-def _rotation_error(rotation: np.ndarray, reference: np.ndarray, rows: list[bool]) -> np.ndarray:
-    """Angle (N,) by which the rows that count differ from the reference."""
-    if all(rows):
-        return rotation_angle(reference.T @ rotation)
-    if sum(rows) == 2:
-        free = rows.index(False)
-        return angle_between(rotation[:, :, free], reference[:, free])
-    row = rows.index(True)
-    return np.abs(log_rotation(reference.T @ rotation)[:, row])
-
-
-def _check_constraint(motion: SegmentMotion, constraint: Constraint, parameters, worlds, report: Report) -> None:
-    subject = f"{constraint.kind} of {constraint.frame} in {constraint.to}"
-    tolerance = motion.scene.path.path_tolerance if constraint.tolerance is None else constraint.tolerance
-    if tolerance > motion.scene.path.path_tolerance:
-        report.note(f"{subject}: its tolerance {tolerance:g} exceeds the path tolerance")
-    mask = _full_mask(constraint)
-    if constraint.kind in ("pose", "position", "orientation", "relative_pose"):
-        to = motion.frame_poses(worlds, constraint.to)
-        relative = to.inverse() @ motion.frame_poses(worlds, constraint.frame)
-    elif constraint.kind in ("centre_of_mass", "center_of_mass"):
-        relative = _centre_of_mass(motion, constraint, parameters, worlds)
-    else:
-        subject = f"{subject}: this checker knows no such kind"
-        report.violate(motion.segment.index, None, "unchecked-constraint", subject)
-        return
-    value = relative[0] if constraint.value is None else Poses.from_array(constraint.value)
-    errors = zero_errors(value.inverse() @ relative, mask)
-    _judge(motion, parameters, "constraint", subject, errors, tolerance, report)
-
-
-def _full_mask(constraint: Constraint) -> list[bool]:
-    """Six rows; a mask of three belongs to the constraint's only kind of rows."""
-    mask = constraint.mask
-    if len(mask) == 6:
-        mask = list(mask)
-        if constraint.kind == "position" or constraint.kind.endswith("of_mass"):
-            mask[3:] = [False] * 3
-        if constraint.kind == "orientation":
-            mask[:3] = [False] * 3
-        return mask
-    return [False] * 3 + list(mask) if constraint.kind == "orientation" else list(mask) + [False] * 3
-
-
-def _centre_of_mass(motion: SegmentMotion, constraint: Constraint, parameters, worlds: Poses) -> Poses:
-    """The part's centre of mass as a frame without rotation in `to`."""
-    name = constraint.frame.partition("/")[0]
-    member = motion.scene.by_name.get(name)
-    if member is None:
-        raise InputError(f"{motion.scene.path.file}: centre of mass of {constraint.frame!r}: there is no part {name!r}")
-    in_root = member.part.centre_of_mass(motion.joint_values(member, parameters))
-    in_world = worlds[:, member.first_body].apply(in_root)
-    centre = motion.frame_poses(worlds, constraint.to).inverse().apply(in_world)
-    return Poses(np.broadcast_to(np.eye(3), (len(centre), 3, 3)), centre)
+    judge(motion, parameters, "grasp-constancy", subject, frozen, tolerance, report)
 
 
 # Placements
@@ -197,9 +148,9 @@ def _check_placement(motion: SegmentMotion, attachment: Attachment, parameters, 
         motion.frame_poses(worlds, support.link).inverse() @ motion.frame_poses(worlds, surface.link)
     )
     errors = placement_errors(support_from_surface, surface, support, path.placement_margin)
-    _judge(motion, parameters, "placement", str(attachment), errors, path.path_tolerance, report)
+    judge(motion, parameters, "placement", str(attachment), errors, path.path_tolerance, report)
     frozen = frozen_errors(support_from_surface, [False] * 6, [True] * 6)
-    _judge(motion, parameters, "placement-constancy", str(attachment), frozen, path.path_tolerance, report)
+    judge(motion, parameters, "placement-constancy", str(attachment), frozen, path.path_tolerance, report)
 
 
 def placement_errors(

@@ -150,6 +150,11 @@ class Part:
                 translation[row, body] = pose.translation
         return Poses(rotation, translation)
 
+    @cached_property
+    def mass(self) -> float:
+        """Kilograms, of all links."""
+        return float(sum(inertia.mass for inertia in self.model.inertias))
+
     def centre_of_mass(self, values: np.ndarray) -> np.ndarray:
         """Centre of mass (N, 3) of the whole part, root link included, in the root link's frame."""
         root, others = self.model.inertias[0], self.model.inertias[1:]

@@ -18,6 +18,7 @@ FORMAT = "foliate.path/1"
 KINDS = ("robot", "object", "environment")
 ROOTS = ("fixed", "freeflyer", "planar")
 MIMIC = ("follow", "free")
+BOUNDS = ("equal", "at_least", "at_most")
 FREEFLYER_COORDINATES = ("x", "y", "z", "qx", "qy", "qz", "qw")
 PLANAR_COORDINATES = ("x", "y", "theta")
 DEFAULT_PATH_TOLERANCE = 2e-4
@@ -78,13 +79,54 @@ class Attachment:
 
 
 @dataclass(frozen=True)
+class Frame:
+    """A named frame (`world`, a part for its root link, a gripper, a handle, `part/link`, `part/joint`), or a pose in it."""
+
+    name: str
+    pose: np.ndarray | None = None
+
+    def __str__(self) -> str:
+        return self.name
+
+
+@dataclass(frozen=True)
+class Plane:
+    """A row on a centre of mass: `normal . c - offset` is zero, or not negative."""
+
+    normal: np.ndarray
+    offset: float
+    inequality: bool
+
+
+@dataclass(frozen=True)
 class Constraint:
+    """See src/path_file/constraint.rs for which kind reads what. `mask` and `inequality` have six rows."""
+
     kind: str
-    frame: str
-    to: str
+    name: str
+    frame: Frame | None
+    to: Frame | None
     mask: list[bool]
+    inequality: list[bool]
     value: np.ndarray | None
+    parts: list[str]
+    planes: list[Plane]
+    height: float | None
+    length: float | None
+    bound: str
+    joint: str | None
+    position: float | None
     tolerance: float | None
+
+    def __str__(self) -> str:
+        about = self.kind
+        if self.joint is not None:
+            about += f" {self.joint}"
+        elif self.parts:
+            about += f" of {', '.join(self.parts)}"
+        elif self.frame is not None:
+            about += f" of {self.frame} in {self.to}"
+        return f"{self.name} ({about})" if self.name else about
 
 
 @dataclass(frozen=True)
@@ -343,16 +385,59 @@ def _read_attachment(node: _Node) -> Attachment:
 
 
 def _read_constraint(node: _Node) -> Constraint:
-    value, tolerance = node.get("value", None), node.get("tolerance", None)
-    mask = node.get("mask", [True] * 6)
+    kind, value = node.get("kind").text(), node.get("value", None)
+    mask = _full_mask(kind, node.get("mask", [False] * 6 if "of_mass" in kind else [True] * 6).mask((3, 6)))
+    inequality = _full_mask(kind, _or_default(node.get("inequality", None), [False] * 6).mask((3, 6)))
+    if any(sided and not counts for counts, sided in zip(mask, inequality)):
+        node.get("inequality").fail("rows that the mask leaves out")
     return Constraint(
-        kind=node.get("kind").text(),
-        frame=_optional_text(node.get("frame", "")),
-        to=_optional_text(node.get("to", "world")),
-        mask=mask.mask((3, 6)),
+        kind=kind,
+        name=_optional_text(node.get("name", "")),
+        frame=_read_frame(node.get("frame", None)),
+        to=_read_frame(node.get("to", None)),
+        mask=mask,
+        inequality=inequality,
         value=None if value.value is None else _read_value(value),
-        tolerance=None if tolerance.value is None else tolerance.number(),
+        parts=[item.text() for item in node.get("parts", []).items()],
+        planes=[_read_plane(item) for item in node.get("planes", []).items()],
+        height=_optional_number(node.get("height", None)),
+        length=_optional_number(node.get("length", None)),
+        bound=_or_default(node.get("bound", None), "equal").text(BOUNDS),
+        joint=None if node.get("joint", None).value is None else node.get("joint").text(),
+        position=_optional_number(node.get("position", None)),
+        tolerance=_optional_number(node.get("tolerance", None)),
     )
+
+
+def _full_mask(kind: str, mask: list[bool]) -> list[bool]:
+    """Six rows; a mask of three belongs to the constraint's only kind of rows."""
+    if len(mask) == 3:
+        mask = [False] * 3 + mask if kind == "orientation" else mask + [False] * 3
+    if kind == "position" or kind.endswith("of_mass"):
+        return mask[:3] + [False] * 3
+    return [False] * 3 + mask[3:] if kind == "orientation" else mask
+
+
+def _or_default(node: _Node, default) -> _Node:
+    return _Node(default, node.where) if node.value is None else node
+
+
+def _optional_number(node: _Node) -> float | None:
+    return None if node.value is None else node.number()
+
+
+def _read_frame(node: _Node) -> Frame | None:
+    if node.value is None or isinstance(node.value, str):
+        return None if node.value is None else Frame(node.value)
+    return Frame(node.get("link").text(), node.get("pose").pose())
+
+
+def _read_plane(node: _Node) -> Plane:
+    normal = node.get("normal").numbers(3)
+    if abs(np.linalg.norm(normal) - 1.0) > 1e-6:
+        node.get("normal").fail("not of unit length")
+    inequality = node.get("inequality", False).expect(bool, "a boolean")
+    return Plane(normal, node.get("offset").number(), inequality)
 
 
 def _read_value(node: _Node) -> np.ndarray:
