@@ -206,6 +206,10 @@ fn costs() {
             }
         }
         let each = 1e6 / f64::from(free * pieces as i32);
-        println!("{name}: {free} free; per piece {:.2} µs together, {:.2} µs one by one", together * each, apart * each);
+        println!(
+            "{name}: {free} free; per piece {:.2} µs together, {:.2} µs one by one",
+            together * each,
+            apart * each
+        );
     }
 }

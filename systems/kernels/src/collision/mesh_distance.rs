@@ -158,14 +158,7 @@ fn leaf<'a>(mesh: &'a MeshTree, node: &Node) -> &'a [[DVec3; 3]] {
     &mesh.triangles[first..first + node.count as usize]
 }
 
-fn meet_leaves(
-    a: &[[DVec3; 3]],
-    b: &[[DVec3; 3]],
-    X_AB: &Relative,
-    ask: &Ask,
-    least: &mut Least,
-    hint: &mut DVec3,
-) {
+fn meet_leaves(a: &[[DVec3; 3]], b: &[[DVec3; 3]], X_AB: &Relative, ask: &Ask, least: &mut Least, hint: &mut DVec3) {
     let here = Relative { rotation: DMat3::IDENTITY, translation: DVec3::ZERO };
     for q in b {
         let q = Core::Triangle(q.map(|p| X_AB.point(p)));

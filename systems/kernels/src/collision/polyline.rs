@@ -191,12 +191,7 @@ fn go_to_knot(proof: &Proof<'_>, knots: &[f64], knot: usize, scratch: &mut Colli
 }
 
 /// Proves the single pieces that are left, in order, up to the first that is not free.
-fn prove_pieces(
-    proof: &mut Proof<'_>,
-    knots: &[f64],
-    buffers: &mut PolylineScratch,
-    scratch: &mut CollisionScratch,
-) {
+fn prove_pieces(proof: &mut Proof<'_>, knots: &[f64], buffers: &mut PolylineScratch, scratch: &mut CollisionScratch) {
     let size = proof.scene.space.size();
     let PolylineScratch { pieces, levels: [_, _, rest], .. } = buffers;
     pieces.sort_unstable_by_key(|span| span.first);
