@@ -200,6 +200,43 @@ fn a_motion_that_would_jump_to_another_branch_stops_before_it() {
     assert!(knots.chunks(from.len()).all(|k| (k[elbow] > 0.0) == (from[elbow] > 0.0)), "never on the other branch");
 }
 
+/// A step may be short beside its chord and still end on another branch: what forbids it is the residual's bound along the
+/// straight line between two knots, with the test of lengths or without.
+#[test]
+fn an_arm_reaches_another_branch_only_along_the_leaf() {
+    let mut bench = Bench::new(37);
+    let tip = Frame::of_joint(bench.robot.joint("left/w2").unwrap());
+    let rigid = RelativePose::rigid(Frame::world(Pose::identity()), tip, Reference::Argument(0));
+    let program = bench.compile(&[Constraint::RelativePose(rigid)]);
+    let (mut scratch, size) = (MotionScratch::default(), bench.robot.space.size());
+    let (mut reached, mut stopped) = (0, 0);
+    for round in 0..12 {
+        let seen = bench.random();
+        let X_WT = bench.poses(&seen, &[])[tip.joint.unwrap().at()];
+        let (from, to) = (bench.solution(&program, &[X_WT]), bench.solution(&program, &[X_WT]));
+        for jump in [MotionSettings::default().jump, f64::INFINITY] {
+            let settings = MotionSettings { jump, ..MotionSettings::default() };
+            let mut knots = Vec::new();
+            let ends = (&from[..], &to[..]);
+            let space = &bench.robot.space;
+            match project_motion(&program, space, ends, &[X_WT], &settings, &mut scratch, &mut knots) {
+                MotionEnd::Reached => reached += 1,
+                MotionEnd::Stopped | MotionEnd::TooManyKnots => stopped += 1,
+                MotionEnd::NotOnLeaf => unreachable!("both are solutions"),
+            }
+            let residual = |X_WJ: &[Pose]| {
+                let (a, b) = (placement_of(&rigid.a), placement_of(&rigid.b));
+                relative_pose::value(&a, &b, &X_WT, X_WJ).iter().fold(0.0, |m: f64, e| m.max(e.abs()))
+            };
+            let worst = largest_residual(&bench, &program, &[X_WT], &knots, residual);
+            assert!(worst <= settings.path_tolerance, "round {round}, jump {jump}: {worst} between knots");
+            assert_eq!(&knots[..size], &from[..], "the first knot is the start");
+        }
+    }
+    println!("{reached} reached, {stopped} stopped");
+    assert!(reached > 2 && stopped > 5, "the test sees both kinds: {reached} reached, {stopped} stopped");
+}
+
 #[test]
 fn ends_off_the_leaf_are_refused() {
     let mut bench = Bench::new(34);

@@ -1,4 +1,9 @@
 //! Motions that stay on their leaf between the knots too.
+//!
+//! No step bridges two branches of a leaf. The bound on second derivatives holds for the whole straight line between two
+//! knots, so everything on it is within the path tolerance of the constraints: it could only lead from one branch to
+//! another where those are that close, and there the line is as good a motion as any. The comparison of lengths
+//! ([`MotionSettings::jump`]) merely finds out sooner.
 
 use super::newton::{Settings, project};
 use super::program::ConstraintProgram;
