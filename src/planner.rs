@@ -248,11 +248,7 @@ impl Planner {
         }
     }
 
-    fn funnel_row(
-        &self,
-        transition: TransitionId,
-        statistics: TransitionStatistics,
-    ) -> FunnelRow {
+    fn funnel_row(&self, transition: TransitionId, statistics: TransitionStatistics) -> FunnelRow {
         let shape = |s: foliate_components::robot::ShapeIndex| self.model.problem.robot.shapes[s.at()].name.clone();
         let mut blocked_by: Vec<_> =
             statistics.blocked_by.iter().map(|(&(a, b), &n)| (shape(a), shape(b), n)).collect();

@@ -37,6 +37,12 @@ impl Candidate {
         self.rejected.is_none()
     }
 
+    /// Whether steering lost its leaf on the way: what there is of its legs up to there may still be kept.
+    #[must_use]
+    pub fn is_cut_short(&self) -> bool {
+        matches!(self.rejected, Some(Rejection::SteeringFailed(_)))
+    }
+
     /// Drops it for a reason; the first reason stays.
     pub fn reject(&mut self, reason: Rejection) {
         self.rejected.get_or_insert(reason);

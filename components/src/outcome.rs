@@ -18,7 +18,7 @@ pub enum Rejection {
     OutOfBounds(u8),
     /// A waypoint that the projection found is in collision (number of the leg).
     WaypointBlocked(u8),
-    /// A leg could not be kept on its leaf between the waypoints (number of the leg).
+    /// A leg could not be kept on its leaf up to its waypoint (number of the leg); what comes before may be kept.
     SteeringFailed(u8),
     /// A leg collides, or may collide, before it has moved (number of the leg).
     MotionBlocked(u8),
@@ -231,5 +231,25 @@ impl SearchOutcome {
             Self::InfeasibleStart(_) => "infeasible_start",
             Self::InfeasibleGoal(_) => "infeasible_goal",
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rates_start_at_the_prior_and_follow_the_counts() {
+        let mut s = TransitionStatistics::default();
+        assert_eq!(s.success_rate(Prior::default()), 0.5);
+        (s.attempts, s.reached) = (8, 2);
+        for _ in 0..3 {
+            s.count_rejection(Rejection::ProjectionFailed(0), None);
+        }
+        s.count_rejection(Rejection::NoLeafToAimAt, None);
+        s.count_rejection(Rejection::MotionBlocked(1), Some((ShapeIndex(0), ShapeIndex(1))));
+        assert_eq!(s.success_rate(Prior::default()), 3.0 / 10.0);
+        // One never came to projecting; of the other seven four were projected.
+        assert_eq!(s.projection_rate(Prior { successes: 0.0, attempts: 0.0 }), 4.0 / 7.0);
     }
 }

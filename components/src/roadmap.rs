@@ -141,6 +141,8 @@ pub struct Roadmap {
     edges: Vec<EdgeRow>,
     adjacency: Vec<Vec<EdgeId>>,
     motions: Vec<Motion>,
+    /// Numbers in the knots of all motions.
+    knot_numbers: usize,
     /// Union-find over trees; the smaller id is the root, so that it does not depend on the order of joins.
     joined: Vec<ComponentId>,
     /// Nodes of each tree by state, for selection.
@@ -187,6 +189,7 @@ impl Roadmap {
         let id = EdgeId(self.edges.len() as u32);
         let first_motion = MotionId(self.motions.len() as u32);
         let count = motions.len() as u32;
+        self.knot_numbers += motions.iter().map(|motion| motion.knots.len()).sum::<usize>();
         self.motions.extend(motions);
         self.edges.push(EdgeRow { from, to, along, first_motion, motions: count });
         self.adjacency[from.at()].push(id);
@@ -215,6 +218,18 @@ impl Roadmap {
     #[must_use]
     pub fn component_of(&self, node: NodeId) -> ComponentId {
         self.component(self.nodes[node.at()].component)
+    }
+
+    /// About how much memory the roadmap takes, bytes: knots and configurations, rows, and the entities of nodes and edges.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        /// What an entity with its few components, its place in the adjacency and its share of growing room cost.
+        const PER_ENTITY: usize = 256;
+        let numbers = self.configurations.len() + self.knot_numbers;
+        let rows = self.nodes.len() * size_of::<NodeRow>() + self.edges.len() * size_of::<EdgeRow>();
+        let motions = self.motions.len() * size_of::<Motion>();
+        let entities = (self.nodes.len() + self.edges.len()) * PER_ENTITY;
+        (numbers * size_of::<f64>() + rows + motions + entities) as u64
     }
 
     /// Number of trees that were ever born; joined ones included.

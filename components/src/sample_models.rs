@@ -211,6 +211,27 @@ pub fn box_with_lid(size: DVec3) -> Model {
     model
 }
 
+/// A cabinet with one drawer, which slides along −x from 0 to 0.3 m. Handle `knob` stands in front of it, x forward (all
+/// six rows); surface `inside` is the drawer's floor.
+#[must_use]
+pub fn drawer() -> Model {
+    let mut model = Model { name: "drawer".into(), ..Model::default() };
+    let housing = (Pose::from_translation(DVec3::X * 0.35), solid_box(DVec3::new(0.02, 0.15, 0.1)));
+    let floor = (Pose::from_translation(DVec3::Z * -0.06), solid_box(DVec3::new(0.15, 0.12, 0.005)));
+    let front = (Pose::from_translation(DVec3::X * -0.15), solid_box(DVec3::new(0.005, 0.12, 0.06)));
+    model.links = vec![link("base_link", vec![housing]), link("tray", vec![floor, front])];
+    model.joints = vec![JointModel {
+        kind: JointKind::Prismatic,
+        axis: DVec3::NEG_X,
+        limits: (0.0, 0.3),
+        ..revolute("slide", 0, 1, Pose::identity(), (0.0, 0.0))
+    }];
+    let knob = Pose::from_translation(DVec3::X * -0.2);
+    model.handles = vec![handle("knob", "tray", knob, [true; 6])];
+    model.surfaces = vec![rectangle("inside", "tray", -0.055, (0.13, 0.1), true)];
+    model
+}
+
 /// A table with its origin in the middle of its upper face; `size` is its whole extent, metres. Surface `top`.
 #[must_use]
 pub fn table(size: DVec3) -> Model {

@@ -54,7 +54,7 @@ pub fn conclude(
         Some(SearchOutcome::Timeout)
     } else if solved {
         Some(SearchOutcome::Solved)
-    } else if roadmap.nodes().len() >= settings.max_nodes {
+    } else if roadmap.nodes().len() >= settings.max_nodes || roadmap.bytes() >= settings.max_bytes {
         Some(SearchOutcome::MemoryLimit)
     } else if let Some(why) = no_goal(&roots, &goals, &model, &settings) {
         Some(SearchOutcome::InfeasibleGoal(why))

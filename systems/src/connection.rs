@@ -13,6 +13,7 @@ use bevy_ecs::prelude::{Res, ResMut, Resource};
 use foliate_components::leaf::LeafIndex;
 use foliate_components::roadmap::{ComponentId, Motion, NodeId, Roadmap};
 use foliate_kernels::collision::CollisionScratch;
+use foliate_kernels::projection::MotionScratch;
 use rayon::prelude::*;
 
 /// A motion that would join two trees.
@@ -82,7 +83,8 @@ pub fn certify_connections(
     leaves: Res<'_, LeafIndex>,
     mut connections: ResMut<'_, Connections>,
 ) {
-    connections.0.par_iter_mut().for_each_init(CollisionScratch::new, |scratch, connection| {
+    let scratch = || (CollisionScratch::new(), MotionScratch::default());
+    connections.0.par_iter_mut().for_each_init(scratch, |scratch, connection| {
         if !stop.is_raised() {
             connection.certified = connect(&model, &settings, &roadmap, &leaves, connection, scratch);
         }
@@ -95,15 +97,15 @@ fn connect(
     roadmap: &Roadmap,
     leaves: &LeafIndex,
     connection: &Connection,
-    scratch: &mut CollisionScratch,
+    (collision, motion): &mut (CollisionScratch, MotionScratch),
 ) -> Option<Motion> {
     let row = roadmap.node(connection.from);
     let transition = model.graph.loop_of(row.state)?;
     let leaf = leaves.leaf(row.leaf);
     let carriages = model.carriages_of_leaf(leaf, leaves);
-    let (a, b) = (roadmap.configuration(connection.from), roadmap.configuration(connection.to));
-    let steered = steering::steer_whole(model, settings, leaf, leaves, a, b)?;
+    let ends = (roadmap.configuration(connection.from), roadmap.configuration(connection.to));
+    let steered = steering::steer_whole(model, settings, leaf, leaves, ends, motion)?;
     let clearance =
-        validation::certify_whole(model, settings, transition, row.state, &carriages, &steered.knots, scratch)?;
+        validation::certify_whole(model, settings, transition, row.state, &carriages, &steered.knots, collision)?;
     Some(Motion { transition, leg: 0, leaf: row.leaf, knots: steered.knots, clearance, residual: steered.residual })
 }

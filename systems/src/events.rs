@@ -1,10 +1,10 @@
 //! What a running search tells its host, through a bounded channel that never blocks the search.
 
+use crate::feedback::Feedback;
 use bevy_ecs::prelude::Resource;
 use crossbeam_channel::{Receiver, Sender, TrySendError, bounded};
 use foliate_components::graph::TransitionId;
 use foliate_components::outcome::Rejection;
-use crate::feedback::Feedback;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;

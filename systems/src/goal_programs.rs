@@ -7,7 +7,7 @@ use foliate_components::Pose;
 use foliate_components::constraint::{Constraint, Frame, Locked, LockedValue, Reference, RelativePose, Row};
 use foliate_components::graph::{ConstraintId, ConstraintKind, StateId};
 use foliate_components::pose::{exp_so3, pose_from_array};
-use foliate_components::problem::PartialGoal;
+use foliate_components::problem::{JointRest, PartialGoal};
 use foliate_components::robot::{Joint, JointIndex, Motion, Source};
 use foliate_kernels::projection::{CarriageTemplate, ConstraintProgram, Outcome, Scratch, Settings, project};
 use glam::DVec3;
@@ -29,8 +29,8 @@ struct Demands {
 }
 
 impl GoalProgram {
-    /// Compiles a goal in a state. Objects that no hand holds there and that the goal leaves free stay where `start` has
-    /// them, as far as nothing else demands otherwise; those on supports only where `supported_too` says so.
+    /// Compiles a goal in a state. Objects and joints that rest there and that the goal leaves free stay where `start` has
+    /// them, as far as nothing else demands otherwise; objects on supports only where `supported_too` says so.
     ///
     /// # Errors
     /// What contradicts what, whatever the free joints do.
@@ -43,24 +43,19 @@ impl GoalProgram {
         supported_too: bool,
     ) -> Result<Self, String> {
         let mut demands = Demands::of_goal(model, goal, state);
-        let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
-        model.kinematics.forward(start, &mut X_WJ);
-        let staying = staying(model, goal, state, supported_too);
-        let stand = |object: &JointIndex| CarriageTemplate::fixed(*object, None, X_WJ[object.at()]);
+        let staying = Staying::in_state(model, goal, start, state, supported_too);
         let mut all = demands.clone();
-        all.carriages.extend(staying.iter().map(stand));
+        staying.iter().for_each(|staying| staying.demanded_of(&mut all));
         if let Ok(program) = all.compile(model, settings, start) {
             return Ok(Self::with_idle(model, program));
         }
-        // Not all can stay: one after another, who can.
+        // Not all can stay: one after another, what can.
         let mut program = demands.compile(model, settings, start).map_err(|why| in_state(model, state, &why))?;
-        for object in &staying {
-            demands.carriages.push(stand(object));
-            match demands.compile(model, settings, start) {
-                Ok(tighter) => program = tighter,
-                Err(_) => {
-                    demands.carriages.pop();
-                }
+        for staying in &staying {
+            let mut tighter = demands.clone();
+            staying.demanded_of(&mut tighter);
+            if let Ok(compiled) = tighter.compile(model, settings, start) {
+                (demands, program) = (tighter, compiled);
             }
         }
         Ok(Self::with_idle(model, program))
@@ -208,7 +203,12 @@ fn root_rows(index: JointIndex, joint: &Joint, values: &[Option<f64>]) -> Constr
         (pose, [held[0], held[1], held[2], turned, turned, turned])
     };
     let a = Frame { joint: joint.parent, joint_from_frame: joint.parent_from_joint };
-    Constraint::RelativePose(RelativePose { a, b: Frame::of_joint(index), rows, reference: Reference::Fixed(reference) })
+    Constraint::RelativePose(RelativePose {
+        a,
+        b: Frame::of_joint(index),
+        rows,
+        reference: Reference::Fixed(reference),
+    })
 }
 
 /// What a constraint of the graph demands of a configuration, right-hand sides aside; `None` where nothing.
@@ -223,27 +223,61 @@ fn rows_of(model: &Model, constraint: ConstraintId) -> Option<Constraint> {
             let lift = model.problem.graph.preplacement_distance;
             Some(model.objects()[object as usize].resting_on(on)?.resting.constraint(lift))
         }
-        ConstraintKind::Given { .. } | ConstraintKind::JointRest { .. } => model.constraint(constraint)?.without_parameters(),
         ConstraintKind::Rest { .. } => None,
+        ConstraintKind::JointRest { .. } | ConstraintKind::Given { .. } => {
+            model.constraint(constraint)?.without_parameters()
+        }
     }
 }
 
-/// Objects that stay where they are in a state, if nothing demands otherwise: those that rest and whose poses are not
-/// named. What lies on nothing in particular stays in any case.
-fn staying(model: &Model, goal: &PartialGoal, state: StateId, supported_too: bool) -> Vec<JointIndex> {
-    let carriers = model.carriers(state);
-    let stays = |&(index, _): &(usize, &crate::model::ObjectModel)| {
-        let part = model.graph.objects[index].part;
-        let carrier = carriers.of[index].map(|c| model.graph.constraint(c).kind);
-        let rests = match carrier {
-            // What lies on something that moves goes with it.
-            Some(ConstraintKind::Placement { on, .. }) => supported_too && on.is_none(),
-            Some(ConstraintKind::Rest { .. }) => true,
-            _ => false,
+/// Something that stays where the start has it, if nothing demands otherwise.
+enum Staying {
+    /// An object at rest.
+    Object(CarriageTemplate),
+    /// A joint at rest, such as a door's.
+    Joint(String, Locked),
+}
+
+impl Staying {
+    /// What stays in a state: objects that rest and whose poses are not named, and joints at rest. What lies on nothing in
+    /// particular stays in any case, what lies on supports where `supported_too` says so.
+    fn in_state(model: &Model, goal: &PartialGoal, start: &[f64], state: StateId, supported_too: bool) -> Vec<Self> {
+        let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
+        model.kinematics.forward(start, &mut X_WJ);
+        let stays = |&constraint: &ConstraintId| {
+            let record = model.graph.constraint(constraint);
+            match record.kind {
+                ConstraintKind::Placement { object, .. } if supported_too => Self::object(model, goal, object, &X_WJ),
+                ConstraintKind::Rest { object } => Self::object(model, goal, object, &X_WJ),
+                ConstraintKind::JointRest { joint } => {
+                    let resting = model.problem.graph.resting_joints.get(joint as usize)?;
+                    let joint = resting.joint;
+                    if resting.rest != JointRest::Stays {
+                        return None;
+                    }
+                    let Source::Coordinates { q, .. } = model.problem.robot.joints[joint.at()].source else {
+                        return None;
+                    };
+                    Some(Self::Joint(record.name.clone(), Locked { joint, value: LockedValue::Fixed(start[q]) }))
+                }
+                _ => None,
+            }
         };
-        rests && goal.poses.iter().all(|(named, _)| *named != part)
-    };
-    model.objects().iter().enumerate().filter(stays).filter_map(|(_, object)| object.root).collect()
+        model.graph.state(state).manifold.iter().filter_map(stays).collect()
+    }
+
+    fn object(model: &Model, goal: &PartialGoal, object: u32, X_WJ: &[Pose]) -> Option<Self> {
+        let (root, part) = (model.objects()[object as usize].root?, model.graph.objects[object as usize].part);
+        let is_free = goal.poses.iter().all(|(named, _)| *named != part);
+        is_free.then(|| Self::Object(CarriageTemplate::fixed(root, None, X_WJ[root.at()])))
+    }
+
+    fn demanded_of(&self, demands: &mut Demands) {
+        match self {
+            Self::Object(carriage) => demands.carriages.push(carriage.clone()),
+            Self::Joint(name, locked) => demands.constraints.push((name.clone(), Constraint::Locked(*locked))),
+        }
+    }
 }
 
 fn object_root(model: &Model, part: foliate_components::robot::PartIndex) -> Option<JointIndex> {

@@ -133,7 +133,7 @@ fn why_no_state(model: &Model, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> Stri
     let Some(least) = model.graph.states.iter().map(|s| s.priority).min() else { return "no state is allowed".into() };
     let worst = |state: &'_ State| {
         let all = state.manifold.iter().map(|&c| (c, residual(model, c, q, X_WJ)));
-        all.filter(|&(_, r)| !(r <= tolerance)).max_by(|a, b| a.1.total_cmp(&b.1))
+        all.filter(|&(_, r)| r > tolerance).max_by(|a, b| a.1.total_cmp(&b.1))
     };
     let weakest = model.graph.states.iter().filter(|s| s.priority == least);
     let broken = weakest.filter_map(|state| worst(state).map(|(c, r)| (state, c, r)));

@@ -114,6 +114,7 @@ impl Model {
     /// Documents that make no constraint.
     pub fn with_graph(problem: Problem, graph: ConstraintGraph) -> Result<Self, ModelError> {
         let robot = &problem.robot;
+        crate::sampling::bounded_roots(robot).map_err(ModelError::Document)?;
         let objects = object_models(&problem, &graph)?;
         let grasps = graph
             .constraints

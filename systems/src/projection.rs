@@ -155,6 +155,9 @@ impl Context<'_> {
             }
         }
         for (number, leg) in transition.legs.iter().enumerate() {
+            if self.stop.is_raised() {
+                lanes.iter_mut().for_each(|lane| lane.candidate.reject(Rejection::Stopped));
+            }
             self.project_leg(id, number, leg, lanes, scratch);
         }
         if transition.legs.last().is_some_and(|last| last.state != transition.to) {

@@ -6,6 +6,7 @@ use crate::schedule::StepCounter;
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Query, Res, ResMut};
 use foliate_components::candidate::{Candidate, CandidateArena};
+use foliate_components::robot::{Motion, Robot};
 use rayon::prelude::*;
 
 /// Makes every candidate ready for a new step.
@@ -28,4 +29,26 @@ pub fn sample_configurations(
         model.problem.robot.space.random(&mut rng, q);
         model.lock(q);
     });
+}
+
+/// Why configurations cannot be drawn evenly: a root that moves along an axis without bounds. There is no uniform draw from
+/// all of space, and a guess about the reach of a mobile base would be wrong somewhere.
+///
+/// # Errors
+/// The root and the axis.
+pub fn bounded_roots(robot: &Robot) -> Result<(), String> {
+    for joint in &robot.joints {
+        let axes: &[&str] = match joint.motion {
+            Motion::Planar => &["x", "y"],
+            Motion::FreeFlyer => &["x", "y", "z"],
+            Motion::Revolute { .. } | Motion::Prismatic { .. } => continue,
+        };
+        for (axis, (low, high)) in axes.iter().zip(joint.lower.iter().zip(&joint.upper)) {
+            if !(low.is_finite() && high.is_finite()) {
+                let name = &joint.name;
+                return Err(format!("`{name}` moves along {axis} without bounds ([{low}, {high}]): bound the root"));
+            }
+        }
+    }
+    Ok(())
 }

@@ -27,6 +27,9 @@ pub struct SearchSettings {
     pub max_steps: u64,
     /// Roadmap nodes after which the search gives up, a bound on memory.
     pub max_nodes: usize,
+    /// Bytes of the roadmap ([`Roadmap::bytes`](foliate_components::roadmap::Roadmap::bytes)) after which the search gives up:
+    /// motions with implicit rows have many knots, so that nodes alone bound nothing.
+    pub max_bytes: u64,
     /// How a node to extend is chosen.
     pub selection: Selection,
     /// Probability that coordinates on which a waypoint does not depend stay where they are instead of moving to q_rand: an
@@ -42,6 +45,9 @@ pub struct SearchSettings {
     pub path_tolerance: f64,
     /// Clearance demanded beyond every margin, metres: room for the rounding of other people's checkers.
     pub clearance_guard: f64,
+    /// How close to the truth the end of a blocked motion's valid prefix has to be, as a share of the motion. What ends well
+    /// in front of an obstacle is quicker to prove and a better place to go on from.
+    pub prefix_resolution: f64,
     /// Residual at which a given start or goal counts as lying in a state, metres and radians.
     pub membership_tolerance: f64,
     /// How many configurations to look for at once where a goal leaves something free.
@@ -62,6 +68,7 @@ impl Default for SearchSettings {
             candidates: 16,
             max_steps: 0,
             max_nodes: 2_000_000,
+            max_bytes: 4 << 30,
             selection: Selection::default(),
             still_probability: 0.75,
             connect_neighbours: 7,
@@ -69,6 +76,7 @@ impl Default for SearchSettings {
             projection_iterations: 40,
             path_tolerance: 2e-4,
             clearance_guard: 1e-5,
+            prefix_resolution: 0.125,
             membership_tolerance: 1e-4,
             goal_samples: 8,
             goal_tries: 4096,

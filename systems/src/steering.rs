@@ -5,6 +5,7 @@
 //! residual between them stays below the path tolerance (DESIGN §5.4).
 
 use crate::constraint_programs::LegProgram;
+use crate::events::StopSignal;
 use crate::model::PlanningModel;
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Query, Res, ResMut};
@@ -22,47 +23,79 @@ pub struct Steered {
     pub knots: Vec<f64>,
     /// Proven bound of the residual of implicit rows.
     pub residual: f64,
+    /// Whether it arrives; if not, its last knot is on the leaf all the same.
+    pub is_whole: bool,
 }
 
-/// Steers every planned leg of every candidate. A leg that leaves its leaf ends the candidate.
+/// Steers every planned leg of every candidate. A leg that leaves its leaf ends the candidate there: what it has of the leg
+/// is kept where that is progress, the legs behind it are not.
 pub fn steer_legs(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
+    stop: Res<'_, StopSignal>,
     leaves: Res<'_, LeafIndex>,
     mut arena: ResMut<'_, CandidateArena>,
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
     let mut pool: Vec<_> = candidates.iter_mut().collect();
     pool.sort_unstable_by_key(|c| c.index);
-    pool.par_iter_mut().zip(arena.legs.par_iter_mut()).filter(|(c, _)| c.is_alive()).for_each(|(candidate, legs)| {
+    let alive = pool.par_iter_mut().zip(arena.legs.par_iter_mut()).filter(|(c, _)| c.is_alive());
+    alive.for_each_init(MotionScratch::default, |scratch, (candidate, legs)| {
         for index in 0..legs.len() {
-            if !steer_leg(&model, &settings, &leaves, &mut legs[index]) {
-                candidate.reject(Rejection::SteeringFailed(legs[index].leg as u8));
+            // A leg with implicit rows of a humanoid may take long.
+            if stop.is_raised() {
+                candidate.reject(Rejection::Stopped);
                 legs.clear();
+                return;
+            }
+            let kept = steer_leg(&model, &settings, &leaves, &mut legs[index], scratch);
+            if kept != Kept::Whole {
+                candidate.reject(Rejection::SteeringFailed(legs[index].leg as u8));
+                legs.truncate(index + usize::from(kept == Kept::Part));
                 return;
             }
         }
     });
 }
 
-/// Replaces a leg's two ends by a polyline on its leaf; false where it does not arrive.
-fn steer_leg(model: &PlanningModel, settings: &SearchSettings, leaves: &LeafIndex, leg: &mut PlannedLeg) -> bool {
-    let Ok(interior) = model.interior_program(leg.state) else { return false };
-    if interior.program.rows() == 0 {
-        return true;
+/// What is left of a leg.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kept {
+    Whole,
+    Part,
+    Nothing,
+}
+
+/// A part of a leg that is shorter than this (weighted metres) is no progress.
+const LEAST_PROGRESS: f64 = 0.01;
+
+/// Replaces a leg's two ends by a polyline on its leaf, as far as that goes.
+fn steer_leg(
+    model: &PlanningModel,
+    settings: &SearchSettings,
+    leaves: &LeafIndex,
+    leg: &mut PlannedLeg,
+    scratch: &mut MotionScratch,
+) -> Kept {
+    let Ok(interior) = model.interior_program(leg.state) else { return Kept::Nothing };
+    let space = &model.problem.robot.space;
+    let size = space.size();
+    if interior.program.rows() == 0 || leg.knots.len() <= size {
+        return Kept::Whole;
     }
-    let size = model.problem.robot.space.size();
     let arguments = interior.arguments(model, leaves, leg.state, &leg.parameters, None);
-    if leg.knots.len() <= size {
-        return true;
-    }
     let (a, b) = leg.knots.split_at(size);
-    let steered = project_between(model, settings, interior, &arguments, a, &b[b.len() - size..]);
-    steered.is_some_and(|steered| {
-        leg.knots = steered.knots;
-        leg.residual = steered.residual;
-        true
-    })
+    let steered = project_between(model, settings, interior, &arguments, (a, &b[b.len() - size..]), scratch);
+    if steered.knots.len() <= size {
+        return Kept::Nothing;
+    }
+    let end = &steered.knots[steered.knots.len() - size..];
+    if !steered.is_whole && space.distance(a, end, &model.weights) < LEAST_PROGRESS {
+        return Kept::Nothing;
+    }
+    leg.residual = steered.residual;
+    leg.knots = steered.knots;
+    if steered.is_whole { Kept::Whole } else { Kept::Part }
 }
 
 /// A motion on a leaf between two of its configurations; `None` where it does not arrive.
@@ -72,35 +105,34 @@ pub fn steer_whole(
     settings: &SearchSettings,
     leaf: &Leaf,
     leaves: &LeafIndex,
-    a: &[f64],
-    b: &[f64],
+    (a, b): (&[f64], &[f64]),
+    scratch: &mut MotionScratch,
 ) -> Option<Steered> {
     let interior = model.interior_program(leaf.state).ok()?;
     if interior.program.rows() == 0 {
-        return Some(Steered { knots: [a, b].concat(), residual: 0.0 });
+        return Some(Steered { knots: [a, b].concat(), residual: 0.0, is_whole: true });
     }
     let parameters: Vec<_> = leaf.parameters.iter().map(|&p| LegParameter::Known(p)).collect();
     let arguments = interior.arguments(model, leaves, leaf.state, &parameters, None);
-    project_between(model, settings, interior, &arguments, a, b)
+    Some(project_between(model, settings, interior, &arguments, (a, b), scratch)).filter(|steered| steered.is_whole)
 }
 
-/// Projects the straight motion from `a` to `b` onto implicit rows; `None` where it does not arrive.
+/// Projects the straight motion from one configuration to another onto implicit rows, as far as that goes.
 fn project_between(
     model: &PlanningModel,
     settings: &SearchSettings,
     interior: &LegProgram,
     arguments: &[Pose],
-    a: &[f64],
-    b: &[f64],
-) -> Option<Steered> {
+    ends: (&[f64], &[f64]),
+    scratch: &mut MotionScratch,
+) -> Steered {
     let motion = MotionSettings {
         path_tolerance: settings.path_tolerance,
         solve: Settings { tolerance: settings.projection_tolerance, ..Settings::default() },
         ..MotionSettings::default()
     };
     let mut knots = Vec::new();
-    let mut scratch = MotionScratch::default();
     let space = &model.problem.robot.space;
-    let end = project_motion(&interior.program, space, (a, b), arguments, &motion, &mut scratch, &mut knots);
-    (end == MotionEnd::Reached).then_some(Steered { knots, residual: settings.path_tolerance })
+    let end = project_motion(&interior.program, space, ends, arguments, &motion, scratch, &mut knots);
+    Steered { knots, residual: settings.path_tolerance, is_whole: end == MotionEnd::Reached }
 }

@@ -10,7 +10,7 @@ use foliate_components::candidate::{Candidate, CandidateArena, PlannedLeg};
 use foliate_components::graph::{StateId, TransitionId, TransitionKind};
 use foliate_components::leaf::LeafIndex;
 use foliate_components::outcome::Rejection;
-use foliate_kernels::collision::{CertificateSettings, CollisionScratch, MotionVerdict, certify_motion};
+use foliate_kernels::collision::{CertificateSettings, CollisionScratch, PolylineVerdict, certify_polyline};
 use foliate_kernels::kinematics::Carriage;
 use rayon::prelude::*;
 
@@ -47,7 +47,7 @@ pub fn certify_legs(
             if stop.is_raised() {
                 candidate.reject(Rejection::Stopped);
             }
-            if candidate.is_alive() {
+            if candidate.is_alive() || candidate.is_cut_short() {
                 *complete = certify_candidate(&model, &settings, &leaves, candidate, legs, scratch);
             } else {
                 legs.clear();
@@ -71,6 +71,7 @@ fn certify_candidate(
         legs.clear();
         return false;
     }
+    let whole = candidate.is_alive();
     for index in 0..legs.len() {
         let leg = &mut legs[index];
         let carriages = model.carriages_of_leg(leg, leaves);
@@ -81,7 +82,7 @@ fn certify_candidate(
             return false;
         }
     }
-    true
+    whole
 }
 
 /// Exact verdict of every waypoint, all pairs: also of those that a leg keeps in constant relative pose, for which this is
@@ -95,8 +96,11 @@ fn waypoints_are_free(
 ) -> bool {
     let size = model.problem.robot.space.size();
     let Some(transition) = candidate.transition else { return false };
-    for leg in legs {
-        let q = &leg.knots[leg.knots.len() - size..];
+    for (index, leg) in legs.iter().enumerate() {
+        // A leg that steering cut short ends at no waypoint; where it starts says as much about its leaf.
+        let ends_at_waypoint = candidate.is_alive() || index + 1 < legs.len();
+        let at = if ends_at_waypoint { leg.knots.len() - size } else { 0 };
+        let q = &leg.knots[at..at + size];
         model.kinematics.forward(q, &mut scratch.X_WJ);
         let (guard, collision) = (settings.clearance_guard, &mut scratch.collision);
         let contact = model.first_collision_along(transition, &scratch.X_WJ, guard, collision);
@@ -122,33 +126,32 @@ fn certify_leg(
     let size = model.problem.robot.space.size();
     let certificate = certificate_settings(settings, false);
     let pairs = model.pairs(transition, leg.state, carriages);
-    leg.clearance = f64::INFINITY;
-    for start in (0..leg.knots.len() - size).step_by(size) {
-        let (a, b) = (&leg.knots[start..start + size], &leg.knots[start + size..start + 2 * size]);
-        match certify_motion(&model.collision, &model.kinematics, carriages, a, b, pairs, &certificate, scratch) {
-            MotionVerdict::Free { min_clearance_lower_bound } => {
-                leg.clearance = leg.clearance.min(min_clearance_lower_bound);
-            }
-            MotionVerdict::FreeUntil { t, blocked_by } => {
-                candidate.reject(Rejection::MotionBlocked(leg.leg as u8));
-                candidate.blocked_by = blocked_by.map(|c| model.pair_shapes(c.pair));
-                cut(model, carriages, leg, start, t, settings.clearance_guard);
-                return false;
-            }
+    let knots = &leg.knots;
+    match certify_polyline(&model.collision, &model.kinematics, carriages, knots, pairs, &certificate, scratch) {
+        PolylineVerdict::Free { min_clearance_lower_bound } => {
+            leg.clearance = min_clearance_lower_bound;
+            true
+        }
+        PolylineVerdict::FreeUntil { piece, t, blocked_by } => {
+            candidate.rejected = Some(Rejection::MotionBlocked(leg.leg as u8));
+            candidate.blocked_by = blocked_by.map(|c| model.pair_shapes(c.pair));
+            // The proof holds for the prefix; how much more clearance it has is not known of a motion that ends in front of
+            // something.
+            leg.clearance = settings.clearance_guard;
+            cut(model, carriages, leg, piece * size, t);
+            false
         }
     }
-    true
 }
 
 /// Cuts a leg's knots at parameter `t` of the piece that starts at `start`.
-fn cut(model: &PlanningModel, carriages: &[Carriage], leg: &mut PlannedLeg, start: usize, t: f64, guard: f64) {
+fn cut(model: &PlanningModel, carriages: &[Carriage], leg: &mut PlannedLeg, start: usize, t: f64) {
     let space = &model.problem.robot.space;
     let size = space.size();
     if model.interior_program(leg.state).is_ok_and(|interior| interior.program.rows() > 0) {
         // Between the knots of implicit rows a configuration is on the leaf only to within the path tolerance; a node has
         // to be on it exactly.
         leg.knots.truncate(start + size);
-        leg.clearance = leg.clearance.min(guard);
         return;
     }
     let mut end = vec![0.0; size];
@@ -163,9 +166,6 @@ fn cut(model: &PlanningModel, carriages: &[Carriage], leg: &mut PlannedLeg, star
     model.kinematics.carry(&end, carriages, &mut X_WJ);
     model.kinematics.write_back(carriages, &X_WJ, &mut end);
     leg.knots.extend_from_slice(&end);
-    // The proof holds for the prefix; how much more clearance it has is not known of a motion that ends in front of
-    // something.
-    leg.clearance = leg.clearance.min(guard);
 }
 
 /// A prefix shorter than this (weighted metres) is no progress.
@@ -182,18 +182,12 @@ pub fn certify_whole(
     knots: &[f64],
     scratch: &mut CollisionScratch,
 ) -> Option<f64> {
-    let size = model.problem.robot.space.size();
     let pairs = model.pairs(transition, state, carriages);
     let certificate = certificate_settings(settings, true);
-    let mut clearance = f64::INFINITY;
-    for start in (0..knots.len() - size).step_by(size) {
-        let (a, b) = (&knots[start..start + size], &knots[start + size..start + 2 * size]);
-        match certify_motion(&model.collision, &model.kinematics, carriages, a, b, pairs, &certificate, scratch) {
-            MotionVerdict::Free { min_clearance_lower_bound } => clearance = clearance.min(min_clearance_lower_bound),
-            MotionVerdict::FreeUntil { .. } => return None,
-        }
+    match certify_polyline(&model.collision, &model.kinematics, carriages, knots, pairs, &certificate, scratch) {
+        PolylineVerdict::Free { min_clearance_lower_bound } => Some(min_clearance_lower_bound),
+        PolylineVerdict::FreeUntil { .. } => None,
     }
-    Some(clearance)
 }
 
 fn certificate_settings(settings: &SearchSettings, all_or_nothing: bool) -> CertificateSettings {
@@ -202,6 +196,7 @@ fn certificate_settings(settings: &SearchSettings, all_or_nothing: bool) -> Cert
         clearance_guard: settings.clearance_guard,
         all_or_nothing,
         start_is_free: true,
+        prefix_resolution: settings.prefix_resolution,
         ..CertificateSettings::default()
     }
 }

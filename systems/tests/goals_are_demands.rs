@@ -2,6 +2,7 @@
 //! Whoever can meet it in whatever state does; what nobody can meet ends with the reason.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on says so")]
+#![allow(non_snake_case, reason = "pose names carry their frames")]
 
 mod common;
 
@@ -11,10 +12,10 @@ use foliate_components::constraint::{Constraint, Frame, Reference, RelativePose,
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::pose::pose_from_array;
 use foliate_components::problem::{Goal, GraphOptions, NamedConstraint, ObjectOptions, PartialGoal, Problem};
-use foliate_components::robot::{DisabledPair, PartIndex, Robot};
 use foliate_components::roadmap::Roadmap;
+use foliate_components::robot::{DisabledPair, PartIndex, Robot};
 use foliate_components::sample_models::{block, environment, fixed_robot, movable_object, seven_axis_arm, table};
-use foliate_components::sample_problems::{boxes_on_a_table, move_one_box};
+use foliate_components::sample_problems::{boxes_on_a_table, move_one_box, swap_with_crossed_foliations};
 use foliate_systems::conclusion::Roots;
 use foliate_systems::model::PlanningModel;
 use foliate_systems::schedulers::mrrt::Mrrt;
@@ -104,12 +105,8 @@ fn hand_at(problem: &Problem, place: DVec3) -> NamedConstraint {
     let gripper = &problem.robot.grippers[gripper.0 as usize];
     let hand = Frame::on_link(&problem.robot, gripper.link, &gripper.link_from_gripper);
     let rows = [ZERO, ZERO, ZERO, None, None, None];
-    let place = RelativePose {
-        a: Frame::world(Pose::from_translation(place)),
-        b: hand,
-        rows,
-        reference: Reference::Identity,
-    };
+    let place =
+        RelativePose { a: Frame::world(Pose::from_translation(place)), b: hand, rows, reference: Reference::Identity };
     NamedConstraint { name: "hand at the post".into(), constraint: Constraint::RelativePose(place) }
 }
 
@@ -153,10 +150,43 @@ fn an_object_may_be_asked_to_lie_turned_wherever_it_likes() {
     assert!((end[size - 7] - 0.6).abs() < 1e-6 && (end[size - 6] + 0.15).abs() < 1e-6, "box1 was moved: {end:?}");
 }
 
+/// The grasp leaves a turn free and the goal leaves the place free: neither determines the box, both together are solved.
+#[test]
+fn an_object_may_be_asked_to_be_high_up_in_whatever_grasp() {
+    let mut problem = swap_with_crossed_foliations().unwrap();
+    let part = problem.robot.part("box1").unwrap();
+    let root = problem.robot.parts[part.0 as usize].root_joint.unwrap();
+    let rows = [None, None, ZERO, None, None, None];
+    let a = Frame::world(Pose::from_translation(DVec3::Z * 0.4));
+    let high = RelativePose { a, b: Frame::of_joint(root), rows, reference: Reference::Identity };
+    let high = NamedConstraint { name: "high up".into(), constraint: Constraint::RelativePose(high) };
+    problem.goals = vec![Goal::Partial(PartialGoal { constraints: vec![high], ..PartialGoal::default() })];
+    let model = model(problem);
+    let (outcome, search) = search(&model, &Mrrt, seeded(1), 2);
+    assert_eq!(outcome, SearchOutcome::Solved);
+    let states = goal_states(&model, &search);
+    assert!(states.iter().all(|s| s.contains("box1")), "somebody holds it: {states:?}");
+    let height = poses_at(&model, &end_of(&search))[root.at()].translation.z;
+    assert!((height - 0.4).abs() < 1e-5, "it is at {height}");
+}
+
+/// Where the goal wants one object another stands: it has to go, though nobody said where.
+#[test]
+fn an_object_in_the_way_of_a_goal_is_moved() {
+    let mut problem = boxes_on_a_table(&[(0.6, 0.15), (0.6, -0.15)], &[(0.6, 0.15), (0.6, -0.15)]).unwrap();
+    let part = problem.robot.part("box0").unwrap();
+    let there = pose_from_array([0.6, -0.15, 0.031, 0.0, 0.0, 0.0, 1.0]).unwrap();
+    problem.goals = vec![Goal::object_poses(vec![(part, there)])];
+    let (outcome, search) = search(&model(problem), &Mrrt, seeded(1), 2);
+    assert_eq!(outcome, SearchOutcome::Solved);
+    assert!(!search.goal_statistics().blocked_by.is_empty(), "where the start has them they collide");
+}
+
 #[test]
 fn some_joints_may_be_all_that_a_goal_asks_for() {
     let mut problem = move_one_box().unwrap();
-    problem.goals = vec![Goal::Partial(PartialGoal { coordinates: vec![(0, 1.1), (3, 0.9)], ..PartialGoal::default() })];
+    problem.goals =
+        vec![Goal::Partial(PartialGoal { coordinates: vec![(0, 1.1), (3, 0.9)], ..PartialGoal::default() })];
     let (outcome, search) = search(&model(problem), &Mrrt, seeded(1), 1);
     assert_eq!(outcome, SearchOutcome::Solved);
     let end = end_of(&search);
@@ -185,7 +215,12 @@ fn a_goal_that_contradicts_every_state_is_told_with_the_constraint_and_never_tri
     let part = problem.robot.part("box0").unwrap();
     let root = problem.robot.parts[part.0 as usize].root_joint.unwrap();
     let rows = [None, None, ZERO, None, None, None];
-    let low = RelativePose { a: Frame::world(Pose::identity()), b: Frame::of_joint(root), rows, reference: Reference::Identity };
+    let low = RelativePose {
+        a: Frame::world(Pose::identity()),
+        b: Frame::of_joint(root),
+        rows,
+        reference: Reference::Identity,
+    };
     let low = NamedConstraint { name: "sunk in the table".into(), constraint: Constraint::RelativePose(low) };
     let Goal::Partial(mut goal) = in_the_air(part, 0.6) else { panic!() };
     goal.constraints.push(low);

@@ -96,8 +96,7 @@ fn pose(keys: &mut Keys<'_>, item: &Item<'_>, context: &Context<'_>) -> Result<C
     let value =
         keys.optional("value").map_or(Ok(Pose::identity()), |item| or_start(&item, at_start, |item| item.pose()))?;
     let rows = rows(keys, item)?;
-    let reference =
-        if rows.contains(&Some(Row::Parameter)) { Reference::Argument(0) } else { Reference::Identity };
+    let reference = if rows.contains(&Some(Row::Parameter)) { Reference::Argument(0) } else { Reference::Identity };
     Ok(Constraint::RelativePose(RelativePose { a: a.frame.then(&value), b: b.frame, rows, reference }))
 }
 
@@ -112,7 +111,9 @@ fn rows(keys: &mut Keys<'_>, item: &Item<'_>) -> Result<Rows, SceneError> {
     };
     let said = |i: usize| usize::from(zero[i]) + usize::from(parameters[i]) + usize::from(bounded[i]);
     if let Some(i) = (0..6).find(|&i| said(i) > 1) {
-        return Err(item.error(format!("row {} is asked for twice", ROWS[i])).hint("a row is zero, a parameter, or bounded"));
+        return Err(item
+            .error(format!("row {} is asked for twice", ROWS[i]))
+            .hint("a row is zero, a parameter, or bounded"));
     }
     if (0..6).all(|i| said(i) == 0) {
         return Err(item.error("no row is asked for"));
@@ -134,7 +135,8 @@ fn rows(keys: &mut Keys<'_>, item: &Item<'_>) -> Result<Rows, SceneError> {
 fn distance(keys: &mut Keys<'_>, item: &Item<'_>, context: &Context<'_>) -> Result<Constraint, SceneError> {
     let (b, a) = two_frames(keys, item, context.robot)?;
     let at_start = (b.in_world(&context.bodies).translation - a.in_world(&context.bodies).translation).length();
-    let asked = [("length", Row::Zero, false), ("at_least", Row::Inequality, false), ("at_most", Row::Inequality, true)];
+    let asked =
+        [("length", Row::Zero, false), ("at_least", Row::Inequality, false), ("at_most", Row::Inequality, true)];
     let given: Vec<_> =
         asked.into_iter().filter_map(|(key, row, at_most)| Some((keys.optional(key)?, row, at_most))).collect();
     let [(length, row, at_most)] = &given[..] else {
@@ -142,7 +144,9 @@ fn distance(keys: &mut Keys<'_>, item: &Item<'_>, context: &Context<'_>) -> Resu
     };
     let value = or_start(length, at_start, |item| item.distance())?;
     if value <= 0.0 {
-        return Err(length.error("is not positive").hint("for points that coincide take a `pose` with mask 1 1 1 0 0 0"));
+        return Err(length
+            .error("is not positive")
+            .hint("for points that coincide take a `pose` with mask 1 1 1 0 0 0"));
     }
     Ok(Constraint::Distance(Distance { a: a.frame, b: b.frame, length: value, row: *row, at_most: *at_most }))
 }

@@ -52,7 +52,7 @@ fn on_link(link: LinkIndex, link_from_frame: &Pose, robot: &Robot) -> ReadFrame 
 fn link(item: &Item<'_>, robot: &Robot) -> Result<LinkIndex, SceneError> {
     let name = item.string()?;
     let known = || robot.links.iter().map(|l| l.name.as_str());
-    robot.link(name).ok_or_else(|| {
-        item.error(format!("there is no link `{}`", quoted(name))).hint(did_you_mean(name, known()))
-    })
+    robot
+        .link(name)
+        .ok_or_else(|| item.error(format!("there is no link `{}`", quoted(name))).hint(did_you_mean(name, known())))
 }

@@ -4,9 +4,7 @@ use super::constraint::{Context, or_start};
 use super::frame::{ReadFrame, frame};
 use crate::scene::error::{SceneError, did_you_mean, quoted};
 use crate::scene::keys::{Item, Keys};
-use foliate_components::constraint::{
-    CentreOfMass, CentreOfMassBetween, Constraint, Masses, PlaneRow, Reference, Row,
-};
+use foliate_components::constraint::{CentreOfMass, CentreOfMassBetween, Constraint, Masses, PlaneRow, Reference, Row};
 use foliate_components::robot::{PartIndex, Robot};
 use glam::{DVec2, DVec3};
 
@@ -111,8 +109,7 @@ fn above(item: &Item<'_>, margin: f64) -> Result<Vec<PlaneRow>, SceneError> {
     if !(3..=CORNERS).contains(&list.len()) {
         return Err(item.error(format!("{} corners are given, 3 to {CORNERS} are read", list.len())));
     }
-    let corners: Vec<DVec2> =
-        list.iter().map(|p| p.array("x y").map(DVec2::from_array)).collect::<Result<_, _>>()?;
+    let corners: Vec<DVec2> = list.iter().map(|p| p.array("x y").map(DVec2::from_array)).collect::<Result<_, _>>()?;
     let rows = sides(&corners).ok_or_else(|| {
         item.error("is no convex polygon").hint("give its corners in order, counter-clockwise seen from +z")
     })?;

@@ -11,9 +11,8 @@ const TRANSITIONS: usize = 10_000;
 
 /// Reads what names constraints; the constraints themselves are in `options` already.
 pub(super) fn read(keys: &mut Keys<'_>, options: &mut GraphOptions) -> Result<(), SceneError> {
-    let constraints = |item: &Item<'_>, known: &[NamedConstraint]| {
-        several(item, known.iter().map(|c| c.name.as_str()), "constraint")
-    };
+    let constraints =
+        |item: &Item<'_>, known: &[NamedConstraint]| several(item, known.iter().map(|c| c.name.as_str()), "constraint");
     if let Some(item) = keys.optional("everywhere") {
         options.everywhere = constraints(&item, &options.constraints)?;
     }

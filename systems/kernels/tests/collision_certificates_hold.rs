@@ -4,7 +4,7 @@
 
 mod collision_models;
 
-use collision_models::{at, bench, place, random_configuration};
+use collision_models::{always_colliding, at, bench, place, random_configuration};
 use foliate_components::Pose;
 use foliate_components::robot::{JointIndex, Robot};
 use foliate_kernels::collision::{
@@ -87,28 +87,6 @@ impl Bench {
     fn certify(&self, a: &[f64], b: &[f64], settings: &CertificateSettings, s: &mut CollisionScratch) -> MotionVerdict {
         certify_motion(&self.scene, &self.kinematics, &self.carriages, a, b, &self.pairs, settings, s)
     }
-}
-
-/// Link pairs that overlap at random configurations nearly always, as an SRDF would list them.
-fn always_colliding(robot: &Robot) -> Vec<foliate_components::robot::DisabledPair> {
-    let (scene, kinematics) = (CollisionScene::new(robot, &PairRule::default()), Kinematics::new(robot));
-    let mut rng = ChaCha8Rng::seed_from_u64(1);
-    let mut hits = vec![0; scene.pairs().len()];
-    let mut X_WJ = vec![Pose::IDENTITY; kinematics.bodies()];
-    for _ in 0..100 {
-        let q = random_configuration(robot, &mut rng);
-        kinematics.forward(&q, &mut X_WJ);
-        for (index, hit) in hits.iter_mut().enumerate() {
-            let id = foliate_kernels::collision::PairId(index as u32);
-            let ask = foliate_kernels::collision::Ask::exact(1e-3);
-            let mut hint = glam::DVec3::ZERO;
-            *hit += i32::from(foliate_kernels::collision::pair_clearance(&scene, id, &X_WJ, ask, &mut hint) < 1e-3);
-        }
-    }
-    let link = |shape: foliate_components::robot::ShapeIndex| scene.solids()[shape.at()].link;
-    let often = scene.pairs().iter().zip(hits).filter(|&(_, hits)| hits > 50);
-    let disabled = |first, second| foliate_components::robot::DisabledPair { first, second, reason: "always".into() };
-    often.map(|(pair, _)| disabled(link(pair.first), link(pair.second))).collect()
 }
 
 #[test]

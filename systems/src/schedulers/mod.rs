@@ -13,7 +13,8 @@ pub trait Scheduler: Send + Sync {
     fn name(&self) -> &'static str;
 
     /// The systems of one step, in their sets. `world` is the one in which they will run, with all resources in place: a
-    /// scheduler may add its own there.
+    /// scheduler may add its own there. One that leaves out [`crate::goals::draw_more_goals`] has only those
+    /// configurations of partial goals that were found before the first step.
     fn schedule(&self, world: &mut World) -> Schedule;
 }
 

@@ -2,7 +2,9 @@
 
 use super::Scheduler;
 use crate::schedule::{SearchSet, empty_schedule};
-use crate::{commit, conclusion, connection, feedback, goals, projection, rendezvous, sampling, selection, steering, validation};
+use crate::{
+    commit, conclusion, connection, feedback, goals, projection, rendezvous, sampling, selection, steering, validation,
+};
 use bevy_ecs::prelude::{IntoScheduleConfigs, Schedule, World};
 
 /// Random trees from the start and every goal, grown leaf by leaf through regular and crossed transitions.
@@ -29,12 +31,7 @@ impl Scheduler for Mrrt {
             (connection::propose_connections, connection::certify_connections, commit::commit_connections)
                 .chain()
                 .in_set(SearchSet::Connect),
-            (
-                conclusion::conclude,
-                conclusion::report_progress,
-                feedback::report_feedback,
-                conclusion::report_solution,
-            )
+            (conclusion::conclude, conclusion::report_progress, feedback::report_feedback, conclusion::report_solution)
                 .chain()
                 .in_set(SearchSet::Conclude),
         ));

@@ -68,8 +68,8 @@ pub enum MotionVerdict {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Level {
     intervals: Vec<Interval>,
-    runs: Vec<Run>,
-    pairs: Vec<u32>,
+    pub(super) runs: Vec<Run>,
+    pub(super) pairs: Vec<u32>,
 }
 
 /// [k, k + 1] · width, and its runs.
@@ -82,20 +82,21 @@ struct Interval {
 
 /// Open pairs of one group.
 #[derive(Clone, Copy, Debug)]
-struct Run {
+pub(super) struct Run {
     active: u32,
     start: u32,
     end: u32,
 }
 
 impl Level {
-    fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         self.intervals.clear();
         self.runs.clear();
         self.pairs.clear();
     }
 
-    fn fill(&mut self, scene: &CollisionScene, pairs: &PairSet) {
+    /// Every pair is open.
+    pub(super) fn fill(&mut self, scene: &CollisionScene, pairs: &PairSet) {
         self.clear();
         for (active, group) in pairs.moving.iter().enumerate() {
             let group = &scene.groups[group.group as usize];
@@ -103,13 +104,26 @@ impl Level {
             self.pairs.extend(group.start..group.end);
             self.runs.push(Run { active: active as u32, start, end: self.pairs.len() as u32 });
         }
+    }
+
+    /// Appends some runs of another level, with their pairs.
+    pub(super) fn copy(&mut self, other: &Self, runs: std::ops::Range<u32>) {
+        for run in &other.runs[runs.start as usize..runs.end as usize] {
+            let start = self.pairs.len() as u32;
+            self.pairs.extend_from_slice(&other.pairs[run.start as usize..run.end as usize]);
+            self.runs.push(Run { start, end: self.pairs.len() as u32, ..*run });
+        }
+    }
+
+    /// All runs belong to one interval, the whole motion.
+    fn span_the_motion(&mut self) {
         self.intervals.push(Interval { k: 0, start: 0, end: self.runs.len() as u32 });
     }
 }
 
 /// Proves clearance along the straight motion from `q_a` to `q_b` (in the sense of the configuration space: joints
 /// linearly, roots linearly and on the quaternion geodesic), with carried objects following. `carriages` must be those of
-/// `pairs`. A polyline is one call per segment.
+/// `pairs`. For polylines there is [`super::polyline::certify_polyline`].
 ///
 /// Containment in closed meshes is not asked along the way: by continuity it cannot begin without touching, so the
 /// caller asks [`super::verdict::first_collision`] at the start.
@@ -132,54 +146,47 @@ pub fn certify_motion(
     if !q_a[..size].iter().chain(&q_b[..size]).all(|x| x.is_finite()) {
         return MotionVerdict::FreeUntil { t: 0.0, blocked_by: None };
     }
-    scratch.prepare(scene, pairs, q_a, q_b);
-    let mut proof = Proof {
-        scene,
-        kinematics,
-        carriages,
-        motion: (q_a, q_b),
-        pairs,
-        settings,
-        width: 1.0,
-        limit: 1.0,
-        blocked_by: None,
-        blocked: false,
-        min_clearance: f64::INFINITY,
-        samples: 0,
-    };
-    proof.run(scratch);
+    scratch.forget_hints(scene);
+    scratch.level.fill(scene, pairs);
+    let mut proof = Proof::new((scene, kinematics, carriages), pairs, settings);
+    proof.prove_straight((q_a, q_b), scratch);
     proof.verdict()
 }
 
 impl CollisionScratch {
     fn prepare(&mut self, scene: &CollisionScene, pairs: &PairSet, q_a: &[f64], q_b: &[f64]) {
+        self.make_room(scene);
+        scene.space.difference(q_a, q_b, &mut self.delta);
+        self.bound.begin(scene, pairs, q_a, &self.delta);
+    }
+
+    /// Buffers for one configuration.
+    pub(super) fn make_room(&mut self, scene: &CollisionScene) {
         self.q.clear();
         self.q.resize(scene.space.size(), 0.0);
         self.delta.clear();
         self.delta.resize(scene.space.dimension(), 0.0);
         self.X_WJ.clear();
         self.X_WJ.resize(scene.bodies(), foliate_components::Pose::IDENTITY);
-        scene.space.difference(q_a, q_b, &mut self.delta);
-        self.bound.begin(scene, pairs, q_a, &self.delta);
-        self.forget_hints(scene);
     }
 }
 
-struct Proof<'a> {
-    scene: &'a CollisionScene,
-    kinematics: &'a Kinematics,
-    carriages: &'a [Carriage],
+/// What has been found out about a motion so far.
+pub(super) struct Proof<'a> {
+    pub(super) scene: &'a CollisionScene,
+    pub(super) kinematics: &'a Kinematics,
+    pub(super) carriages: &'a [Carriage],
     motion: (&'a [f64], &'a [f64]),
-    pairs: &'a PairSet,
-    settings: &'a CertificateSettings,
+    pub(super) pairs: &'a PairSet,
+    pub(super) settings: &'a CertificateSettings,
     /// Of the intervals being looked at.
     width: f64,
     /// Nothing beyond is of interest.
-    limit: f64,
-    blocked_by: Option<Contact>,
-    blocked: bool,
-    min_clearance: f64,
-    samples: u32,
+    pub(super) limit: f64,
+    pub(super) blocked_by: Option<Contact>,
+    pub(super) blocked: bool,
+    pub(super) min_clearance: f64,
+    pub(super) samples: u32,
 }
 
 /// What became of a pair in an interval.
@@ -192,11 +199,35 @@ enum Outcome {
     Doubtful(Contact),
 }
 
-impl Proof<'_> {
-    fn run(&mut self, scratch: &mut CollisionScratch) {
+impl<'a> Proof<'a> {
+    pub(super) fn new(
+        (scene, kinematics, carriages): (&'a CollisionScene, &'a Kinematics, &'a [Carriage]),
+        pairs: &'a PairSet,
+        settings: &'a CertificateSettings,
+    ) -> Self {
+        Self {
+            scene,
+            kinematics,
+            carriages,
+            motion: (&[], &[]),
+            pairs,
+            settings,
+            width: 1.0,
+            limit: 1.0,
+            blocked_by: None,
+            blocked: false,
+            min_clearance: f64::INFINITY,
+            samples: 0,
+        }
+    }
+
+    /// Looks into a straight motion, at the pairs that `scratch.level` holds.
+    pub(super) fn prove_straight(&mut self, motion: (&'a [f64], &'a [f64]), scratch: &mut CollisionScratch) {
+        scratch.prepare(self.scene, self.pairs, motion.0, motion.1);
+        self.motion = motion;
         let mut level = std::mem::take(&mut scratch.level);
         let mut next = std::mem::take(&mut scratch.next_level);
-        level.fill(self.scene, self.pairs);
+        level.span_the_motion();
         while !level.intervals.is_empty() && !self.given_up() {
             next.clear();
             for interval in 0..level.intervals.len() {
@@ -211,7 +242,7 @@ impl Proof<'_> {
         (scratch.level, scratch.next_level) = (level, next);
     }
 
-    fn given_up(&self) -> bool {
+    pub(super) fn given_up(&self) -> bool {
         self.limit <= 0.0 || (self.blocked && self.settings.all_or_nothing)
     }
 
@@ -257,7 +288,9 @@ impl Proof<'_> {
         scratch.bound.look_at(self.scene, &scratch.X_WJ, 0.5 * self.width);
     }
 
-    fn look_at_run(
+    /// Looks at the pairs of a run at the sample `middle` of an interval that begins at `left`; what stays open goes to
+    /// `next`.
+    pub(super) fn look_at_run(
         &mut self,
         run: &Run,
         open: &[u32],
@@ -340,7 +373,7 @@ impl Proof<'_> {
         }
     }
 
-    fn cut(&mut self, t: f64, contact: Option<Contact>) {
+    pub(super) fn cut(&mut self, t: f64, contact: Option<Contact>) {
         self.blocked = true;
         if t < self.limit {
             self.limit = t;

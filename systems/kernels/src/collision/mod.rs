@@ -1,8 +1,8 @@
 //! Clearance: exact distances, verdicts of configurations, certificates of motions (DESIGN §5.5).
 //!
 //! A [`scene::CollisionScene`] holds what never changes; a [`pairs::PairSet`] what matters on one leaf;
-//! [`verdict::first_collision`] judges one configuration and [`certificate::certify_motion`] a straight motion over the
-//! continuum. Cheap bounds come first: balls of bodies, balls and capsules of shapes, then GJK or the meshes' trees.
+//! [`verdict::first_collision`] judges one configuration, [`certificate::certify_motion`] a straight motion over the
+//! continuum and [`polyline::certify_polyline`] many of them in a row. Cheap bounds come first: balls of bodies, balls and capsules of shapes, then GJK or the meshes' trees.
 //! Nothing is ever called free that is not proved so: in doubt, in collision.
 
 mod attachment;
@@ -15,6 +15,7 @@ mod mesh_distance;
 pub mod mesh_tree;
 mod pair_rule;
 pub mod pairs;
+pub mod polyline;
 pub mod scene;
 mod scratch;
 mod simplex;
@@ -25,6 +26,7 @@ pub use certificate::{CertificateSettings, MotionVerdict, certify_motion};
 pub use distance::{Ask, Solid, clearance};
 pub use pair_rule::PairRule;
 pub use pairs::PairSet;
+pub use polyline::{PolylineVerdict, certify_polyline};
 pub use scene::{CollisionScene, Pair, PairId};
 pub use scratch::CollisionScratch;
 pub use verdict::{Contact, contained, first_collision, min_clearance, pair_clearance};

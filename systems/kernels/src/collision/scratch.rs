@@ -2,6 +2,7 @@
 
 use super::bounds::Ball;
 use super::certificate::Level;
+use super::polyline::PolylineScratch;
 use super::scene::{CollisionScene, PairId};
 use super::velocity_bound::MotionBound;
 use foliate_components::Pose;
@@ -18,6 +19,7 @@ pub struct CollisionScratch {
     pub(super) bound: MotionBound,
     pub(super) level: Level,
     pub(super) next_level: Level,
+    pub(super) polyline: PolylineScratch,
     /// By pair: the direction that separated it last, within one query.
     pub(super) hints: Vec<DVec3>,
 }

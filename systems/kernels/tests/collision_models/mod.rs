@@ -10,9 +10,11 @@
 use foliate_components::Pose;
 use foliate_components::robot::model::{JointKind, JointModel, LinkModel, Model};
 use foliate_components::robot::shape::{Geometry, Mesh};
-use foliate_components::robot::{PartKind, PartPlacement, Robot, RootJoint};
+use foliate_components::robot::{DisabledPair, PartKind, PartPlacement, Robot, RootJoint, ShapeIndex};
+use foliate_kernels::collision::{Ask, CollisionScene, PairId, PairRule, pair_clearance};
+use foliate_kernels::kinematics::Kinematics;
 use glam::{DQuat, DVec3};
-use rand::{Rng, RngExt};
+use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
@@ -276,4 +278,26 @@ pub fn random_configuration(robot: &Robot, rng: &mut impl Rng) -> Vec<f64> {
     let mut q = robot.space.neutral();
     robot.space.random(rng, &mut q);
     q
+}
+
+/// Link pairs that overlap at random configurations nearly always, as an SRDF would list them.
+pub fn always_colliding(robot: &Robot) -> Vec<DisabledPair> {
+    let (scene, kinematics) = (CollisionScene::new(robot, &PairRule::default()), Kinematics::new(robot));
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let mut hits = vec![0; scene.pairs().len()];
+    let mut X_WJ = vec![Pose::IDENTITY; kinematics.bodies()];
+    for _ in 0..100 {
+        let q = random_configuration(robot, &mut rng);
+        kinematics.forward(&q, &mut X_WJ);
+        for (index, hit) in hits.iter_mut().enumerate() {
+            let id = PairId(index as u32);
+            let ask = Ask::exact(1e-3);
+            let mut hint = DVec3::ZERO;
+            *hit += i32::from(pair_clearance(&scene, id, &X_WJ, ask, &mut hint) < 1e-3);
+        }
+    }
+    let link = |shape: ShapeIndex| scene.solids()[shape.at()].link;
+    let often = scene.pairs().iter().zip(hits).filter(|&(_, hits)| hits > 50);
+    let disabled = |first, second| DisabledPair { first, second, reason: "always".into() };
+    often.map(|(pair, _)| disabled(link(pair.first), link(pair.second))).collect()
 }
