@@ -35,7 +35,8 @@ pub const MOST_STATES: usize = 20_000;
 pub enum GraphError {
     #[error(
         "{grippers} grippers and {handles} handles make more than {MOST_STATES} states; \
-         name the grasps that may occur (`grasps` or `rules` in the scene)"
+         name the grasps that may occur (`grasps` or `rules` in the scene), \
+         and no more supports that move than are needed"
     )]
     TooManyStates { grippers: usize, handles: usize },
     #[error(
@@ -236,12 +237,13 @@ impl<'a> Builder<'a> {
 
     /// P1 Algorithm 1, MAKESTATE, for each of the problem's own states and each way to lie.
     fn make_states(&mut self, grasps: &Grasps) -> Result<(), GraphError> {
-        let ways = self.ways_to_lie(grasps, |_| None);
+        let handles = self.options.objects.iter().map(|o| o.handles.len()).sum();
+        let too_many = GraphError::TooManyStates { grippers: self.options.grippers.len(), handles };
+        let ways = self.ways_to_lie(grasps, |_| None).ok_or_else(|| too_many.clone())?;
         for written in 0..self.options.states.len().max(1) {
             for lying in &ways {
                 if self.graph.states.len() >= MOST_STATES {
-                    let handles = self.options.objects.iter().map(|o| o.handles.len()).sum();
-                    return Err(GraphError::TooManyStates { grippers: self.options.grippers.len(), handles });
+                    return Err(too_many);
                 }
                 self.make_state(Case { written, grasps: grasps.clone(), lying: lying.clone() });
             }
@@ -258,7 +260,8 @@ impl<'a> Builder<'a> {
     }
 
     /// Every way in which the objects that nothing holds may lie, none on itself by way of others; `known` fixes bodies.
-    fn ways_to_lie(&self, grasps: &Grasps, known: impl Fn(usize) -> Option<Option<JointIndex>>) -> Vec<Lying> {
+    /// `None` where there are more ways than a graph may have states.
+    fn ways_to_lie(&self, grasps: &Grasps, known: impl Fn(usize) -> Option<Option<JointIndex>>) -> Option<Vec<Lying>> {
         let held = self.held(grasps);
         let mut ways = vec![(held.clone(), vec![None; self.bodies.len()])];
         for (object, bodies) in self.bodies.iter().enumerate() {
@@ -276,12 +279,12 @@ impl<'a> Builder<'a> {
                     }
                 }
                 if longer.len() > MOST_STATES {
-                    break;
+                    return None;
                 }
             }
             ways = longer;
         }
-        ways.into_iter().map(|(_, lying)| lying).collect()
+        Some(ways.into_iter().map(|(_, lying)| lying).collect())
     }
 
     fn make_state(&mut self, case: Case) {
@@ -445,7 +448,7 @@ impl<'a> Builder<'a> {
     fn states_with(&self, case: &Case, grasps: Grasps) -> Vec<StateId> {
         let before = self.held(&case.grasps);
         let lies = |object: usize| (!before.is_carried(object)).then(|| case.lying[object]);
-        let ways = self.ways_to_lie(&grasps, lies);
+        let ways = self.ways_to_lie(&grasps, lies).unwrap_or_default();
         let id = |lying| {
             let case = Case { written: case.written, grasps: grasps.clone(), lying };
             self.state_ids.get(&case).copied()

@@ -268,3 +268,14 @@ fn written_states_multiply_with_grasps() {
         assert!(graph.transition_named(name).is_some(), "{name}");
     }
 }
+
+#[test]
+fn heaps_that_nobody_could_search_are_refused_too() {
+    // Any of eight boxes may lie on any other.
+    let places: Vec<(f64, f64)> = (0..8).map(|i| (0.5 + 0.1 * f64::from(i % 4), 0.1 * f64::from(i / 4))).collect();
+    let mut problem = boxes_on_a_table(&places, &places).unwrap();
+    let tops = (0..8).map(|i| problem.robot.surface(&format!("box{i}/top")).unwrap());
+    problem.graph.supports.extend(tops.collect::<Vec<_>>());
+    let error = build_constraint_graph(&problem).unwrap_err();
+    assert!(error.to_string().contains("no more supports that move"), "{error}");
+}
