@@ -15,4 +15,4 @@ pub use foliate_systems as systems;
 /// The SIMD level of the arithmetic; results are equal bit for bit only at one level.
 pub const SIMD_LEVEL: &str = "scalar";
 
-pub use planner::{FunnelRow, Planner, Report, Solution};
+pub use planner::{FunnelRow, GoalReport, Planner, Report, Solution, StateRow};

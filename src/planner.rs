@@ -1,9 +1,12 @@
 //! The facade: a problem in, a certified path or a reason out.
 
-use foliate_components::graph::ConstraintGraph;
-use foliate_components::outcome::{SearchOutcome, TransitionStatistics};
+use foliate_components::graph::{ConstraintGraph, StateId, TransitionId};
+use foliate_components::outcome::{
+    BlockingParts, GoalStatistics, Prior, SearchOutcome, StateStatistics, TransitionStatistics,
+};
 use foliate_components::path::ManipulationPath;
 use foliate_components::problem::Problem;
+use foliate_components::robot::PartIndex;
 use foliate_systems::events::{CancelToken, EventSink, SearchEvent, StopSignal};
 use foliate_systems::model::{Model, ModelError, PlanningModel};
 use foliate_systems::schedulers::{self, Scheduler, mrrt::Mrrt};
@@ -59,6 +62,10 @@ pub struct Report {
     pub path_length: Option<f64>,
     /// What became of the candidates, by transition.
     pub funnel: Vec<FunnelRow>,
+    /// What the search has of the states that it has reached or started from.
+    pub states: Vec<StateRow>,
+    /// What became of the tries to find configurations for goals that leave something free.
+    pub goals: GoalReport,
 }
 
 /// One transition's row of the funnel.
@@ -68,8 +75,32 @@ pub struct FunnelRow {
     pub transition: String,
     /// Counts.
     pub statistics: TransitionStatistics,
+    /// How often a candidate reached the target, by Laplace's rule.
+    pub success_rate: f64,
+    /// How often the waypoints of a candidate could be projected, by Laplace's rule.
+    pub projection_rate: f64,
     /// Pairs of shapes that stopped candidates, most frequent first.
     pub blocked_by: Vec<(String, String, u64)>,
+    /// The same by parts: which object was in the way.
+    pub blocking_parts: Vec<(String, String, u64)>,
+}
+
+/// One state's row.
+#[derive(Clone, Debug)]
+pub struct StateRow {
+    /// Name of the state.
+    pub state: String,
+    /// Counts.
+    pub statistics: StateStatistics,
+}
+
+/// How the goals that leave something free fared.
+#[derive(Clone, Debug, Default)]
+pub struct GoalReport {
+    /// Counts.
+    pub statistics: GoalStatistics,
+    /// Pairs of parts that collided, most frequent first.
+    pub blocking_parts: Vec<(String, String, u64)>,
 }
 
 impl Planner {
@@ -195,6 +226,11 @@ impl Planner {
         let counter = search.counter();
         let funnel = search.statistics().into_iter().filter(|(_, s)| s.attempts > 0);
         let funnel = funnel.map(|(id, statistics)| self.funnel_row(id, statistics)).collect();
+        let states = search.states().into_iter().filter(|(_, s)| *s != StateStatistics::default());
+        let name = |state: StateId| self.model.graph.state(state).name.clone();
+        let states = states.map(|(id, statistics)| StateRow { state: name(id), statistics }).collect();
+        let statistics = search.goal_statistics().clone();
+        let blocking_parts = self.part_names(&statistics.blocking_parts(&self.model.problem.robot));
         let roadmap = search.roadmap();
         Report {
             solve_time: Duration::ZERO,
@@ -207,18 +243,28 @@ impl Planner {
             fingerprint: roadmap.fingerprint(),
             path_length: path.map(|p| p.segments.iter().map(|s| self.model.length(&s.knots.concat())).sum()),
             funnel,
+            states,
+            goals: GoalReport { statistics, blocking_parts },
         }
     }
 
-    fn funnel_row(
-        &self,
-        transition: foliate_components::graph::TransitionId,
-        statistics: TransitionStatistics,
-    ) -> FunnelRow {
+    fn funnel_row(&self, transition: TransitionId, statistics: TransitionStatistics) -> FunnelRow {
         let shape = |s: foliate_components::robot::ShapeIndex| self.model.problem.robot.shapes[s.at()].name.clone();
         let mut blocked_by: Vec<_> =
             statistics.blocked_by.iter().map(|(&(a, b), &n)| (shape(a), shape(b), n)).collect();
         blocked_by.sort_by(|x, y| y.2.cmp(&x.2).then_with(|| x.cmp(y)));
-        FunnelRow { transition: self.model.graph.transition(transition).name.clone(), statistics, blocked_by }
+        FunnelRow {
+            transition: self.model.graph.transition(transition).name.clone(),
+            success_rate: statistics.success_rate(Prior::default()),
+            projection_rate: statistics.projection_rate(Prior::default()),
+            blocking_parts: self.part_names(&statistics.blocking_parts(&self.model.problem.robot)),
+            statistics,
+            blocked_by,
+        }
+    }
+
+    fn part_names(&self, pairs: &[BlockingParts]) -> Vec<(String, String, u64)> {
+        let name = |part: PartIndex| self.model.problem.robot.parts[part.0 as usize].name.clone();
+        pairs.iter().map(|pair| (name(pair.first), name(pair.second), pair.count)).collect()
     }
 }

@@ -48,7 +48,7 @@ fn the_example_loads_as_the_page_says() {
     assert_eq!(problem.goals.len(), 3);
     let Goal::Configuration(whole) = &problem.goals[0] else { panic!("the first goal is whole") };
     assert_eq!((whole[0], whole[19]), (0.1, 0.2));
-    assert!(matches!(&problem.goals[1], Goal::ObjectPoses(poses) if poses.len() == 2));
+    assert!(matches!(&problem.goals[1], Goal::Partial(goal) if goal.poses.len() == 2));
     let sum = scene.warnings.iter().find(|w| w.message.contains("differs")).expect("the sum differs");
     assert_eq!(sum.element, "sha256.demo/box.urdf");
 }

@@ -12,7 +12,7 @@ fn assert_within_bounds(scene: &Scene) {
     let names = coordinate_names(&problem.robot);
     let whole = problem.goals.iter().filter_map(|g| match g {
         Goal::Configuration(q) => Some(q),
-        Goal::ObjectPoses(_) => None,
+        Goal::Partial(_) => None,
     });
     for q in std::iter::once(&problem.start).chain(whole) {
         let out = problem.robot.space.first_out_of_bounds(q, 0.0);

@@ -26,12 +26,8 @@ fn configurations(model: &PlanningModel, count: usize) -> Vec<Vec<f64>> {
 fn lying(model: &PlanningModel) -> Vec<Carriage> {
     let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
     model.kinematics.forward(&model.problem.start, &mut X_WJ);
-    let carriage = |object: &foliate_systems::model::ObjectModel| Carriage {
-        object: object.root,
-        carrier: None,
-        X_CO: X_WJ[object.root.at()],
-    };
-    model.objects().iter().map(carriage).collect()
+    let roots = model.objects().iter().filter_map(|object| object.root);
+    roots.map(|object| Carriage { object, carrier: None, X_CO: X_WJ[object.at()] }).collect()
 }
 
 fn bench_scene(c: &mut Criterion, name: &str, model: &PlanningModel) {

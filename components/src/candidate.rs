@@ -1,7 +1,7 @@
 //! Candidates: extensions under way. A fixed pool of them is spawned once; systems change their fields.
 
 use crate::graph::{StateId, TransitionId};
-use crate::leaf::{Parameter, ParameterId};
+use crate::leaf::{LeafId, Parameter, ParameterId};
 use crate::outcome::Rejection;
 use crate::roadmap::{ComponentId, NodeId};
 use crate::robot::ShapeIndex;
@@ -21,8 +21,9 @@ pub struct Candidate {
     pub near: Option<NodeId>,
     /// The transition that is tried (T).
     pub transition: Option<TransitionId>,
-    /// For a crossed transition: the parameter drawn from the leaves of other trees.
-    pub drawn: Option<ParameterId>,
+    /// For a crossed transition: the leaf of another tree that is aimed at; the values of the rows that the transition
+    /// adds are taken from it.
+    pub drawn: Option<LeafId>,
     /// Why nothing more is to be done for it.
     pub rejected: Option<Rejection>,
     /// The pair of shapes that stopped it.

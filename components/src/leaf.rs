@@ -35,15 +35,23 @@ impl ParameterId {
     }
 }
 
-/// The value of one foliating constraint: how its object hangs on what carries it.
+/// The value of one foliating constraint.
+///
+/// | constraint | `carrier` | `value` |
+/// |---|---|---|
+/// | placement, rest | the body that carries the object | pose of the object's root joint frame in the carrier's joint frame |
+/// | grasp by a handle on the object's root | the gripper's body | the same |
+/// | grasp of a handle on any other body | the gripper's body | pose of the handle in the gripper, its free rows at zero |
+/// | resting joint | – | a translation whose x is the joint's value, radians or metres |
+/// | the problem's own | – | the argument that its parameter rows are measured against |
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
     /// Whose complement this is a value of.
     pub constraint: ConstraintId,
-    /// The body that carries the object; `None` for the world.
+    /// The body on which an object hangs; `None` for the world, and where nothing hangs.
     pub carrier: Option<JointIndex>,
-    /// Pose of the object's root joint frame in the carrier's joint frame (or in the world).
-    pub carrier_from_object: Pose,
+    /// The value; lengths in metres.
+    pub value: Pose,
 }
 
 /// A leaf: a state and one parameter for each of its foliating constraints, in the order of `State::foliation`.
@@ -77,7 +85,7 @@ impl LeafIndex {
     /// and the same leaf in both. Linear in the parameters met so far: not for the search itself.
     pub fn intern_parameter(&mut self, parameter: Parameter, tolerance: f64) -> ParameterId {
         let near = |other: &Parameter| {
-            let (a, b) = (&parameter.carrier_from_object, &other.carrier_from_object);
+            let (a, b) = (&parameter.value, &other.value);
             other.constraint == parameter.constraint
                 && other.carrier == parameter.carrier
                 && a.translation.distance(b.translation) <= tolerance

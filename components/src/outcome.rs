@@ -1,6 +1,6 @@
 //! How extensions and searches end, with reasons (P0 §III-A asks for this feedback; HPP keeps part of it).
 
-use crate::robot::ShapeIndex;
+use crate::robot::{PartIndex, Robot, ShapeIndex};
 use std::collections::BTreeMap;
 
 /// Why a candidate gave no motion, or only part of one.
@@ -60,6 +60,30 @@ impl Rejection {
     }
 }
 
+/// What is believed of a rate before anything was tried: as if `successes` of `attempts` had succeeded already.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prior {
+    /// Imagined successes.
+    pub successes: f64,
+    /// Imagined attempts; more of them make the rate trust its counts later.
+    pub attempts: f64,
+}
+
+impl Default for Prior {
+    /// Laplace's rule of succession: one success in two attempts.
+    fn default() -> Self {
+        Self { successes: 1.0, attempts: 2.0 }
+    }
+}
+
+impl Prior {
+    /// The rate after `successes` of `attempts`, in [0, 1] where the prior's own is.
+    #[must_use]
+    pub fn rate(self, successes: u64, attempts: u64) -> f64 {
+        (successes as f64 + self.successes) / (attempts as f64 + self.attempts)
+    }
+}
+
 /// What became of the candidates that tried a transition.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "ecs", derive(bevy_ecs::prelude::Component))]
@@ -83,6 +107,95 @@ impl TransitionStatistics {
         if let Some(pair) = blocked_by {
             *self.blocked_by.entry(pair).or_default() += 1;
         }
+    }
+
+    /// How often a candidate reaches the target: the action's success rate (P0 §III-A).
+    #[must_use]
+    pub fn success_rate(&self, prior: Prior) -> f64 {
+        prior.rate(self.reached, self.attempts)
+    }
+
+    /// How often the waypoints of a candidate that came so far could be projected (P0 §III-A): low where the action is
+    /// geometrically hard whatever stands around.
+    #[must_use]
+    pub fn projection_rate(&self, prior: Prior) -> f64 {
+        let count = |which: fn(&Rejection) -> bool| {
+            self.rejections.iter().filter(|(reason, _)| which(reason)).map(|(_, n)| n).sum::<u64>()
+        };
+        let failed = count(|reason| matches!(reason, Rejection::ProjectionFailed(_)));
+        let untried = count(|reason| matches!(reason, Rejection::NoLeafToAimAt | Rejection::Stopped));
+        let tried = self.attempts.saturating_sub(untried);
+        prior.rate(tried.saturating_sub(failed), tried)
+    }
+
+    /// Pairs of parts that stopped candidates, most frequent first: which object is in the way of the transition.
+    #[must_use]
+    pub fn blocking_parts(&self, robot: &Robot) -> Vec<BlockingParts> {
+        by_parts(&self.blocked_by, robot)
+    }
+}
+
+/// Two parts, and how often shapes of them stopped something.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BlockingParts {
+    /// One part; never greater than the other.
+    pub first: PartIndex,
+    /// The other; the same where a part collides with itself.
+    pub second: PartIndex,
+    /// How often.
+    pub count: u64,
+}
+
+/// Sums counts by pairs of shapes into counts by pairs of parts: the most frequent first, ties by part.
+fn by_parts(pairs: &BTreeMap<(ShapeIndex, ShapeIndex), u64>, robot: &Robot) -> Vec<BlockingParts> {
+    let part = |shape: ShapeIndex| robot.links[robot.shapes[shape.at()].link.at()].part;
+    let mut counts = BTreeMap::<(PartIndex, PartIndex), u64>::new();
+    for (&(a, b), count) in pairs {
+        let (a, b) = (part(a), part(b));
+        *counts.entry((a.min(b), a.max(b))).or_default() += count;
+    }
+    let mut sums: Vec<_> =
+        counts.into_iter().map(|((first, second), count)| BlockingParts { first, second, count }).collect();
+    sums.sort_by_key(|pair| std::cmp::Reverse(pair.count));
+    sums
+}
+
+/// What the search has of a state.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "ecs", derive(bevy_ecs::prelude::Component))]
+pub struct StateStatistics {
+    /// Roadmap nodes in it, roots included.
+    pub nodes: u64,
+    /// Leaves of it that have been reached.
+    pub leaves: u64,
+    /// Candidates that started from a node in it.
+    pub extended: u64,
+    /// Motions in it that were tried between two trees (P1 Alg. 3).
+    pub connections_tried: u64,
+    /// Those of them that joined two trees.
+    pub connections_made: u64,
+}
+
+/// What became of the tries to find configurations for goals that leave something free.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct GoalStatistics {
+    /// Configurations that were tried.
+    pub tries: u64,
+    /// Configurations that became goals.
+    pub found: u64,
+    /// Projections onto a state and the goal that did not converge.
+    pub projection_failed: u64,
+    /// Configurations that lay outside some bounds, or in no state.
+    pub refused: u64,
+    /// Pairs of shapes that collided, and how often.
+    pub blocked_by: BTreeMap<(ShapeIndex, ShapeIndex), u64>,
+}
+
+impl GoalStatistics {
+    /// Pairs of parts that collided in configurations for a goal, most frequent first.
+    #[must_use]
+    pub fn blocking_parts(&self, robot: &Robot) -> Vec<BlockingParts> {
+        by_parts(&self.blocked_by, robot)
     }
 }
 

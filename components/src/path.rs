@@ -1,5 +1,7 @@
 //! What a search answers: a manipulation path, leg by leg, with what holds along each and what was proven.
 
+use crate::Pose;
+use crate::constraint::Constraint;
 use crate::graph::{StateId, TransitionId};
 use crate::robot::{GripperIndex, HandleIndex, JointIndex, SurfaceIndex};
 
@@ -21,8 +23,22 @@ pub struct Segment {
     pub state: StateId,
     /// What holds or carries each object; the first attachment of an object is its carrier.
     pub attachments: Vec<Attachment>,
+    /// What else holds along the motion: objects on a plane, joints at rest, the problem's own constraints.
+    pub constraints: Vec<PathConstraint>,
     /// Whole configurations, one row per knot, at least two.
     pub knots: Vec<Vec<f64>>,
+}
+
+/// A constraint that holds along a segment besides its attachments.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PathConstraint {
+    /// For output and messages.
+    pub name: String,
+    /// What is demanded; parameter rows are measured against `argument`.
+    pub constraint: Constraint,
+    /// The leaf's value for the parameter rows, in the form of a solve's argument (a locked joint's value is the x of the
+    /// translation); `None` where there are none.
+    pub argument: Option<Pose>,
 }
 
 /// What an object hangs on during a segment.
@@ -30,7 +46,7 @@ pub struct Segment {
 pub enum Attachment {
     /// A gripper holds one of its handles.
     Grasp {
-        /// Root joint of the object.
+        /// Root joint of the object; of a part that is fixed in the world the joint that moves the held link.
         object: JointIndex,
         /// Who holds.
         gripper: GripperIndex,

@@ -40,8 +40,27 @@ pub struct Margin {
 pub enum Goal {
     /// A whole configuration.
     Configuration(Vec<f64>),
-    /// Only the poses of these objects' root links in the world; everything else is free.
-    ObjectPoses(Vec<(PartIndex, Pose)>),
+    /// Every configuration, in any state of the graph, in which these demands hold.
+    Partial(PartialGoal),
+}
+
+/// What is demanded of a goal; everything else is free. Demands add up: all of them hold in every goal.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PartialGoal {
+    /// Poses of these movable objects' root links in the world.
+    pub poses: Vec<(PartIndex, Pose)>,
+    /// Numbers of a configuration, by index: metres or radians. Of a quaternion all four are named or none.
+    pub coordinates: Vec<(usize, f64)>,
+    /// Constraints: a hand at a place, an object upright. Rows that are parameters demand nothing of a goal.
+    pub constraints: Vec<NamedConstraint>,
+}
+
+impl Goal {
+    /// Only where objects shall be: poses of their root links in the world.
+    #[must_use]
+    pub fn object_poses(poses: Vec<(PartIndex, Pose)>) -> Self {
+        Self::Partial(PartialGoal { poses, ..PartialGoal::default() })
+    }
 }
 
 /// What the constraint graph is built from (P1 §II-A).
@@ -170,6 +189,6 @@ pub struct Rule {
 
 impl Default for Goal {
     fn default() -> Self {
-        Self::ObjectPoses(Vec::new())
+        Self::Partial(PartialGoal::default())
     }
 }

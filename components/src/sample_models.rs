@@ -2,7 +2,7 @@
 
 use crate::Pose;
 use crate::pose::rotation_from_rpy;
-use crate::robot::model::{GripperModel, HandleModel, JointKind, JointModel, LinkModel, Model, SurfaceModel};
+use crate::robot::model::{GripperModel, HandleModel, Inertial, JointKind, JointModel, LinkModel, Model, SurfaceModel};
 use crate::robot::shape::Geometry;
 use crate::robot::{PartKind, PartPlacement, RootJoint};
 use glam::{DQuat, DVec3};
@@ -108,6 +108,69 @@ pub fn two_finger_hand() -> Model {
     model.joints =
         vec![slide("left_finger", 1, None), slide("right_finger", 2, Some(("left_finger".into(), -1.0, 0.0)))];
     model
+}
+
+/// A humanoid of 58 kg for a free-flyer root: two legs of six joints, a waist, two arms of seven, all revolute, every link
+/// with a mass. Standing upright the pelvis is 0.9 m above the ankles' frames. Names are `l_` or `r_` and `hip_yaw`,
+/// `hip_roll`, `hip_pitch`, `knee`, `ankle_pitch`, `ankle_roll`, `shoulder_pitch`, `shoulder_roll`, `shoulder_yaw`,
+/// `elbow`, `wrist_yaw`, `wrist_pitch`, `wrist_roll`; grippers `l_hand` and `r_hand`, x along the fingers.
+#[must_use]
+pub fn humanoid() -> Model {
+    let heavy = |name: &str, mass: f64, center: DVec3| LinkModel {
+        inertial: Some(Inertial { mass, center }),
+        ..link(name, vec![(Pose::from_translation(center), Geometry::Sphere { radius: 0.06 })])
+    };
+    let mut model = Model { name: "humanoid".into(), ..Model::default() };
+    model.links.push(heavy("pelvis", 9.0, DVec3::new(0.0, 0.0, 0.05)));
+    let mut chain = |parent: usize, prefix: &str, joints: &[LimbJoint]| {
+        let mut parent = parent;
+        for &(name, origin, axis, limits, mass, center) in joints {
+            let (name, child) = (format!("{prefix}{name}"), model.links.len());
+            model.links.push(heavy(&format!("{name}_link"), mass, center));
+            let pose = Pose::from_translation(origin);
+            model.joints.push(JointModel { axis, ..revolute(&name, parent, child, pose, limits) });
+            parent = child;
+        }
+        parent
+    };
+    let waist = [("waist", DVec3::Z * 0.1, DVec3::Z, (-1.0, 1.0), 16.0, DVec3::new(0.01, 0.0, 0.2))];
+    let torso = chain(0, "", &waist);
+    for (prefix, side) in [("l_", 1.0), ("r_", -1.0)] {
+        chain(0, prefix, &leg(side));
+        chain(torso, prefix, &arm(side));
+        let palm = Pose::from_parts(DVec3::Z * -0.12, DQuat::from_rotation_y(FRAC_PI_2));
+        model.grippers.push(gripper(&format!("{prefix}hand"), &format!("{prefix}wrist_roll_link"), palm, 0.03));
+    }
+    model
+}
+
+/// Name, origin in the parent, axis, limits, mass of the link beyond, its centre.
+type LimbJoint = (&'static str, DVec3, DVec3, (f64, f64), f64, DVec3);
+
+fn leg(side: f64) -> [LimbJoint; 6] {
+    let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
+    [
+        ("hip_yaw", DVec3::new(0.0, 0.09 * side, -0.04), z, (-0.6, 0.6), 1.2, z * -0.01),
+        ("hip_roll", z * -0.02, x, (-0.5, 0.5), 1.5, DVec3::new(0.01, 0.0, -0.02)),
+        ("hip_pitch", DVec3::ZERO, y, (-1.9, 0.7), 4.5, DVec3::new(0.0, 0.01 * side, -0.18)),
+        ("knee", z * -0.42, y, (-0.02, 2.4), 2.8, DVec3::new(0.01, 0.0, -0.17)),
+        ("ankle_pitch", z * -0.42, y, (-1.3, 0.7), 0.4, DVec3::ZERO),
+        ("ankle_roll", DVec3::ZERO, x, (-0.5, 0.5), 0.9, DVec3::new(0.03, 0.0, -0.06)),
+    ]
+}
+
+fn arm(side: f64) -> [LimbJoint; 7] {
+    let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
+    let outwards = if side > 0.0 { (-0.3, 2.6) } else { (-2.6, 0.3) };
+    [
+        ("shoulder_pitch", DVec3::new(0.0, 0.2 * side, 0.35), y, (-2.8, 1.5), 1.0, DVec3::Y * 0.02 * side),
+        ("shoulder_roll", DVec3::ZERO, x, outwards, 0.8, z * -0.03),
+        ("shoulder_yaw", z * -0.1, z, (-2.0, 2.0), 1.5, z * -0.08),
+        ("elbow", z * -0.18, y, (-2.3, 0.0), 0.8, z * -0.05),
+        ("wrist_yaw", z * -0.12, z, (-2.0, 2.0), 0.6, z * -0.06),
+        ("wrist_pitch", z * -0.13, y, (-1.2, 1.2), 0.2, DVec3::ZERO),
+        ("wrist_roll", DVec3::ZERO, x, (-0.8, 0.8), 0.3, z * -0.07),
+    ]
 }
 
 /// A box with its origin in the middle; `size` is its whole extent, metres.

@@ -7,9 +7,12 @@
 //!
 //! [`check`] answers with a [`CheckReport`], or with a [`CheckError`] where the file or a model cannot be read.
 
+mod articulation;
 mod attachments;
+mod balance;
 mod carriers;
 mod clearance;
+mod constraint;
 mod distance;
 mod documents;
 mod enclosure;
@@ -99,6 +102,7 @@ pub fn check(
     for (index, segment) in file.segments.iter().enumerate() {
         let motion = SegmentMotion::new(&world, segment, index, &attachments[index])?;
         carriers::check(&motion, file, &mut report);
+        articulation::check(&motion, file, &mut report);
         leaf::check(&motion, file, &frames, &attachments[index], &mut report, &mut work)?;
         let thresholds = pairs.thresholds(&world, &attachments, index);
         tester.check(&motion, &thresholds, &mut report, &mut work);

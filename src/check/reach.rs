@@ -91,13 +91,40 @@ impl Reach {
         levers
     }
 
-    /// Joints between two frames, and the length of the whole way between their origins, given how far the frames are
-    /// from their bodies' origins: no axis is farther from either frame.
-    pub(super) fn way(&self, a: (Option<usize>, f64), b: (Option<usize>, f64)) -> (Vec<usize>, f64) {
-        let chains = self.between(a.0, b.0);
-        let length: f64 = chains.iter().flatten().map(|&body| self.lengths[body].0 + self.lengths[body].1).sum();
-        let joints = chains.iter().flatten().filter_map(|&body| self.joints[body]);
-        (joints.filter(|&j| self.travel[j].is_some()).collect(), length + a.1 + b.1)
+    /// Moving joints from one frame outwards to a point that is within a distance of its body's origin (or of the
+    /// world's), each with the longest that the point can be from its axis.
+    fn outwards(&self, from: Option<usize>, point: (Option<usize>, f64)) -> Vec<Lever> {
+        let [near, far] = self.between(from, point.0);
+        let mut reach = point.1;
+        let mut levers = Vec::new();
+        let moving = |body: usize| self.joints[body].filter(|&j| self.travel[j].is_some());
+        // From the point back to where the way turns down, and on to the frame.
+        for &body in &far {
+            let (before, after) = self.lengths[body];
+            levers.extend(moving(body).map(|joint| Lever { joint, reach: reach + after }));
+            reach += after + before;
+        }
+        for &body in near.iter().rev() {
+            let (before, after) = self.lengths[body];
+            levers.extend(moving(body).map(|joint| Lever { joint, reach: reach + before }));
+            reach += before + after;
+        }
+        levers.reverse();
+        levers
+    }
+
+    /// How fast and how bent the way of a point is, read from a frame: see [`Bends`].
+    pub(super) fn bends(&self, from: Option<usize>, point: (Option<usize>, f64), knots: usize) -> Bends {
+        let mut bends = Bends::still(knots);
+        for lever in self.outwards(from, point) {
+            let Some(travel) = &self.travel[lever.joint] else { continue };
+            for knot in 0..bends.turn.len() {
+                let turn = travel.turn[knot + 1] - travel.turn[knot];
+                let shift = travel.shift[knot + 1] - travel.shift[knot];
+                bends.add(knot, turn, shift, lever.reach);
+            }
+        }
+        bends
     }
 
     /// How far two solids have moved against each other at most, from the first knot to each knot. Metres.
@@ -111,16 +138,49 @@ impl Reach {
         }
         movement
     }
+}
 
-    /// Sum of the travels of joints, radians and metres alike, from the first knot to each knot.
-    pub(super) fn total(&self, joints: &[usize], knots: usize) -> Vec<f64> {
-        let mut total = vec![0.0; knots];
-        for travel in joints.iter().filter_map(|&j| self.travel[j].as_ref()) {
-            for (sum, (turn, shift)) in total.iter_mut().zip(travel.turn.iter().zip(&travel.shift)) {
-                *sum += turn + shift;
-            }
-        }
-        total
+/// Bounds on how a point moves against a frame from each knot to the next, per whole interval: with the joints between
+/// them read outwards, ‖p″‖ ≤ Σᵢⱼ|Δᵢ||Δⱼ|cᵢⱼ, where cᵢⱼ is, for i inside j or the same, the distance of the point from
+/// axis j if both turn, 1 if only i turns, 0 if i shifts.
+#[derive(Clone, Debug)]
+pub(super) struct Bends {
+    /// ‖p′‖, metres.
+    pub speed: Vec<f64>,
+    /// ‖p″‖, metres.
+    pub point: Vec<f64>,
+    /// Sum of the turns, radians.
+    pub turn: Vec<f64>,
+    /// Sum of turns and shifts, radians and metres.
+    pub travel: Vec<f64>,
+}
+
+impl Bends {
+    /// Of what does not move.
+    pub(super) fn still(knots: usize) -> Self {
+        let zeros = vec![0.0; knots.saturating_sub(1)];
+        Self { speed: zeros.clone(), point: zeros.clone(), turn: zeros.clone(), travel: zeros }
+    }
+
+    /// A further joint, outside those that were added before.
+    fn add(&mut self, knot: usize, turn: f64, shift: f64, reach: f64) {
+        let swing = turn * reach + shift;
+        // A root's shift may be outside its turn: twice their product is never too little.
+        self.point[knot] += turn * turn * reach + 2.0 * turn * shift + 2.0 * self.turn[knot] * swing;
+        self.speed[knot] += swing;
+        self.turn[knot] += turn;
+        self.travel[knot] += turn + shift;
+    }
+
+    /// The sum of two motions, the other times a factor; turns and travels are the larger ones.
+    pub(super) fn plus(mut self, factor: f64, other: &Self) -> Self {
+        let sum = |a: &mut Vec<f64>, b: &[f64]| a.iter_mut().zip(b).for_each(|(a, b)| *a += factor * b);
+        sum(&mut self.speed, &other.speed);
+        sum(&mut self.point, &other.point);
+        let most = |a: &mut Vec<f64>, b: &[f64]| a.iter_mut().zip(b).for_each(|(a, b)| *a = a.max(*b));
+        most(&mut self.turn, &other.turn);
+        most(&mut self.travel, &other.travel);
+        self
     }
 }
 

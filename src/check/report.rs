@@ -31,6 +31,8 @@ pub enum Kind {
     PlacedObjectMoved,
     /// An object that hangs on nothing moves.
     UnattachedObjectMoved,
+    /// A joint of an object moves while nobody holds what is beyond it.
+    JointUnheld,
     /// A handle is not in its gripper.
     Grasp,
     /// A handle slips in its gripper.
@@ -121,6 +123,7 @@ impl Kind {
             Self::ObjectOffCarrier => "object-off-carrier",
             Self::PlacedObjectMoved => "placed-object-moved",
             Self::UnattachedObjectMoved => "unattached-object-moved",
+            Self::JointUnheld => "joint-unheld",
             Self::Grasp => "grasp",
             Self::GraspConstancy => "grasp-constancy",
             Self::Placement => "placement",
@@ -145,7 +148,9 @@ impl Kind {
             Self::SharedKnot | Self::QuaternionNorm | Self::QuaternionSign | Self::EnvironmentMoves | Self::Times => {
                 Section::Knots
             }
-            Self::ObjectOffCarrier | Self::PlacedObjectMoved | Self::UnattachedObjectMoved => Section::Carriers,
+            Self::ObjectOffCarrier | Self::PlacedObjectMoved | Self::UnattachedObjectMoved | Self::JointUnheld => {
+                Section::Carriers
+            }
             Self::Grasp
             | Self::GraspConstancy
             | Self::Placement

@@ -2,16 +2,34 @@
 //!
 //! An error is the norm of a vector function of the place along the segment: masked rows of a position, a unit vector
 //! less where it should be, a unit quaternion less its reference. Between two places it is at most the larger of both
-//! values plus ⅛ sup‖f″‖ (the error of linear interpolation), and with S the sum of the travels of all joints between
-//! the frames, ‖f″‖ ≤ c·S²: c is max(R, 1) for a position, R being longer than any distance from such a joint to the
-//! point; 1 for a unit vector; ¼ for a quaternion, which turns at half the speed. Intervals are halved until the bound
-//! decides.
+//! values plus ⅛ sup‖f″‖ (the error of linear interpolation); [`Bends`] bounds ‖f″‖. Intervals are halved until the bound
+//! decides. So a step from one solution branch of a closed chain to another is refused however well both knots fit: in
+//! between the chain is open, and no bound says otherwise.
 
 use super::Work;
 use super::motion::{At, SegmentMotion};
+use super::reach::Bends;
 use super::report::{CheckReport, Kind, Place};
 use foliate_components::Pose;
 use glam::{DQuat, DVec3};
+
+/// What is measured along a segment, and how far it can be off between two samples.
+pub(super) trait Quantity {
+    /// What is kept of a place.
+    type Sample: Copy;
+
+    /// Measures at a place.
+    fn sample(&self, at: At) -> Self::Sample;
+
+    /// How far a sample is off, metres or radians.
+    fn error(&self, sample: Self::Sample) -> f64;
+
+    /// An upper bound of the error between two samples that are `share` of the way from `knot` to the next one apart.
+    fn bound(&self, knot: usize, share: f64, ends: [Self::Sample; 2]) -> f64;
+
+    /// What is travelled from a knot to the next, radians and metres.
+    fn travel(&self, knot: usize) -> f64;
+}
 
 /// A vector whose norm is bounded, and what that norm means.
 pub(super) enum Form {
@@ -61,33 +79,53 @@ impl Form {
         self.error(self.norm(pose))
     }
 
-    /// c in ‖f″‖ ≤ c·S²; `length` is the way between the frames, and the point's distance from the frame is added.
-    fn curvature(&self, length: f64) -> f64 {
+    /// ‖f″‖ over the way from a knot to the next; a quaternion turns at half the speed.
+    fn bend(&self, bends: &Bends, knot: usize) -> f64 {
+        let turn = bends.turn[knot];
         match self {
-            Self::Rows { .. } => length.max(1.0),
-            Self::Height { point, .. } | Self::Outside { point, .. } => (length + point.length()).max(1.0),
-            Self::Direction { .. } => 1.0,
-            Self::Rotation { .. } => 0.25,
+            Self::Rows { .. } => bends.point[knot],
+            Self::Height { point, .. } | Self::Outside { point, .. } => {
+                bends.point[knot] + point.length() * turn * turn
+            }
+            Self::Direction { .. } => turn * turn,
+            Self::Rotation { .. } => 0.25 * turn * turn,
         }
     }
 }
 
-/// A relation to be proved along a segment.
+/// A form of a relative pose along a segment.
+pub(super) struct Formed<'f> {
+    pub form: &'f Form,
+    pub pose: &'f dyn Fn(At) -> Pose,
+    pub bends: &'f Bends,
+}
+
+impl Quantity for Formed<'_> {
+    type Sample = f64;
+
+    fn sample(&self, at: At) -> f64 {
+        self.form.norm(&(self.pose)(at))
+    }
+
+    fn error(&self, norm: f64) -> f64 {
+        self.form.error(norm)
+    }
+
+    fn bound(&self, knot: usize, share: f64, [a, b]: [f64; 2]) -> f64 {
+        self.form.error(a.max(b) + self.form.bend(self.bends, knot) * share * share / 8.0)
+    }
+
+    fn travel(&self, knot: usize) -> f64 {
+        self.bends.travel[knot]
+    }
+}
+
+/// What is to be proved, for people.
+#[derive(Clone, Copy)]
 pub(super) struct Relation<'r> {
     pub kind: Kind,
     pub subject: &'r str,
     pub tolerance: f64,
-    /// Errors with their names.
-    pub forms: Vec<(&'static str, Form)>,
-}
-
-/// The relative pose along a segment, and how fast it changes.
-pub(super) struct Relative<'r> {
-    pub pose: &'r dyn Fn(At) -> Pose,
-    /// Sum of the travels between the frames, from the first knot to each knot.
-    pub travel: Vec<f64>,
-    /// Length of the way between the frames, metres.
-    pub length: f64,
 }
 
 /// Intervals over which more than this is travelled are halved whatever the bound says: the quaternion's sign is
@@ -95,46 +133,46 @@ pub(super) struct Relative<'r> {
 const LONGEST: f64 = 0.5;
 /// An interval whose bound adds less than this share of the tolerance is not halved further.
 const FINEST: f64 = 1e-6;
+/// Nor is one that is this share of the way between two knots.
+const SHORTEST: f64 = 1e-12;
 
-/// Proves a relation over the whole segment, or reports where it does not hold.
-pub(super) fn prove(
+/// Proves that a quantity stays within the tolerance over the whole segment, or reports where it does not.
+pub(super) fn prove<Q: Quantity>(
     motion: &SegmentMotion<'_>,
-    relative: &Relative<'_>,
+    quantity: &Q,
+    what: &str,
     relation: &Relation<'_>,
     report: &mut CheckReport,
     work: &mut Work,
 ) {
-    for (what, form) in &relation.forms {
-        let mut prover = Prover { motion, relative, relation, what, form, report, work };
-        let mut before = prover.sample(At::knot(0));
-        for knot in 0..motion.last() {
-            let after = prover.sample(At::knot(knot + 1));
-            prover.interval(knot, before, after);
-            before = after;
-        }
+    let mut prover = Prover { motion, quantity, what, relation, report, work };
+    let mut before = prover.sample(At::knot(0));
+    for knot in 0..motion.last() {
+        let after = prover.sample(At::knot(knot + 1));
+        prover.interval(knot, before, after);
+        before = after;
     }
 }
 
-struct Prover<'p, 'r> {
+struct Prover<'p, Q> {
     motion: &'p SegmentMotion<'p>,
-    relative: &'p Relative<'r>,
-    relation: &'p Relation<'r>,
-    what: &'static str,
-    form: &'p Form,
+    quantity: &'p Q,
+    what: &'p str,
+    relation: &'p Relation<'p>,
     report: &'p mut CheckReport,
     work: &'p mut Work,
 }
 
-impl Prover<'_, '_> {
+impl<Q: Quantity> Prover<'_, Q> {
     fn subject(&self) -> String {
         format!("{}: {}", self.relation.subject, self.what)
     }
 
-    /// The norm at a place; reports an error that is too large.
-    fn sample(&mut self, at: At) -> f64 {
+    /// Measures at a place; reports an error that is too large.
+    fn sample(&mut self, at: At) -> Q::Sample {
         self.report.counts.residual_samples += 1;
-        let norm = self.form.norm(&(self.relative.pose)(at));
-        let error = self.form.error(norm);
+        let sample = self.quantity.sample(at);
+        let error = self.quantity.error(sample);
         // Compared so that NaN is too large.
         let fine = error <= self.relation.tolerance;
         if !fine {
@@ -142,7 +180,7 @@ impl Prover<'_, '_> {
         }
         let subject = format_args!("{}: {}", self.relation.subject, self.what);
         self.report.see_residual(error, self.motion.index, at.t(), || subject.to_string());
-        norm
+        sample
     }
 
     fn violate(&mut self, t: f64, error: f64) {
@@ -150,21 +188,20 @@ impl Prover<'_, '_> {
         self.report.violate(place, self.relation.kind, self.subject(), error, self.relation.tolerance);
     }
 
-    fn interval(&mut self, knot: usize, before: f64, after: f64) {
-        let travel = self.relative.travel[knot + 1] - self.relative.travel[knot];
-        let curvature = self.form.curvature(self.relative.length);
+    fn interval(&mut self, knot: usize, before: Q::Sample, after: Q::Sample) {
+        let (travel, tolerance) = (self.quantity.travel(knot), self.relation.tolerance);
         let mut stack = vec![(0.0, before, 1.0, after)];
         while let Some((low, at_low, high, at_high)) = stack.pop() {
-            let travelled = travel * (high - low);
-            let swell = curvature * travelled * travelled / 8.0;
-            let largest = at_low.max(at_high);
-            let bound = self.form.error(largest + swell);
-            if travelled <= LONGEST && bound <= self.relation.tolerance {
+            let share: f64 = high - low;
+            let bound = self.quantity.bound(knot, share, [at_low, at_high]);
+            let short = travel * share <= LONGEST;
+            if short && bound <= tolerance {
                 self.report.residual_bound = self.report.residual_bound.max(bound);
                 continue;
             }
+            let largest = self.quantity.error(at_low).max(self.quantity.error(at_high));
             // Written so that NaN is too large.
-            let fine = self.form.error(largest) <= self.relation.tolerance;
+            let fine = largest <= tolerance;
             if !fine {
                 return; // reported when it was sampled
             }
@@ -173,7 +210,7 @@ impl Prover<'_, '_> {
                 self.report.violate(place, Kind::Undecided, "the work limit is reached", None, None);
                 return;
             }
-            if swell <= FINEST * self.relation.tolerance && travelled <= LONGEST {
+            if (short && bound - largest <= FINEST * tolerance) || share <= SHORTEST {
                 self.violate(knot as f64 + low, bound); // in doubt, broken
                 return;
             }

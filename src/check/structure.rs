@@ -2,7 +2,7 @@
 
 use super::CheckError;
 use super::models::shown;
-use crate::path_file::{HandleEntry, PathFile, PoseRow, SegmentEntry, SurfaceEntry};
+use crate::path_file::{ConstraintEntry, HandleEntry, PathFile, PoseRow, SegmentEntry, SurfaceEntry};
 use std::collections::HashSet;
 
 /// Most parts of a file.
@@ -161,15 +161,8 @@ fn segment(file: &PathFile, index: usize, entry: &SegmentEntry) -> Checked {
             return number(row[column], || format!("{}[{column}]", place()));
         }
     }
-    for (number, constraint) in entry.constraints.iter().enumerate() {
-        let place = || format!("segments[{index}].constraints[{number}]");
-        if let Some(value) = &constraint.value {
-            pose(value, || format!("{}.value", place()))?;
-        }
-        let fine = constraint.tolerance >= 0.0 && constraint.tolerance <= LARGEST;
-        if !fine {
-            return refuse(format!("{}.tolerance", place()), format!("{} is no tolerance", constraint.tolerance));
-        }
+    for (number, entry) in entry.constraints.iter().enumerate() {
+        constraint(entry, &format!("segments[{index}].constraints[{number}]"))?;
     }
     match &entry.times {
         Some(times) if times.len() != entry.knots.len() => {
@@ -181,5 +174,37 @@ fn segment(file: &PathFile, index: usize, entry: &SegmentEntry) -> Checked {
             None => Ok(()),
         },
         None => Ok(()),
+    }
+}
+
+fn constraint(entry: &ConstraintEntry, place: &str) -> Checked {
+    if let Some(value) = &entry.value {
+        pose(value, || format!("{place}.value"))?;
+    }
+    for (key, frame) in [("frame", &entry.frame), ("to", &entry.to)] {
+        if let Some(within) = frame.as_ref().and_then(|f| f.parts().1) {
+            pose(within, || format!("{place}.{key}.pose"))?;
+        }
+    }
+    for (key, value) in [("height", entry.height), ("length", entry.length), ("position", entry.position)] {
+        number(value.unwrap_or_default(), || format!("{place}.{key}"))?;
+    }
+    for (index, plane) in entry.planes.iter().enumerate() {
+        number(plane.offset, || format!("{place}.planes[{index}].offset"))?;
+        let length = glam::DVec3::from_array(plane.normal).length();
+        let unit = (length - 1.0).abs() <= UNIT;
+        if !unit {
+            return refuse(format!("{place}.planes[{index}].normal"), format!("has length {length}, not 1"));
+        }
+    }
+    unique(&format!("{place}.parts"), "part", entry.parts.iter().map(String::as_str))?;
+    let (mask, sided) = (entry.mask.unwrap_or_default(), entry.inequality.unwrap_or_default());
+    if mask.iter().zip(sided).any(|(counts, sided)| sided && !counts) {
+        return refuse(format!("{place}.inequality"), "has rows that the mask leaves out");
+    }
+    let fine = entry.tolerance >= 0.0 && entry.tolerance <= LARGEST;
+    match fine {
+        true => Ok(()),
+        false => refuse(format!("{place}.tolerance"), format!("{} is no tolerance", entry.tolerance)),
     }
 }

@@ -188,7 +188,7 @@ fn watch(events: &crossbeam_channel::Receiver<SearchEvent>, bar: &ProgressBar) {
                 ));
                 bar.tick();
             }
-            Ok(SearchEvent::Rejected { .. } | SearchEvent::Solved { .. }) => {}
+            Ok(SearchEvent::Rejected { .. } | SearchEvent::Feedback(_) | SearchEvent::Solved { .. }) => {}
             Err(crossbeam_channel::RecvTimeoutError::Timeout) => bar.tick(),
             Err(crossbeam_channel::RecvTimeoutError::Disconnected) => return,
         }

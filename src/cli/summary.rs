@@ -4,7 +4,7 @@ use super::solve::SearchArguments;
 use super::story;
 use foliate::components::outcome::{Rejection, SearchOutcome};
 use foliate::scene::Scene;
-use foliate::{FunnelRow, Planner, Solution};
+use foliate::{FunnelRow, GoalReport, Planner, Solution, StateRow};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::time::Duration;
@@ -117,6 +117,7 @@ pub(crate) fn json(loaded: &Loaded<'_>, search: &SearchArguments, solution: &Sol
         })
     });
     let funnel: Vec<Value> = report.funnel.iter().map(funnel_json).collect();
+    let states: Vec<Value> = report.states.iter().map(state_json).collect();
     json!({
         "scene": loaded.scene.problem.name,
         "seed": search.seed,
@@ -137,6 +138,8 @@ pub(crate) fn json(loaded: &Loaded<'_>, search: &SearchArguments, solution: &Sol
         "path_length": report.path_length,
         "roadmap": format!("{:016x}", report.fingerprint),
         "funnel": funnel,
+        "states": states,
+        "goals": goals_json(&report.goals),
         "certificate": certificate,
     })
 }
@@ -153,7 +156,33 @@ fn funnel_json(row: &FunnelRow) -> Value {
         "attempts": s.attempts,
         "reached": s.reached,
         "partial": s.partial,
+        "success_rate": row.success_rate,
+        "projection_rate": row.projection_rate,
         "rejections": rejections,
         "blocked_by": row.blocked_by,
+        "blocking_parts": row.blocking_parts,
+    })
+}
+
+fn state_json(row: &StateRow) -> Value {
+    let s = row.statistics;
+    json!({
+        "state": row.state,
+        "nodes": s.nodes,
+        "leaves": s.leaves,
+        "extended": s.extended,
+        "connections_tried": s.connections_tried,
+        "connections_made": s.connections_made,
+    })
+}
+
+fn goals_json(goals: &GoalReport) -> Value {
+    let s = &goals.statistics;
+    json!({
+        "tries": s.tries,
+        "found": s.found,
+        "projection_failed": s.projection_failed,
+        "refused": s.refused,
+        "blocking_parts": goals.blocking_parts,
     })
 }

@@ -3,10 +3,12 @@
 //! The models and this file are all that is needed to play a path back or to prove it again. Numbers are written so that
 //! they read back bit for bit; a file holds neither clock times nor thread counts, so that it does not depend on them.
 
+mod constraint;
 mod place;
 pub mod save;
 mod write;
 
+pub use constraint::{Bound, ConstraintEntry, FrameEntry, PlaneEntry};
 pub use write::{PathContext, write_path};
 
 use serde::{Deserialize, Serialize};
@@ -139,7 +141,7 @@ pub struct SegmentEntry {
 /// What an object hangs on: a gripper by a handle, a support by a surface, or nothing but its place.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct AttachmentEntry {
-    /// The part.
+    /// The part, or `part/link` of an articulated one.
     pub object: String,
     /// Who holds it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -155,24 +157,6 @@ pub struct AttachmentEntry {
     pub support: Option<String>,
     /// Whether the object follows this attachment rigidly.
     pub carrier: bool,
-}
-
-/// A relative-pose constraint along a segment.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ConstraintEntry {
-    /// `pose`, `centre_of_mass`, ….
-    pub kind: String,
-    /// The link whose pose is constrained.
-    pub frame: String,
-    /// The link in which it is.
-    pub to: String,
-    /// Constrained rows.
-    pub mask: [bool; 6],
-    /// The pose of `frame` in `to`; without it the first knot is the reference.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub value: Option<PoseRow>,
-    /// Bound of the error, metres and radians.
-    pub tolerance: f64,
 }
 
 /// What was proven over the continuum.

@@ -1,5 +1,6 @@
 //! From a planned path to its file.
 
+use super::constraint::entries;
 use super::{
     AttachmentEntry, CertificateEntry, Documents, FORMAT, GripperEntry, HandleEntry, PartEntry, PathFile, PoseRow,
     SegmentEntry, SurfaceEntry,
@@ -7,7 +8,7 @@ use super::{
 use crate::scene::coordinate_names;
 use foliate_components::Pose;
 use foliate_components::graph::ConstraintGraph;
-use foliate_components::path::{Attachment, ManipulationPath};
+use foliate_components::path::{Attachment, ManipulationPath, Segment};
 use foliate_components::pose::pose_to_array;
 use foliate_components::problem::Problem;
 use foliate_components::robot::{JointIndex, LinkIndex, Part, PartKind, Robot, RootJoint};
@@ -36,6 +37,8 @@ pub fn write_path(context: &PathContext<'_>, path: &ManipulationPath) -> PathFil
     let problem = context.problem;
     let robot = &problem.robot;
     let link = |l: LinkIndex| robot.links[l.at()].name.clone();
+    let tolerance = path.certificate.path_tolerance;
+    let constraints = |s: &Segment| s.constraints.iter().flat_map(|c| entries(robot, c, tolerance)).collect();
     PathFile {
         format: FORMAT.into(),
         scene: problem.name.clone(),
@@ -60,7 +63,7 @@ pub fn write_path(context: &PathContext<'_>, path: &ManipulationPath) -> PathFil
                 transition: context.graph.transition(s.transition).name.clone(),
                 state: context.graph.state(s.state).name.clone(),
                 attachments: s.attachments.iter().filter_map(|a| attachment_entry(robot, a)).collect(),
-                constraints: Vec::new(),
+                constraints: constraints(s),
                 knots: s.knots.clone(),
                 times: None,
             })

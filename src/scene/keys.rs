@@ -175,9 +175,14 @@ impl<'f> Item<'f> {
 
     /// Six values, each 0, 1, false or true.
     pub fn mask(&self) -> Result<[bool; 6], SceneError> {
+        self.flags("tx ty tz rx ry rz")
+    }
+
+    /// Values that are each 0, 1, false or true.
+    pub fn flags<const N: usize>(&self, what: &str) -> Result<[bool; N], SceneError> {
         let values = self.list()?.iter().map(Item::flag).collect::<Result<Vec<bool>, SceneError>>()?;
-        let wrong = || self.error(format!("wants 6 values, tx ty tz rx ry rz, got {}", values.len()));
-        <[bool; 6]>::try_from(values.as_slice()).map_err(|_| wrong())
+        let wrong = || self.error(format!("wants {N} values, {what}, got {}", values.len()));
+        <[bool; N]>::try_from(values.as_slice()).map_err(|_| wrong())
     }
 
     fn flag(&self) -> Result<bool, SceneError> {

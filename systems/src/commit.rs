@@ -8,7 +8,7 @@ use bevy_ecs::prelude::{Entity, Mut, Resource, World};
 use foliate_components::candidate::{Candidate, CandidateArena, LegParameter, PlannedLeg};
 use foliate_components::graph::{ConstraintId, StateId, TransitionId};
 use foliate_components::leaf::{Leaf, LeafId, LeafIndex, ParameterId};
-use foliate_components::outcome::TransitionStatistics;
+use foliate_components::outcome::{StateStatistics, TransitionStatistics};
 use foliate_components::roadmap::{
     Along, Between, ComponentId, ConfigurationId, EdgeId, InComponent, InState, Motion, NodeId, OfFoliation, OnLeaf,
     Roadmap, Visits,
@@ -19,6 +19,8 @@ use foliate_components::roadmap::{
 pub struct EntityTable {
     /// By transition.
     pub transitions: Vec<Entity>,
+    /// By state.
+    pub states: Vec<Entity>,
     /// By leaf.
     pub leaves: Vec<Entity>,
     /// By candidate.
@@ -56,10 +58,13 @@ pub fn commit_extensions(world: &mut World) {
 pub fn commit_connections(world: &mut World) {
     let proposals = std::mem::take(&mut world.resource_mut::<Connections>().0);
     for proposal in proposals {
-        let Some(motion) = proposal.certified else { continue };
         let roadmap = world.resource::<Roadmap>();
-        if roadmap.component_of(proposal.from) != roadmap.component_of(proposal.to) {
+        let state = roadmap.node(proposal.from).state;
+        let apart = roadmap.component_of(proposal.from) != roadmap.component_of(proposal.to);
+        count_in(world, state, |s| s.connections_tried += 1);
+        if let Some(motion) = proposal.certified.filter(|_| apart) {
             add_edge(world, proposal.from, proposal.to, motion.transition, vec![motion]);
+            count_in(world, state, |s| s.connections_made += 1);
         }
     }
 }
@@ -72,7 +77,18 @@ pub fn add_root(world: &mut World, q: &[f64], leaf: Leaf) -> NodeId {
     node
 }
 
+fn count_in(world: &mut World, state: StateId, change: impl FnOnce(&mut StateStatistics)) {
+    let entity = world.resource::<EntityTable>().states[state.at()];
+    if let Some(mut statistics) = world.get_mut::<StateStatistics>(entity) {
+        change(&mut statistics);
+    }
+}
+
 fn count(world: &mut World, candidate: &Candidate, kept: bool, complete: bool) {
+    if let Some(near) = candidate.near {
+        let state = world.resource::<Roadmap>().node(near).state;
+        count_in(world, state, |s| s.extended += 1);
+    }
     let Some(transition) = candidate.transition else { return };
     let entity = world.resource::<EntityTable>().transitions[transition.at()];
     let Some(mut statistics) = world.get_mut::<TransitionStatistics>(entity) else { return };
@@ -142,6 +158,7 @@ fn intern_leaf(world: &mut World, leaf: Leaf) -> LeafId {
     if world.resource::<EntityTable>().leaves.len() == id.at() {
         let entity = world.spawn((id, OfFoliation(state), Visits::default())).id();
         world.resource_mut::<EntityTable>().leaves.push(entity);
+        count_in(world, state, |s| s.leaves += 1);
     }
     id
 }
@@ -152,6 +169,7 @@ fn add_node(world: &mut World, q: &[f64], leaf: LeafId, component: Option<Compon
     let node = roadmap.add_node(q, state, leaf, component);
     let component = roadmap.node(node).component;
     visit(world, leaf, component);
+    count_in(world, state, |s| s.nodes += 1);
     world.spawn((node, InState(state), OnLeaf(leaf), InComponent(component), ConfigurationId(node.0)));
     node
 }
@@ -186,7 +204,8 @@ fn add_edge(world: &mut World, from: NodeId, to: NodeId, along: TransitionId, mo
     edge
 }
 
-/// Spawns what exists before the first step: transitions with weight and statistics, states, and the pool of candidates.
+/// Spawns what exists before the first step: transitions with weight and statistics, states with theirs, and the pool of
+/// candidates.
 pub fn spawn_graph_and_candidates(world: &mut World, model: &PlanningModel, candidates: usize) {
     let transitions = (0u32..)
         .zip(&model.graph.transitions)
@@ -195,10 +214,10 @@ pub fn spawn_graph_and_candidates(world: &mut World, model: &PlanningModel, cand
             world.spawn((TransitionId(id), weight, TransitionStatistics::default())).id()
         })
         .collect();
-    for id in 0..model.graph.states.len() as u32 {
-        world.spawn(StateId(id));
-    }
+    let states = (0..model.graph.states.len() as u32)
+        .map(|id| world.spawn((StateId(id), StateStatistics::default())).id())
+        .collect();
     let candidates =
         (0..candidates as u32).map(|index| world.spawn(Candidate { index, ..Candidate::default() }).id()).collect();
-    world.insert_resource(EntityTable { transitions, leaves: Vec::new(), candidates });
+    world.insert_resource(EntityTable { transitions, states, leaves: Vec::new(), candidates });
 }

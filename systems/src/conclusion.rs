@@ -1,6 +1,8 @@
 //! Set Conclude: is it over, and what does the host hear?
 
 use crate::events::{EventSink, SearchEvent, StopSignal};
+use crate::goals::GoalSampler;
+use crate::model::PlanningModel;
 use crate::schedule::StepCounter;
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Query, Res, ResMut, Resource};
@@ -31,17 +33,16 @@ impl Roots {
     }
 }
 
-/// Ends the search when a goal is reached, a budget is spent, or the host or its clock says so; tells the host.
+/// Ends the search when a goal is reached, a budget is spent, or the host or its clock says so.
 #[allow(clippy::too_many_arguments, reason = "a system's parameters are what it reads and writes")]
 pub fn conclude(
+    model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
     counter: Res<'_, StepCounter>,
     stop: Res<'_, StopSignal>,
     roots: Res<'_, Roots>,
     roadmap: Res<'_, Roadmap>,
-    leaves: Res<'_, LeafIndex>,
-    candidates: Query<'_, '_, &Candidate>,
-    mut events: ResMut<'_, EventSink>,
+    goals: Res<'_, GoalSampler>,
     mut ending: ResMut<'_, Ending>,
 ) {
     let solved = roots.reached_goal(&roadmap).is_some();
@@ -55,27 +56,32 @@ pub fn conclude(
         Some(SearchOutcome::Solved)
     } else if roadmap.nodes().len() >= settings.max_nodes {
         Some(SearchOutcome::MemoryLimit)
+    } else if let Some(why) = no_goal(&roots, &goals, &model, &settings) {
+        Some(SearchOutcome::InfeasibleGoal(why))
     } else if settings.max_steps > 0 && counter.step >= settings.max_steps {
         Some(SearchOutcome::StepLimit)
     } else {
         None
     };
-    if events.is_open() {
-        report(&counter, &roadmap, &leaves, &candidates, &mut events);
-        if ending.0 == Some(SearchOutcome::Solved) {
-            events.send(SearchEvent::Solved { step: counter.step });
-        }
-    }
 }
 
-fn report(
-    counter: &StepCounter,
-    roadmap: &Roadmap,
-    leaves: &LeafIndex,
-    candidates: &Query<'_, '_, &Candidate>,
-    events: &mut EventSink,
+/// Why there is no goal and none will be found.
+fn no_goal(roots: &Roots, goals: &GoalSampler, model: &PlanningModel, settings: &SearchSettings) -> Option<String> {
+    roots.goals.is_empty().then(|| goals.given_up(model, settings)).flatten()
+}
+
+/// Tells the host, where it listens, what became of the step's candidates and how far the search is.
+pub fn report_progress(
+    counter: Res<'_, StepCounter>,
+    roadmap: Res<'_, Roadmap>,
+    leaves: Res<'_, LeafIndex>,
+    candidates: Query<'_, '_, &Candidate>,
+    mut events: ResMut<'_, EventSink>,
 ) {
-    for candidate in candidates {
+    if !events.is_open() {
+        return;
+    }
+    for candidate in &candidates {
         if let Some(reason) = candidate.rejected {
             events.send(SearchEvent::Rejected { step: counter.step, transition: candidate.transition, reason });
         }
@@ -87,4 +93,11 @@ fn report(
         edges: roadmap.edges().len(),
         leaves: leaves.leaves().len(),
     });
+}
+
+/// Tells the host that the search is solved: the last event of all.
+pub fn report_solution(counter: Res<'_, StepCounter>, ending: Res<'_, Ending>, mut events: ResMut<'_, EventSink>) {
+    if ending.0 == Some(SearchOutcome::Solved) {
+        events.send(SearchEvent::Solved { step: counter.step });
+    }
 }

@@ -1,5 +1,6 @@
 //! What a running search tells its host, through a bounded channel that never blocks the search.
 
+use crate::feedback::Feedback;
 use bevy_ecs::prelude::Resource;
 use crossbeam_channel::{Receiver, Sender, TrySendError, bounded};
 use foliate_components::graph::TransitionId;
@@ -33,6 +34,8 @@ pub enum SearchEvent {
         /// Why.
         reason: Rejection,
     },
+    /// How the transitions fare, every [`crate::settings::SearchSettings::feedback_interval`] steps and at the end.
+    Feedback(Box<Feedback>),
     /// A goal hangs together with the start.
     Solved {
         /// The step.

@@ -7,11 +7,16 @@
 // Frames stand in names as the field writes them: `X_WG` is the pose of G in W, so that `X_WG * X_GH` reads right.
 #![allow(non_snake_case, reason = "pose names carry their frames")]
 
+pub mod carriers;
 pub mod commit;
 pub mod conclusion;
 pub mod connection;
 pub mod constraint_programs;
+pub mod demands;
 pub mod events;
+pub mod feedback;
+pub(crate) mod goal_programs;
+pub mod goals;
 pub mod graph_building;
 pub mod membership;
 pub mod model;

@@ -1,16 +1,15 @@
 //! Which state a configuration lies in, on which leaf, and whether it may be a start or a goal.
 
-use crate::model::{Model, ObjectModel, PlanningModel, hanging};
-use crate::random::{Purpose, stream};
+use crate::model::{Model, PlanningModel, hanging};
 use crate::resting::relative_pose_residual;
 use crate::settings::SearchSettings;
 use foliate_components::Pose;
 use foliate_components::constraint::Constraint;
-use foliate_components::graph::{ConstraintId, ConstraintKind, StateId};
+use foliate_components::graph::{ConstraintId, ConstraintKind, State, StateId};
 use foliate_components::leaf::Parameter;
-use foliate_components::robot::{PartIndex, Robot};
+use foliate_components::robot::Robot;
 use foliate_kernels::collision::CollisionScratch;
-use foliate_kernels::projection::{CarriageTemplate, ConstraintProgram, Scratch, Settings, project};
+use foliate_kernels::constraints;
 
 /// A configuration that may be a root: its state and the values of the state's foliating constraints.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,27 +45,32 @@ pub fn feasible(model: &PlanningModel, settings: &SearchSettings, q: &[f64]) -> 
     }
     let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
     model.kinematics.forward(&locked, &mut X_WJ);
-    let state = state_of(model, &X_WJ, settings.membership_tolerance)
-        .ok_or_else(|| format!("it lies in no state: {}", why_no_state(model, &X_WJ, settings.membership_tolerance)))?;
+    let tolerance = settings.membership_tolerance;
+    let state = state_of(model, &locked, &X_WJ, tolerance)
+        .ok_or_else(|| format!("it lies in no state: {}", why_no_state(model, &locked, &X_WJ, tolerance)))?;
+    model.rest(state, &mut locked);
+    model.kinematics.forward(&locked, &mut X_WJ);
     if let Some(collision) = model.first_collision(state, &X_WJ, settings.clearance_guard, &mut CollisionScratch::new())
     {
         return Err(format!("{} collide ({})", model.pair_name(collision.pair), in_words(collision.clearance)));
     }
-    let parameters = parameters_of(model, state, &X_WJ);
+    let parameters = parameters_of(model, state, &locked, &X_WJ);
     Ok(Feasible { q: locked, state, parameters })
 }
 
-/// The state of a configuration given by the poses of all bodies: the first, by falling priority, whose manifold it is on.
+/// The state of a configuration `q` with bodies at `X_WJ`: the first, by falling priority, whose manifold it is on.
 #[must_use]
-pub fn state_of(model: &Model, X_WJ: &[Pose], tolerance: f64) -> Option<StateId> {
+pub fn state_of(model: &Model, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> Option<StateId> {
+    let count = model.graph.constraints.len() as u32;
+    let holds: Vec<bool> = (0..count).map(|c| residual(model, ConstraintId(c), q, X_WJ) <= tolerance).collect();
     let mut order: Vec<_> = (0..model.graph.states.len() as u32).map(StateId).collect();
     order.sort_by_key(|&s| std::cmp::Reverse(model.graph.state(s).priority));
-    order.into_iter().find(|&s| model.graph.state(s).manifold.iter().all(|&c| residual(model, c, X_WJ) <= tolerance))
+    order.into_iter().find(|&s| model.graph.state(s).manifold.iter().all(|&c| holds[c.at()]))
 }
 
 /// The largest row of a constraint's error, metres and radians.
 #[must_use]
-pub fn residual(model: &Model, constraint: ConstraintId, X_WJ: &[Pose]) -> f64 {
+pub fn residual(model: &Model, constraint: ConstraintId, q: &[f64], X_WJ: &[Pose]) -> f64 {
     let kind = model.graph.constraint(constraint).kind;
     match kind {
         ConstraintKind::Grasp { .. } | ConstraintKind::Pregrasp { .. } => {
@@ -75,107 +79,70 @@ pub fn residual(model: &Model, constraint: ConstraintId, X_WJ: &[Pose]) -> f64 {
             let relative = if pregrasp { grasp.pregrasp() } else { grasp.constraint() };
             relative_pose_residual(&relative, X_WJ)
         }
-        ConstraintKind::Placement { object } | ConstraintKind::Preplacement { object } => {
-            let Some(resting) = &model.objects()[object as usize].resting else { return f64::INFINITY };
+        ConstraintKind::Placement { object, on } | ConstraintKind::Preplacement { object, on } => {
+            let Some(place) = model.objects()[object as usize].resting_on(on) else { return f64::INFINITY };
             let lifted = matches!(kind, ConstraintKind::Preplacement { .. });
-            resting.residual(if lifted { model.problem.graph.preplacement_distance } else { 0.0 }, X_WJ)
+            place.resting.residual(if lifted { model.problem.graph.preplacement_distance } else { 0.0 }, X_WJ)
         }
         // It stays wherever it is: no rows.
         ConstraintKind::Rest { .. } => 0.0,
+        ConstraintKind::JointRest { .. } | ConstraintKind::Given { .. } => {
+            let given = model.constraint(constraint);
+            given.map_or(f64::INFINITY, |given| constraints::residual(&model.problem.robot, &given, q, X_WJ))
+        }
     }
 }
 
-/// The values that the foliating constraints of a state have where the bodies are.
+/// The values that the foliating constraints of a state have at `q`, where the bodies are at `X_WJ`.
 #[must_use]
-pub fn parameters_of(model: &Model, state: StateId, X_WJ: &[Pose]) -> Vec<Parameter> {
-    model.graph.state(state).foliation.iter().map(|&c| parameter_of(model, c, X_WJ)).collect()
+pub fn parameters_of(model: &Model, state: StateId, q: &[f64], X_WJ: &[Pose]) -> Vec<Parameter> {
+    model.graph.state(state).foliation.iter().map(|&c| parameter_of(model, c, q, X_WJ)).collect()
 }
 
-/// The value that a foliating constraint has where the bodies are.
+/// The value that a foliating constraint has at `q`, where the bodies are at `X_WJ`.
 #[must_use]
-pub fn parameter_of(model: &Model, constraint: ConstraintId, X_WJ: &[Pose]) -> Parameter {
-    let (object, carrier) = match model.graph.constraint(constraint).kind {
-        ConstraintKind::Grasp { handle, .. } | ConstraintKind::Pregrasp { handle, .. } => {
-            let object = model.graph.objects.iter().position(|o| o.handles.contains(&handle)).unwrap_or_default();
-            (object, model.grasp(constraint).and_then(|g| g.gripper.joint))
-        }
-        ConstraintKind::Placement { object }
-        | ConstraintKind::Preplacement { object }
-        | ConstraintKind::Rest { object } => (object as usize, None),
+pub fn parameter_of(model: &Model, constraint: ConstraintId, q: &[f64], X_WJ: &[Pose]) -> Parameter {
+    let hangs = |carrier| {
+        let root = model.object_of(constraint).and_then(|object| model.objects()[object].root);
+        let value = root.map_or_else(Pose::identity, |root| hanging(root, carrier, X_WJ));
+        Parameter { constraint, carrier, value }
     };
-    let root = model.objects()[object].root;
-    Parameter { constraint, carrier, carrier_from_object: hanging(root, carrier, X_WJ) }
+    match model.graph.constraint(constraint).kind {
+        ConstraintKind::Grasp { .. } | ConstraintKind::Pregrasp { .. } => match model.grasp(constraint) {
+            Some(grasp) if !model.holds_rigidly(constraint) => {
+                let carrier = grasp.gripper.joint;
+                let held = Constraint::RelativePose(grasp.hold(0));
+                Parameter { constraint, carrier, value: constraints::parameter(&model.problem.robot, &held, q, X_WJ) }
+            }
+            grasp => hangs(grasp.and_then(|grasp| grasp.gripper.joint)),
+        },
+        ConstraintKind::Placement { on, .. } | ConstraintKind::Preplacement { on, .. } => hangs(on),
+        ConstraintKind::Rest { .. } => hangs(None),
+        ConstraintKind::JointRest { .. } | ConstraintKind::Given { .. } => {
+            let given = model.constraint(constraint);
+            let value = given
+                .map_or_else(Pose::identity, |given| constraints::parameter(&model.problem.robot, &given, q, X_WJ));
+            Parameter { constraint, carrier: None, value }
+        }
+    }
 }
 
-/// The constraint that keeps a configuration out of the least demanding state, for messages.
-fn why_no_state(model: &Model, X_WJ: &[Pose], tolerance: f64) -> String {
-    let weakest = model.graph.states.iter().min_by_key(|s| s.priority);
-    let broken = weakest.and_then(|state| {
-        let worst = state.manifold.iter().map(|&c| (c, residual(model, c, X_WJ)));
-        worst.filter(|&(_, r)| r > tolerance).max_by(|a, b| a.1.total_cmp(&b.1)).map(|w| (state, w))
-    });
-    match broken {
-        Some((state, (constraint, r))) => {
+/// The constraint that keeps a configuration out of the least demanding state, for messages: of several such, out of the
+/// one that it is nearest to.
+fn why_no_state(model: &Model, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> String {
+    let Some(least) = model.graph.states.iter().map(|s| s.priority).min() else { return "no state is allowed".into() };
+    let worst = |state: &'_ State| {
+        let all = state.manifold.iter().map(|&c| (c, residual(model, c, q, X_WJ)));
+        all.filter(|&(_, r)| !(r <= tolerance)).max_by(|a, b| a.1.total_cmp(&b.1))
+    };
+    let weakest = model.graph.states.iter().filter(|s| s.priority == least);
+    let broken = weakest.filter_map(|state| worst(state).map(|(c, r)| (state, c, r)));
+    match broken.min_by(|a, b| a.2.total_cmp(&b.2)) {
+        Some((state, constraint, r)) => {
             format!("`{}` of state `{}` is off by {r:.3e}", model.graph.constraint(constraint).name, state.name)
         }
         None => "no state is allowed".into(),
     }
-}
-
-/// Goal configurations in which the named objects have the given poses: sampled, collision-free, in some state.
-///
-/// Other objects stay where the start has them; robots are drawn at random, and onto grasps in states that hold a named
-/// object. At most [`SearchSettings::goal_samples`] are returned.
-///
-/// # Errors
-/// A sentence, where none was found.
-pub fn sample_goals(
-    model: &PlanningModel,
-    settings: &SearchSettings,
-    start: &Feasible,
-    poses: &[(PartIndex, Pose)],
-) -> Result<Vec<Feasible>, String> {
-    const TRIES: u32 = 512;
-    let mut found = Vec::new();
-    let mut complaint = String::from("no configuration was tried");
-    for attempt in 0..TRIES {
-        let mut q = start.q.clone();
-        let mut rng = stream(settings.seed, Purpose::Goal, 0, attempt);
-        model.problem.robot.space.random(&mut rng, &mut q);
-        model.lock(&mut q);
-        model.place_objects(&start.q, poses, &mut q);
-        let state = StateId(attempt % model.graph.states.len().max(1) as u32);
-        if !grasp_where_it_stands(model, settings, state, &mut q) {
-            continue;
-        }
-        match feasible(model, settings, &q) {
-            Ok(goal) => found.push(goal),
-            Err(why) => complaint = why,
-        }
-        if found.len() >= settings.goal_samples {
-            break;
-        }
-    }
-    if found.is_empty() {
-        return Err(format!("no configuration with these object poses in {TRIES} tries; the last one: {complaint}"));
-    }
-    Ok(found)
-}
-
-/// Moves the robots of `q` so that all grasps of a state hold, with the objects where they are; false where that fails.
-fn grasp_where_it_stands(model: &Model, settings: &SearchSettings, state: StateId, q: &mut [f64]) -> bool {
-    let grasps = model.graph.state(state).manifold.iter().filter_map(|&c| model.grasp(c));
-    let constraints: Vec<_> = grasps.map(|g| Constraint::RelativePose(g.constraint())).collect();
-    let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
-    model.kinematics.forward(q, &mut X_WJ);
-    let standing = |o: &ObjectModel| CarriageTemplate::fixed(o.root, None, X_WJ[o.root.at()]);
-    let carriages: Vec<_> = model.objects().iter().map(standing).collect();
-    let (robot, locked) = (&model.problem.robot, &model.problem.graph.locked);
-    let Ok(program) = ConstraintProgram::compile(robot, &model.kinematics, &constraints, &carriages, locked) else {
-        return false;
-    };
-    let solve = Settings { tolerance: settings.projection_tolerance, ..Settings::default() };
-    project(&program, q, &[], &solve, &mut Scratch::default()).is_converged()
 }
 
 fn in_words(clearance: f64) -> String {
@@ -187,7 +154,7 @@ fn in_words(clearance: f64) -> String {
 }
 
 /// The name of a configuration number, for messages.
-fn coordinate(robot: &Robot, index: usize) -> String {
+pub(crate) fn coordinate(robot: &Robot, index: usize) -> String {
     use foliate_components::robot::Source;
     let owner = robot.joints.iter().find_map(|joint| match joint.source {
         Source::Coordinates { q, .. } if (q..q + joint.motion.configuration_size()).contains(&index) => {

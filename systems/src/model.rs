@@ -3,17 +3,18 @@
 //! One model serves any number of searches on any number of threads. What belongs to single states and transitions is
 //! compiled when it is first asked for, so that a graph with thousands of states starts at once.
 
+use crate::carriers::{Carriers, grasp_of, is_beyond, is_rigid, root_of};
 use crate::constraint_programs::{LegProgram, parameter_in};
-use crate::resting::Resting;
+use crate::resting::{Resting, RestingPlace};
 use bevy_ecs::prelude::Resource;
 use foliate_components::Pose;
 use foliate_components::candidate::PlannedLeg;
-use foliate_components::constraint::Grasp;
-use foliate_components::graph::{ConstraintGraph, ConstraintId, ConstraintKind, State, StateId, TransitionId};
+use foliate_components::constraint::{Constraint, Grasp, Locked, LockedValue};
+use foliate_components::graph::{ConstraintGraph, ConstraintId, ConstraintKind, StateId, TransitionId};
 use foliate_components::leaf::{Leaf, LeafIndex, Parameter};
 use foliate_components::path::Attachment;
 use foliate_components::pose::{log_so3, pose_to_array};
-use foliate_components::problem::Problem;
+use foliate_components::problem::{JointRest, Problem};
 use foliate_components::roadmap::{NodeId, Roadmap};
 use foliate_components::robot::{JointIndex, LinkIndex, PartIndex, Robot, ShapeIndex, Source, SurfaceIndex};
 use foliate_kernels::collision::{
@@ -57,11 +58,15 @@ pub struct Model {
     locked: Vec<(usize, f64)>,
     legs: Vec<Vec<OnceLock<Compiled>>>,
     interiors: Vec<OnceLock<Compiled>>,
+    carriers: Vec<OnceLock<Carriers>>,
     state_pairs: Vec<OnceLock<PairSet>>,
-    /// By transition: pairs of the motions in the state it leaves and in the state it reaches, where there are margins.
-    transition_pairs: Vec<[OnceLock<PairSet>; 2]>,
+    /// By transition and leg: pairs of its motions, where there are margins.
+    leg_pairs: Vec<Vec<OnceLock<PairSet>>>,
     /// Every pair, for verdicts.
     all_pairs: PairSet,
+    /// Every pair, with the margins of a state and of a transition, where there are margins.
+    state_verdicts: Vec<OnceLock<PairSet>>,
+    transition_verdicts: Vec<OnceLock<PairSet>>,
 }
 
 type Compiled = Result<LegProgram, CompileError>;
@@ -69,10 +74,18 @@ type Compiled = Result<LegProgram, CompileError>;
 /// A movable object.
 #[derive(Clone, Debug)]
 pub struct ObjectModel {
-    /// Its free-flyer.
-    pub root: JointIndex,
-    /// What it may rest on; without, it stays where it is.
-    pub resting: Option<Resting>,
+    /// Its free-flyer; none for a part that is fixed in the world and only has joints (doors, drawers).
+    pub root: Option<JointIndex>,
+    /// What it may rest on, by body; without any, it stays where it is.
+    pub resting: Vec<RestingPlace>,
+}
+
+impl ObjectModel {
+    /// How it rests on a body's supports.
+    #[must_use]
+    pub fn resting_on(&self, body: Option<JointIndex>) -> Option<&RestingPlace> {
+        self.resting.iter().find(|place| place.on == body)
+    }
 }
 
 /// Why a problem cannot be planned for.
@@ -108,7 +121,7 @@ impl Model {
             .map(|c| match c.kind {
                 ConstraintKind::Grasp { gripper, handle } | ConstraintKind::Pregrasp { gripper, handle } => {
                     let name = &robot.handles[handle.at()].name;
-                    let grasp = Grasp::new(robot, gripper, handle);
+                    let grasp = grasp_of(&problem, gripper, handle);
                     grasp.map(Some).map_err(|e| ModelError::Document(format!("handle `{name}`: {e}")))
                 }
                 _ => Ok(None),
@@ -126,7 +139,8 @@ impl Model {
         let weights = coordinate_weights(robot);
         let mut robot_weights = weights.clone();
         for object in &objects {
-            if let Source::Coordinates { v, .. } = robot.joints[object.root.at()].source {
+            let Some(root) = object.root else { continue };
+            if let Source::Coordinates { v, .. } = robot.joints[root.at()].source {
                 robot_weights[v..v + 6].fill(0.0);
             }
         }
@@ -138,8 +152,11 @@ impl Model {
             locked: locked_coordinates(&problem),
             legs: graph.transitions.iter().map(|t| t.legs.iter().map(|_| OnceLock::new()).collect()).collect(),
             interiors: graph.states.iter().map(|_| OnceLock::new()).collect(),
+            carriers: graph.states.iter().map(|_| OnceLock::new()).collect(),
             state_pairs: graph.states.iter().map(|_| OnceLock::new()).collect(),
-            transition_pairs: graph.transitions.iter().map(|_| [OnceLock::new(), OnceLock::new()]).collect(),
+            leg_pairs: graph.transitions.iter().map(|t| t.legs.iter().map(|_| OnceLock::new()).collect()).collect(),
+            state_verdicts: graph.states.iter().map(|_| OnceLock::new()).collect(),
+            transition_verdicts: graph.transitions.iter().map(|_| OnceLock::new()).collect(),
             all_pairs: PairSet::new(&collision, &[], &[]),
             collision,
             objects,
@@ -183,38 +200,73 @@ impl Model {
         self.interiors[state.at()].get_or_init(|| LegProgram::of_state(self, state)).as_ref()
     }
 
+    /// A constraint of the problem's own, or a joint's rest, as kernels know it; parameter rows name slot 0.
+    #[must_use]
+    pub fn constraint(&self, constraint: ConstraintId) -> Option<Constraint> {
+        let options = &self.problem.graph;
+        match self.graph.constraint(constraint).kind {
+            ConstraintKind::Given { constraint } => {
+                options.constraints.get(constraint as usize).map(|given| given.constraint.clone())
+            }
+            ConstraintKind::JointRest { joint } => options.resting_joints.get(joint as usize).map(|resting| {
+                let value = match resting.rest {
+                    JointRest::Stays => LockedValue::Argument(0),
+                    JointRest::At(value) => LockedValue::Fixed(value),
+                };
+                Constraint::Locked(Locked { joint: resting.joint, value })
+            }),
+            _ => None,
+        }
+    }
+
     /// The pairs of shapes on motions of a transition that lie in `state`. Which pairs move depends on who carries whom,
     /// which the state decides; margins are lifted from what touches at either end of the transition.
     #[must_use]
     pub fn pairs(&self, transition: TransitionId, state: StateId, carriages: &[Carriage]) -> &PairSet {
+        let shared = || self.state_pairs[state.at()].get_or_init(|| PairSet::new(&self.collision, carriages, &[]));
         if self.problem.margins.is_empty() {
-            return self.state_pairs[state.at()].get_or_init(|| PairSet::new(&self.collision, carriages, &[]));
+            return shared();
         }
         let ends = self.graph.transition(transition);
-        let side = usize::from(state != ends.from);
-        self.transition_pairs[transition.at()][side].get_or_init(|| {
-            let mut touching = self.touching(ends.from);
-            touching.extend(self.touching(ends.to));
+        // Motions that only enter the target come after the last leg; they stand still, and margins do not matter.
+        let Some(leg) = ends.legs.iter().position(|leg| leg.state == state) else { return shared() };
+        self.leg_pairs[transition.at()][leg].get_or_init(|| {
+            let touching = self.touching_along(transition);
             PairSet::new(&self.collision, carriages, &touching)
         })
     }
 
-    /// The links that touch by grasp or placement in a state.
+    /// The links that touch by grasp or placement at either end of a transition.
+    fn touching_along(&self, transition: TransitionId) -> Vec<(LinkIndex, LinkIndex)> {
+        let ends = self.graph.transition(transition);
+        let mut touching = self.touching(ends.from);
+        touching.extend(self.touching(ends.to));
+        touching
+    }
+
+    /// The links that touch by grasp or placement in a state: fingers hang on a gripper's body, and touch too.
     fn touching(&self, state: StateId) -> Vec<(LinkIndex, LinkIndex)> {
         let robot = &self.problem.robot;
         let mut links = Vec::new();
+        let mut touch = |first: &[LinkIndex], second: &[LinkIndex]| {
+            links.extend(first.iter().flat_map(|&a| second.iter().map(move |&b| (a, b))));
+        };
         for &constraint in &self.graph.state(state).manifold {
             match self.graph.constraint(constraint).kind {
-                ConstraintKind::Grasp { gripper, handle } | ConstraintKind::Pregrasp { gripper, handle } => {
-                    links.push((robot.grippers[gripper.at()].link, robot.handles[handle.at()].link));
+                ConstraintKind::Grasp { gripper, handle } => {
+                    let hand = links_beyond(robot, robot.grippers[gripper.at()].link);
+                    touch(&hand, &links_with(robot, robot.handles[handle.at()].link));
                 }
-                ConstraintKind::Placement { object } | ConstraintKind::Preplacement { object } => {
+                ConstraintKind::Placement { object, on } => {
+                    let place = self.objects[object as usize].resting_on(on);
                     for surface in &self.graph.objects[object as usize].surfaces {
-                        let on = |s: &SurfaceIndex| (robot.surfaces[surface.at()].link, robot.surfaces[s.at()].link);
-                        links.extend(self.problem.graph.supports.iter().map(on));
+                        let lying = links_with(robot, robot.surfaces[surface.at()].link);
+                        for support in place.iter().flat_map(|place| &place.supports) {
+                            touch(&lying, &links_with(robot, robot.surfaces[support.at()].link));
+                        }
                     }
                 }
-                ConstraintKind::Rest { .. } => {}
+                _ => {}
             }
         }
         links
@@ -229,11 +281,30 @@ impl Model {
         guard: f64,
         scratch: &mut CollisionScratch,
     ) -> Option<Contact> {
-        if self.problem.margins.is_empty() {
-            return first_collision(&self.collision, X_WJ, &self.all_pairs, guard, scratch);
-        }
-        let pairs = PairSet::new(&self.collision, &[], &self.touching(state));
-        first_collision(&self.collision, X_WJ, &pairs, guard, scratch)
+        let verdict = || PairSet::new(&self.collision, &[], &self.touching(state));
+        let pairs = match self.problem.margins.is_empty() {
+            true => &self.all_pairs,
+            false => self.state_verdicts[state.at()].get_or_init(verdict),
+        };
+        first_collision(&self.collision, X_WJ, pairs, guard, scratch)
+    }
+
+    /// The first pair of shapes that is too close at a waypoint of a transition: margins are lifted from what touches at
+    /// either end, as along its motions.
+    #[must_use]
+    pub fn first_collision_along(
+        &self,
+        transition: TransitionId,
+        X_WJ: &[Pose],
+        guard: f64,
+        scratch: &mut CollisionScratch,
+    ) -> Option<Contact> {
+        let verdict = || PairSet::new(&self.collision, &[], &self.touching_along(transition));
+        let pairs = match self.problem.margins.is_empty() {
+            true => &self.all_pairs,
+            false => self.transition_verdicts[transition.at()].get_or_init(verdict),
+        };
+        first_collision(&self.collision, X_WJ, pairs, guard, scratch)
     }
 
     /// Names of the shapes of a pair.
@@ -251,34 +322,53 @@ impl Model {
         format!("{} and {}", shapes[a.at()].name, shapes[b.at()].name)
     }
 
-    /// What carries an object in a state: the constraint whose value says how.
+    /// What carries each object in a state.
     #[must_use]
-    pub fn carrier_of(&self, state: &State, object: usize) -> Option<ConstraintId> {
-        let handles = &self.graph.objects[object].handles;
-        state.manifold.iter().copied().find(|&c| match self.graph.constraint(c).kind {
-            ConstraintKind::Placement { object: o } | ConstraintKind::Rest { object: o } => o as usize == object,
-            ConstraintKind::Grasp { handle, .. } => handles.contains(&handle),
-            ConstraintKind::Pregrasp { .. } | ConstraintKind::Preplacement { .. } => false,
+    pub fn carriers(&self, state: StateId) -> &Carriers {
+        self.carriers[state.at()].get_or_init(|| {
+            let manifold = &self.graph.state(state).manifold;
+            Carriers::of_manifold(&self.problem.robot, &self.graph, manifold, |constraint| self.grasp(constraint))
         })
     }
 
-    /// How every object hangs on what carries it, in a state whose foliating constraints have the values `parameter`.
+    /// The object that a grasp holds by its root, or that a placement or rest is about.
+    #[must_use]
+    pub fn object_of(&self, constraint: ConstraintId) -> Option<usize> {
+        match self.graph.constraint(constraint).kind {
+            ConstraintKind::Placement { object, .. }
+            | ConstraintKind::Preplacement { object, .. }
+            | ConstraintKind::Rest { object } => Some(object as usize),
+            ConstraintKind::Grasp { handle, .. } | ConstraintKind::Pregrasp { handle, .. } => {
+                self.graph.objects.iter().position(|o| o.handles.contains(&handle))
+            }
+            ConstraintKind::JointRest { .. } | ConstraintKind::Given { .. } => None,
+        }
+    }
+
+    /// Whether a grasp determines the pose of the object's root.
+    #[must_use]
+    pub fn holds_rigidly(&self, constraint: ConstraintId) -> bool {
+        let root = self.object_of(constraint).and_then(|object| self.objects[object].root);
+        self.grasp(constraint).is_some_and(|grasp| is_rigid(grasp, root))
+    }
+
+    /// How every object hangs on what carries it, in a state whose foliating constraints have the values `parameter`; a
+    /// carrier comes before what it carries.
     pub fn carriages<'a>(
         &self,
         state: StateId,
         parameter: impl Fn(ConstraintId) -> Option<&'a Parameter>,
     ) -> Vec<Carriage> {
-        let state = self.graph.state(state);
-        let carriage = |(index, object): (usize, &ObjectModel)| {
-            let constraint = self.carrier_of(state, index)?;
+        let carriers = self.carriers(state);
+        let carriage = |&index: &usize| {
+            let (constraint, object) = (carriers.of[index]?, self.objects[index].root?);
             if let Some(value) = parameter(constraint) {
-                let (carrier, X_CO) = (value.carrier, value.carrier_from_object);
-                return Some(Carriage { object: object.root, carrier, X_CO });
+                return Some(Carriage { object, carrier: value.carrier, X_CO: value.value });
             }
             let (carrier, X_CO) = solid_grasp(self.grasp(constraint)?);
-            Some(Carriage { object: object.root, carrier, X_CO })
+            Some(Carriage { object, carrier, X_CO })
         };
-        self.objects.iter().enumerate().filter_map(carriage).collect()
+        carriers.order.iter().filter_map(carriage).collect()
     }
 
     /// How every object hangs on what carries it, on a leaf.
@@ -301,24 +391,29 @@ impl Model {
     #[must_use]
     pub fn attachments(&self, leaf: &Leaf, leaves: &LeafIndex) -> Vec<Attachment> {
         let state = self.graph.state(leaf.state);
+        let carriers = self.carriers(leaf.state);
         let mut attachments = Vec::new();
         for (index, object) in self.objects.iter().enumerate() {
-            let carrier = self.carrier_of(state, index);
+            let first = attachments.len();
             for &constraint in &state.manifold {
-                match self.graph.constraint(constraint).kind {
-                    ConstraintKind::Grasp { gripper, handle }
-                        if self.graph.objects[index].handles.contains(&handle) =>
-                    {
-                        let carrier = carrier == Some(constraint);
-                        attachments.push(Attachment::Grasp { object: object.root, gripper, handle, carrier });
+                if self.object_of(constraint) != Some(index) {
+                    continue;
+                }
+                let carrier = carriers.of[index] == Some(constraint);
+                let attachment = match self.graph.constraint(constraint).kind {
+                    ConstraintKind::Grasp { gripper, handle } => {
+                        let held = self.problem.robot.links[self.problem.robot.handles[handle.at()].link.at()].joint;
+                        let object = object.root.or(held);
+                        object.map(|object| Attachment::Grasp { object, gripper, handle, carrier })
                     }
-                    ConstraintKind::Placement { object: o } if o as usize == index => {
-                        attachments.extend(self.contact(leaf, leaves, constraint, index));
-                    }
-                    ConstraintKind::Rest { object: o } if o as usize == index => {
-                        attachments.push(Attachment::Rest { object: object.root });
-                    }
-                    _ => {}
+                    ConstraintKind::Placement { on, .. } => self.contact(leaf, leaves, constraint, index, on),
+                    ConstraintKind::Rest { .. } => object.root.map(|object| Attachment::Rest { object }),
+                    _ => None,
+                };
+                match attachment {
+                    Some(attachment) if carrier => attachments.insert(first, attachment),
+                    Some(attachment) => attachments.push(attachment),
+                    None => {}
                 }
             }
         }
@@ -326,19 +421,28 @@ impl Model {
     }
 
     /// Which surfaces touch where an object lies on a leaf.
-    fn contact(&self, leaf: &Leaf, leaves: &LeafIndex, constraint: ConstraintId, object: usize) -> Option<Attachment> {
+    fn contact(
+        &self,
+        leaf: &Leaf,
+        leaves: &LeafIndex,
+        constraint: ConstraintId,
+        object: usize,
+        on: Option<JointIndex>,
+    ) -> Option<Attachment> {
         let position = self.graph.state(leaf.state).foliation.iter().position(|&c| c == constraint)?;
         let parameter = leaves.parameter(leaf.parameters[position]);
-        let model = &self.objects[object];
-        let Some(Resting::Surfaces(lying)) = &model.resting else {
-            return Some(Attachment::Rest { object: model.root });
+        let root = self.objects[object].root?;
+        let place = self.objects[object].resting_on(on)?;
+        let Resting::Surfaces(lying) = &place.resting else {
+            return Some(Attachment::Rest { object: root });
         };
+        // Seen from the carrier, which stands at the origin.
         let mut X_WJ = vec![Pose::identity(); self.kinematics.bodies()];
-        X_WJ[model.root.at()] = parameter.carrier_from_object;
+        X_WJ[root.at()] = parameter.value;
         let touching = foliate_kernels::constraints::placement::contact(lying, &X_WJ);
         let surface = numbered(&self.problem.robot, &self.graph.objects[object].surfaces, touching.object)?;
-        let support = numbered(&self.problem.robot, &self.problem.graph.supports, touching.support)?;
-        Some(Attachment::Contact { object: model.root, surface, support })
+        let support = numbered(&self.problem.robot, &place.supports, touching.support)?;
+        Some(Attachment::Contact { object: root, surface, support })
     }
 
     /// How far the objects' coordinates in the knots of a motion are from where their carriers take them: at the joint
@@ -365,25 +469,46 @@ impl Model {
     #[must_use]
     pub fn object_out_of_bounds(&self, q: &[f64]) -> bool {
         let space = &self.problem.robot.space;
-        self.objects.iter().any(|object| match self.problem.robot.joints[object.root.at()].source {
-            Source::Coordinates { q: first, .. } => {
-                (first..first + 3).any(|i| !(q[i] >= space.lower[i] - 1e-9 && q[i] <= space.upper[i] + 1e-9))
+        self.objects.iter().filter_map(|object| object.root).any(|root| {
+            match self.problem.robot.joints[root.at()].source {
+                Source::Coordinates { q: first, .. } => {
+                    (first..first + 3).any(|i| !(q[i] >= space.lower[i] - 1e-9 && q[i] <= space.upper[i] + 1e-9))
+                }
+                Source::Follows { .. } => false,
             }
-            Source::Follows { .. } => false,
         })
     }
 
-    /// Puts the movable objects of `q` where `poses` say, or else where `start` has them.
+    /// Puts the movable objects of `q` where `poses` say, or else where `start` has them, their joints included.
     pub fn place_objects(&self, start: &[f64], poses: &[(PartIndex, Pose)], q: &mut [f64]) {
+        let joints = &self.problem.robot.joints;
         for (record, object) in self.graph.objects.iter().zip(&self.objects) {
-            let Source::Coordinates { q: first, .. } = self.problem.robot.joints[object.root.at()].source else {
-                continue;
-            };
-            let numbers = match poses.iter().find(|(part, _)| *part == record.part) {
-                Some((_, pose)) => pose_to_array(pose),
-                None => std::array::from_fn(|i| start[first + i]),
-            };
-            q[first..first + 7].copy_from_slice(&numbers);
+            for joint in &joints[self.problem.robot.parts[record.part.at()].joints.clone()] {
+                if let Source::Coordinates { q: first, .. } = joint.source {
+                    let numbers = first..first + joint.motion.configuration_size();
+                    q[numbers.clone()].copy_from_slice(&start[numbers]);
+                }
+            }
+            let pose = poses.iter().find(|(part, _)| *part == record.part).map(|(_, pose)| pose_to_array(pose));
+            if let (Some(numbers), Some(root)) = (pose, object.root)
+                && let Source::Coordinates { q: first, .. } = joints[root.at()].source
+            {
+                q[first..first + 7].copy_from_slice(&numbers);
+            }
+        }
+    }
+
+    /// Sets joints that are at rest in a state to the value at which they rest; those that stay where they were left
+    /// keep theirs.
+    pub fn rest(&self, state: StateId, q: &mut [f64]) {
+        for &constraint in &self.graph.state(state).manifold {
+            if matches!(self.graph.constraint(constraint).kind, ConstraintKind::JointRest { .. })
+                && let Some(Constraint::Locked(Locked { joint, value: LockedValue::Fixed(value) })) =
+                    self.constraint(constraint)
+                && let Source::Coordinates { q: coordinate, .. } = self.problem.robot.joints[joint.at()].source
+            {
+                q[coordinate] = value;
+            }
         }
     }
 
@@ -424,15 +549,37 @@ fn numbered(robot: &Robot, surfaces: &[SurfaceIndex], mut count: usize) -> Optio
 fn object_models(problem: &Problem, graph: &ConstraintGraph) -> Result<Vec<ObjectModel>, ModelError> {
     let (robot, options) = (&problem.robot, &problem.graph);
     let model = |object: &foliate_components::problem::ObjectOptions| {
-        let part = &robot.parts[object.part.at()];
-        let root = part
-            .root_joint
-            .ok_or_else(|| ModelError::Document(format!("object `{}` does not move freely", part.name)))?;
-        let resting = Resting::of_object(robot, options, object);
-        let resting = resting.map_err(|e| ModelError::Document(format!("object `{}`: {e}", part.name)))?;
-        Ok(ObjectModel { root, resting })
+        let failed = |e: &str| ModelError::Document(format!("object `{}`: {e}", robot.parts[object.part.at()].name));
+        let Some(root) = root_of(robot, object.part) else {
+            return Ok(ObjectModel { root: None, resting: Vec::new() });
+        };
+        let resting = RestingPlace::of_object(robot, options, object).map_err(|e| failed(&e))?;
+        let off_root = |place: &RestingPlace| match &place.resting {
+            Resting::Surfaces(lying) => lying.object_joint() != Some(root),
+            Resting::Plane { .. } => false,
+        };
+        if resting.iter().any(off_root) {
+            return Err(failed("its contact surfaces are on a link that moves against its root"));
+        }
+        Ok(ObjectModel { root: Some(root), resting })
     };
     graph.objects.iter().map(model).collect()
+}
+
+/// The links that are one body with a link, itself included; of what is fixed in the world only the link itself.
+fn links_with(robot: &Robot, link: LinkIndex) -> Vec<LinkIndex> {
+    let body = robot.links[link.at()].joint;
+    let part = &robot.parts[robot.links[link.at()].part.at()];
+    let same = |&other: &usize| other == link.at() || (body.is_some() && robot.links[other].joint == body);
+    part.links.clone().filter(same).map(|l| LinkIndex(l as u32)).collect()
+}
+
+/// The links that are one body with a link or move with it: a hand's fingers.
+fn links_beyond(robot: &Robot, link: LinkIndex) -> Vec<LinkIndex> {
+    let Some(body) = robot.links[link.at()].joint else { return vec![link] };
+    let part = &robot.parts[robot.links[link.at()].part.at()];
+    let beyond = |&other: &usize| is_beyond(robot, robot.links[other].joint, body);
+    part.links.clone().filter(beyond).map(|l| LinkIndex(l as u32)).collect()
 }
 
 /// Joints that never move: those that the problem locks, and those between equal bounds.

@@ -58,7 +58,8 @@ fn segment(model: &PlanningModel, leaves: &LeafIndex, motion: &Motion, forward: 
     }
     let leaf = leaves.leaf(motion.leaf);
     let transition = in_direction(model, motion.transition, forward);
-    Segment { transition, state: leaf.state, attachments: model.attachments(leaf, leaves), knots }
+    let (attachments, constraints) = (model.attachments(leaf, leaves), model.demands(leaf, leaves));
+    Segment { transition, state: leaf.state, attachments, constraints, knots }
 }
 
 /// The transition that a motion travels when it is traversed `forward` or backwards.

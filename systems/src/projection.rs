@@ -3,10 +3,11 @@
 //! Candidates that try the same transition share its constraint programs, so they are projected side by side in blocks of
 //! lanes. Right-hand sides (where the near node's leaf has the objects, which leaf was drawn) are arguments of the solve.
 
-use crate::constraint_programs::LegProgram;
+use crate::constraint_programs::{LegProgram, parameter_in};
 use crate::events::StopSignal;
-use crate::membership::parameter_of;
-use crate::model::{ObjectModel, PlanningModel};
+use crate::graph_building::led_to;
+use crate::membership::{parameter_of, residual};
+use crate::model::PlanningModel;
 use crate::random::{Purpose, stream};
 use crate::schedule::StepCounter;
 use crate::settings::SearchSettings;
@@ -14,7 +15,7 @@ use bevy_ecs::prelude::{Mut, Query, Res, ResMut};
 use foliate_components::Pose;
 use foliate_components::candidate::{Candidate, CandidateArena, LegParameter, PlannedLeg};
 use foliate_components::graph::{ConstraintId, ConstraintKind, Leg, StateId, Transition, TransitionId, TransitionKind};
-use foliate_components::leaf::{LeafIndex, Parameter};
+use foliate_components::leaf::{LeafIndex, Parameter, ParameterId};
 use foliate_components::outcome::Rejection;
 use foliate_components::roadmap::Roadmap;
 use foliate_kernels::kinematics::Carriage;
@@ -143,8 +144,12 @@ impl Context<'_> {
             return;
         }
         if let Some(first) = transition.legs.first().filter(|first| first.state != transition.from) {
-            // Another hand keeps the object: what is released is left at once.
+            // Another hand keeps the object: what is released is left at once. Or the target holds at the start already.
             for lane in lanes.iter_mut() {
+                if !self.lies_in(first.state, transition.from, lane, &mut scratch.X_WJ) {
+                    lane.candidate.reject(Rejection::ProjectionFailed(0));
+                    continue;
+                }
                 let mut q = lane.q.clone();
                 lane.parameters = self.arrive(transition.from, first.state, lane, &mut q, &mut scratch.X_WJ);
             }
@@ -246,8 +251,23 @@ impl Context<'_> {
         seed
     }
 
-    /// The values of the foliating constraints of `next` at the end of a leg in `state`. Where they are new, the released
-    /// object is put exactly where its new leaf has it.
+    /// Whether a lane's configuration, which lies in `state`, lies in `next` too: what `next` demands beyond `state` holds
+    /// to within the tolerance of a projection.
+    fn lies_in(&self, next: StateId, state: StateId, lane: &Lane<'_>, X_WJ: &mut [Pose]) -> bool {
+        let here = &self.model.graph.state(state).manifold;
+        let more = self.model.graph.state(next).manifold.iter().filter(|&c| !here.contains(c));
+        let more: Vec<ConstraintId> = more.copied().collect();
+        if more.is_empty() {
+            return true;
+        }
+        self.model.kinematics.forward(&lane.q, X_WJ);
+        // A projection's tolerance bounds what it measured; measured again it may round differently.
+        let tolerance = 2.0 * self.settings.projection_tolerance;
+        more.iter().all(|&c| residual(self.model, c, &lane.q, X_WJ) <= tolerance)
+    }
+
+    /// The values of the foliating constraints of `next` at the end of a leg in `state`. Where they are new, a released
+    /// object is put exactly where its new leaf has it; one that is picked up stays where it was.
     fn arrive(
         &self,
         state: StateId,
@@ -261,51 +281,83 @@ impl Context<'_> {
         }
         let here = &self.model.graph.state(state).foliation;
         let there = &self.model.graph.state(next).foliation;
-        let value = |constraint: &ConstraintId| match here.iter().position(|c| c == constraint) {
-            Some(position) => lane.parameters[position],
-            None => self.new_value(*constraint, lane, end, X_WJ),
+        let mut set_down = Vec::new();
+        self.model.kinematics.forward(end, X_WJ);
+        let mut value = |constraint: &ConstraintId| {
+            if let Some(position) = here.iter().position(|c| c == constraint) {
+                return lane.parameters[position];
+            }
+            set_down.extend(self.resting_object(*constraint));
+            match self.drawn_parameter(lane, *constraint) {
+                Some(id) => LegParameter::Known(id),
+                None => LegParameter::Fresh(self.exact_parameter(*constraint, end, X_WJ)),
+            }
         };
-        there.iter().map(value).collect()
+        let parameters: Vec<_> = there.iter().map(&mut value).collect();
+        if !set_down.is_empty() {
+            self.put_down(next, &parameters, &set_down, end, X_WJ);
+        }
+        parameters
     }
 
-    fn new_value(&self, constraint: ConstraintId, lane: &Lane<'_>, end: &mut [f64], X_WJ: &mut [Pose]) -> LegParameter {
-        let (value, exact) = match lane.candidate.drawn {
-            Some(id) if self.leaves.parameter(id).constraint == constraint => {
-                (LegParameter::Known(id), *self.leaves.parameter(id))
-            }
-            _ => {
-                self.model.kinematics.forward(end, X_WJ);
-                let found = self.exact_parameter(constraint, X_WJ);
-                (LegParameter::Fresh(found), found)
-            }
+    /// The drawn value of a constraint that the lane's transition adds.
+    fn drawn_parameter(&self, lane: &Lane<'_>, constraint: ConstraintId) -> Option<ParameterId> {
+        let leaf = self.leaves.leaf(lane.candidate.drawn?);
+        let aims = |leg: &Leg| {
+            let leads = |&c: &ConstraintId| {
+                led_to(self.model.graph.constraint(c).kind) == self.model.graph.constraint(constraint).kind
+            };
+            leg.drawn.iter().any(leads)
         };
-        // An object that is set down adopts the pose of its leaf; one that is picked up stays where it was.
-        if let Some(object) = self.resting_object(constraint) {
-            let root = self.model.objects()[object].root;
-            let carriage = Carriage { object: root, carrier: exact.carrier, X_CO: exact.carrier_from_object };
-            self.model.kinematics.forward(end, X_WJ);
-            self.model.kinematics.carry(end, &[carriage], X_WJ);
-            self.model.kinematics.write_back(&[carriage], X_WJ, end);
+        let transition = self.model.graph.transition(lane.candidate.transition?);
+        let position = self.model.graph.state(leaf.state).foliation.iter().position(|&c| c == constraint)?;
+        transition.legs.iter().any(aims).then(|| leaf.parameters[position])
+    }
+
+    /// Moves objects exactly to where their leaf has them, and with them what they carry.
+    fn put_down(
+        &self,
+        state: StateId,
+        parameters: &[LegParameter],
+        objects: &[usize],
+        end: &mut [f64],
+        X_WJ: &mut [Pose],
+    ) {
+        let kinematics = &self.model.kinematics;
+        let all = self.model.carriages(state, |c| parameter_in(self.model, self.leaves, state, parameters, c));
+        let mut moved: Vec<Carriage> = Vec::new();
+        let joints = &self.model.problem.robot.joints;
+        for carriage in all {
+            let own = self.model.objects().iter().position(|o| o.root == Some(carriage.object));
+            let rides = |m: &Carriage| {
+                carriage.carrier.is_some_and(|body| joints[body.at()].part == joints[m.object.at()].part)
+            };
+            if own.is_some_and(|own| objects.contains(&own)) || moved.iter().any(rides) {
+                moved.push(carriage);
+            }
         }
-        value
+        kinematics.forward(end, X_WJ);
+        kinematics.carry(end, &moved, X_WJ);
+        kinematics.write_back(&moved, X_WJ, end);
     }
 
     fn resting_object(&self, constraint: ConstraintId) -> Option<usize> {
         match self.model.graph.constraint(constraint).kind {
-            ConstraintKind::Placement { object } | ConstraintKind::Rest { object } => Some(object as usize),
+            ConstraintKind::Placement { object, .. } | ConstraintKind::Rest { object } => Some(object as usize),
             _ => None,
         }
     }
 
     /// The parameter of a constraint that a projection has just satisfied to within its tolerance, made exact: a placed
     /// object lies flat on its support, the margin above it.
-    fn exact_parameter(&self, constraint: ConstraintId, X_WJ: &[Pose]) -> Parameter {
-        let mut found = parameter_of(self.model, constraint, X_WJ);
-        if let ConstraintKind::Placement { object } = self.model.graph.constraint(constraint).kind
-            && let ObjectModel { root, resting: Some(resting) } = &self.model.objects()[object as usize]
-            && let Some(exact) = resting.exact(*root, X_WJ)
+    fn exact_parameter(&self, constraint: ConstraintId, q: &[f64], X_WJ: &[Pose]) -> Parameter {
+        let mut found = parameter_of(self.model, constraint, q, X_WJ);
+        if let ConstraintKind::Placement { object, on } = self.model.graph.constraint(constraint).kind
+            && let object = &self.model.objects()[object as usize]
+            && let (Some(root), Some(place)) = (object.root, object.resting_on(on))
+            && let Some(exact) = place.resting.exact(root, X_WJ)
         {
-            (found.carrier, found.carrier_from_object) = exact;
+            (found.carrier, found.value) = exact;
         }
         found
     }

@@ -1,7 +1,7 @@
 //! Set Rendezvous: the leaf of another tree that a crossed transition aims at (P0 §III-B, P1 §III-B).
 //!
-//! Only the rows that the target's foliation adds to the source's are drawn: the released object's placement, the new
-//! grasp's complement. Leaves whose shared rows agree with the node's own come first, because reaching one of them lets the
+//! Only the rows that the target's foliation adds to the source's count: the released object's placement, the new grasp's
+//! complement, where a door stays, where a foot stands. Leaves whose shared rows agree with the node's own come first, because reaching one of them lets the
 //! trees meet at once; without any, a leaf of the target state is drawn all the same, which brings the two trees one
 //! parameter closer. Among those, the draw goes by how often each was reached.
 
@@ -11,7 +11,7 @@ use crate::schedule::StepCounter;
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Query, Res};
 use foliate_components::candidate::Candidate;
-use foliate_components::graph::{ConstraintId, StateId, Transition, TransitionKind};
+use foliate_components::graph::{ConstraintId, StateId, TransitionKind};
 use foliate_components::leaf::{Leaf, LeafId, LeafIndex, ParameterId};
 use foliate_components::outcome::Rejection;
 use foliate_components::roadmap::{ComponentId, Roadmap, Visits};
@@ -24,7 +24,7 @@ struct Reached<'a> {
     visits: &'a Visits,
 }
 
-/// Draws for every crossed candidate the parameter to aim at.
+/// Draws for every crossed candidate the leaf to aim at.
 pub fn draw_leaves(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
@@ -55,11 +55,10 @@ pub fn draw_leaves(
             model: &model,
             roadmap: &roadmap,
             source: leaves.leaf(roadmap.node(near).leaf),
-            transition,
             tree: roadmap.component_of(near),
         };
-        match draw.parameter(&by_state[transition.to.at()], rng.random()) {
-            Some(parameter) => candidate.drawn = Some(parameter),
+        match draw.leaf(&by_state[transition.to.at()], rng.random()) {
+            Some(leaf) => candidate.drawn = Some(leaf),
             None => candidate.reject(Rejection::NoLeafToAimAt),
         }
     });
@@ -69,16 +68,15 @@ struct Draw<'a> {
     model: &'a PlanningModel,
     roadmap: &'a Roadmap,
     source: &'a Leaf,
-    transition: &'a Transition,
     tree: ComponentId,
 }
 
 impl Draw<'_> {
     /// Draws by `u` ∈ [0, 1) among the reached leaves of the target state.
-    fn parameter(&self, reached: &[(LeafId, Reached<'_>)], u: f64) -> Option<ParameterId> {
-        let weigh = |agreeing: bool| -> Vec<(&Leaf, f64)> {
+    fn leaf(&self, reached: &[(LeafId, Reached<'_>)], u: f64) -> Option<LeafId> {
+        let weigh = |agreeing: bool| -> Vec<(LeafId, f64)> {
             let wanted = reached.iter().filter(|(_, r)| !agreeing || self.shared_rows_agree(r.leaf));
-            wanted.map(|(_, r)| (r.leaf, self.visits_of_others(r.visits))).filter(|&(_, w)| w > 0.0).collect()
+            wanted.map(|(id, r)| (*id, self.visits_of_others(r.visits))).filter(|&(_, w)| w > 0.0).collect()
         };
         let mut choices = weigh(true);
         if choices.is_empty() {
@@ -90,8 +88,7 @@ impl Draw<'_> {
             left -= w;
             left < 0.0
         });
-        let added = *self.transition.adds.first()?;
-        value_of(self.model, leaf.map(|&(leaf, _)| leaf).or(last)?, added)
+        leaf.map(|&(leaf, _)| leaf).or(last)
     }
 
     /// How often trees other than the candidate's have reached a leaf.

@@ -1,10 +1,12 @@
 //! How an object rests while nobody holds it: polygons on polygons (P0 §II-C.1), or a frame on a plane.
+//!
+//! Supports are grouped by the body that carries them, for it is the body on which the object hangs while it lies there.
 
 use foliate_components::Pose;
 use foliate_components::constraint::{Constraint, Frame, Placement, Reference, RelativePose, Row};
 use foliate_components::pose::{exp_so3, log_so3};
 use foliate_components::problem::{GraphOptions, ObjectOptions};
-use foliate_components::robot::{JointIndex, Robot};
+use foliate_components::robot::{JointIndex, Robot, SurfaceIndex};
 use foliate_kernels::constraints::{placement, placement_of, relative_pose};
 use glam::DVec3;
 
@@ -22,24 +24,69 @@ pub enum Resting {
     },
 }
 
-impl Resting {
-    /// Reads an object's documents; `None` where it has neither surfaces nor a plane.
+/// What an object may rest on, on one body.
+#[derive(Clone, Debug)]
+pub struct RestingPlace {
+    /// The body; `None` for what is fixed in the world.
+    pub on: Option<JointIndex>,
+    /// The supports on it; empty for a plane.
+    pub supports: Vec<SurfaceIndex>,
+    /// How the object rests there.
+    pub resting: Resting,
+}
+
+/// The bodies that may carry an object, with their supports: what is fixed in the world first, others in the order in
+/// which their supports are named. An object's own surfaces do not carry it.
+#[must_use]
+pub fn carrying_bodies(
+    robot: &Robot,
+    options: &GraphOptions,
+    object: &ObjectOptions,
+) -> Vec<(Option<JointIndex>, Vec<SurfaceIndex>)> {
+    if object.plane.is_some() {
+        return vec![(None, Vec::new())];
+    }
+    let mut bodies: Vec<(Option<JointIndex>, Vec<SurfaceIndex>)> = Vec::new();
+    if object.surfaces.is_empty() {
+        return bodies;
+    }
+    for &support in &options.supports {
+        let link = &robot.links[robot.surfaces[support.at()].link.at()];
+        if link.part == object.part {
+            continue;
+        }
+        match bodies.iter_mut().find(|(body, _)| *body == link.joint) {
+            Some((_, supports)) => supports.push(support),
+            None => bodies.push((link.joint, vec![support])),
+        }
+    }
+    // Stable: among bodies that move the order stays.
+    bodies.sort_by_key(|(body, _)| body.is_some());
+    bodies
+}
+
+impl RestingPlace {
+    /// Reads an object's documents; empty where it has neither surfaces nor a plane.
     ///
     /// # Errors
     /// Surfaces that make no placement.
-    pub fn of_object(robot: &Robot, options: &GraphOptions, object: &ObjectOptions) -> Result<Option<Self>, String> {
+    pub fn of_object(robot: &Robot, options: &GraphOptions, object: &ObjectOptions) -> Result<Vec<Self>, String> {
         if let Some(plane) = &object.plane {
             let root = robot.parts[object.part.at()].root_link;
             let frame = Frame::on_link(robot, root, &plane.object_from_frame);
-            return Ok(Some(Self::Plane { plane: Frame::world(plane.world_from_plane), frame }));
+            let resting = Resting::Plane { plane: Frame::world(plane.world_from_plane), frame };
+            return Ok(vec![Self { on: None, supports: Vec::new(), resting }]);
         }
-        if object.surfaces.is_empty() {
-            return Ok(None);
-        }
-        let placement = Placement::new(robot, &object.surfaces, &options.supports, options.placement_margin);
-        placement.map(|p| Some(Self::Surfaces(p))).map_err(|e| e.to_string())
+        let place = |(on, supports): (Option<JointIndex>, Vec<SurfaceIndex>)| {
+            let placement = Placement::new(robot, &object.surfaces, &supports, options.placement_margin);
+            let placement = placement.map_err(|e| e.to_string())?;
+            Ok(Self { on, supports, resting: Resting::Surfaces(placement) })
+        };
+        carrying_bodies(robot, options, object).into_iter().map(place).collect()
     }
+}
 
+impl Resting {
     /// The constraint to rest, or to be lifted by `lift` metres along the support's normal.
     #[must_use]
     pub fn constraint(&self, lift: f64) -> Constraint {
@@ -63,7 +110,7 @@ impl Resting {
     }
 
     /// Where exactly the object rests, given poses at which it does to within a projection's tolerance: its carrier, and
-    /// its root's pose there.
+    /// its root's pose in it.
     #[must_use]
     pub fn exact(&self, root: JointIndex, X_WJ: &[Pose]) -> Option<(Option<JointIndex>, Pose)> {
         match self {
@@ -82,7 +129,7 @@ impl Resting {
         }
     }
 
-    /// The unit normal, pointing out, of what carries the object where the bodies are.
+    /// The unit normal, pointing out, of what carries the object where the bodies are; in the carrier's joint frame.
     #[must_use]
     pub fn normal(&self, X_WJ: &[Pose]) -> DVec3 {
         match self {

@@ -4,7 +4,8 @@ use crate::commit::{self, NewNodes};
 use crate::conclusion::{Ending, Roots};
 use crate::connection::Connections;
 use crate::events::{EventSink, StopSignal};
-use crate::membership::{self, Feasible};
+use crate::goals::{GoalSampler, plant};
+use crate::membership;
 use crate::model::PlanningModel;
 use crate::path_extraction::extract_path;
 use crate::schedule::StepCounter;
@@ -13,9 +14,9 @@ use crate::selection::{ReachedLeaves, TransitionWeights};
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Schedule, World};
 use foliate_components::candidate::CandidateArena;
-use foliate_components::graph::TransitionId;
+use foliate_components::graph::{StateId, TransitionId};
 use foliate_components::leaf::LeafIndex;
-use foliate_components::outcome::{SearchOutcome, TransitionStatistics};
+use foliate_components::outcome::{GoalStatistics, SearchOutcome, StateStatistics, TransitionStatistics};
 use foliate_components::path::ManipulationPath;
 use foliate_components::problem::Goal;
 use foliate_components::roadmap::Roadmap;
@@ -54,6 +55,7 @@ impl Search {
         world.init_resource::<StepCounter>();
         world.init_resource::<Roots>();
         world.init_resource::<Ending>();
+        world.init_resource::<GoalSampler>();
         world.insert_resource(model.clone());
         world.insert_resource(settings);
         world.insert_resource(stop);
@@ -128,36 +130,48 @@ impl Search {
         all.sort_by_key(|&(id, _)| id);
         all
     }
+
+    /// What the search has of every state.
+    #[must_use]
+    pub fn states(&mut self) -> Vec<(StateId, StateStatistics)> {
+        let mut query = self.world.query::<(&StateId, &StateStatistics)>();
+        let mut all: Vec<_> = query.iter(&self.world).map(|(id, s)| (*id, *s)).collect();
+        all.sort_by_key(|&(id, _)| id);
+        all
+    }
+
+    /// What became of the tries to find configurations for goals that leave something free.
+    #[must_use]
+    pub fn goal_statistics(&self) -> &GoalStatistics {
+        self.world.resource::<GoalSampler>().statistics()
+    }
 }
 
-/// Makes start and goals the roots of trees.
+/// Makes start and goals the roots of trees. A goal that leaves something free and of which no configuration was found yet
+/// is looked for again during the search.
 fn plant_roots(world: &mut World, model: &PlanningModel) -> Result<(), SearchOutcome> {
     let settings = world.resource::<SearchSettings>().clone();
     let start = membership::feasible(model, &settings, &model.problem.start).map_err(SearchOutcome::InfeasibleStart)?;
+    let mut sampler = GoalSampler::new(model, &settings, &start.q);
     let mut goals = Vec::new();
     let mut complaint = String::from("the problem names no goal");
     for goal in &model.problem.goals {
-        let found = match goal {
-            Goal::Configuration(q) => membership::feasible(model, &settings, q).map(|f| vec![f]),
-            Goal::ObjectPoses(poses) => membership::sample_goals(model, &settings, &start, poses),
-        };
-        match found {
-            Ok(found) => goals.extend(found),
-            Err(why) => complaint = why,
+        if let Goal::Configuration(q) = goal {
+            match membership::feasible(model, &settings, q) {
+                Ok(goal) => goals.push(goal),
+                Err(why) => complaint = why,
+            }
         }
     }
-    if goals.is_empty() {
-        return Err(SearchOutcome::InfeasibleGoal(complaint));
+    goals.extend(sampler.draw_first(model, &settings, world.resource::<StopSignal>()));
+    let given_up = sampler.given_up(model, &settings);
+    let hopeless = goals.is_empty() && (sampler.is_empty() || given_up.is_some());
+    world.insert_resource(sampler);
+    if hopeless {
+        return Err(SearchOutcome::InfeasibleGoal(given_up.unwrap_or(complaint)));
     }
-    let start = plant(world, &settings, start);
-    let goals = goals.into_iter().map(|goal| plant(world, &settings, goal)).collect();
+    let start = plant(world, start);
+    let goals = goals.into_iter().map(|goal| plant(world, goal)).collect();
     world.insert_resource(Roots { start: Some(start), goals });
     Ok(())
-}
-
-fn plant(world: &mut World, settings: &SearchSettings, root: Feasible) -> foliate_components::roadmap::NodeId {
-    let mut index = world.resource_mut::<LeafIndex>();
-    let mut intern = |p| index.intern_parameter(p, settings.projection_tolerance);
-    let parameters = root.parameters.into_iter().map(&mut intern).collect();
-    commit::add_root(world, &root.q, foliate_components::leaf::Leaf { state: root.state, parameters })
 }

@@ -47,8 +47,15 @@ pub struct SearchSettings {
     pub prefix_resolution: f64,
     /// Residual at which a given start or goal counts as lying in a state, metres and radians.
     pub membership_tolerance: f64,
-    /// How many configurations to look for when a goal names only object poses.
+    /// How many configurations to look for at once where a goal leaves something free.
     pub goal_samples: usize,
+    /// Tries for such a goal after which, with no goal found at all, the search ends as infeasible.
+    pub goal_tries: u32,
+    /// Steps after which as many more configurations are looked for, since the first may be out of reach; then after twice as
+    /// many, and so on. 0 for never.
+    pub goal_interval: u64,
+    /// Steps between two reports of feedback to the host; 0 for one at the end only.
+    pub feedback_interval: u64,
 }
 
 impl Default for SearchSettings {
@@ -68,6 +75,9 @@ impl Default for SearchSettings {
             prefix_resolution: 0.125,
             membership_tolerance: 1e-4,
             goal_samples: 8,
+            goal_tries: 4096,
+            goal_interval: 64,
+            feedback_interval: 64,
         }
     }
 }

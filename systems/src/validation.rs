@@ -95,13 +95,15 @@ fn waypoints_are_free(
     scratch: &mut Scratch,
 ) -> bool {
     let size = model.problem.robot.space.size();
+    let Some(transition) = candidate.transition else { return false };
     for (index, leg) in legs.iter().enumerate() {
         // A leg that steering cut short ends at no waypoint; where it starts says as much about its leaf.
         let ends_at_waypoint = candidate.is_alive() || index + 1 < legs.len();
         let at = if ends_at_waypoint { leg.knots.len() - size } else { 0 };
         let q = &leg.knots[at..at + size];
         model.kinematics.forward(q, &mut scratch.X_WJ);
-        let contact = model.first_collision(leg.state, &scratch.X_WJ, settings.clearance_guard, &mut scratch.collision);
+        let (guard, collision) = (settings.clearance_guard, &mut scratch.collision);
+        let contact = model.first_collision_along(transition, &scratch.X_WJ, guard, collision);
         if let Some(contact) = contact {
             candidate.reject(Rejection::WaypointBlocked(leg.leg as u8));
             candidate.blocked_by = Some(model.pair_shapes(contact.pair));

@@ -125,7 +125,7 @@ fn goals_may_name_only_object_poses() {
     let mut problem = move_one_box().unwrap();
     let part = problem.robot.part("box0").unwrap();
     let pose = pose_from_array([0.7, -0.2, 0.031, 0.0, 0.0, 0.0, 1.0]).unwrap();
-    problem.goals = vec![Goal::ObjectPoses(vec![(part, pose)])];
+    problem.goals = vec![Goal::object_poses(vec![(part, pose)])];
     for scheduler in shipped() {
         let (outcome, search) = search(&model(problem.clone()), scheduler.as_ref(), seeded(1), 1);
         assert_eq!(outcome, SearchOutcome::Solved);

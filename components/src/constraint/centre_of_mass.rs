@@ -18,7 +18,10 @@ pub struct BodyMass {
 
 /// The masses whose common centre is looked at.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Masses(Arc<[BodyMass]>);
+pub struct Masses {
+    parts: Arc<[PartIndex]>,
+    bodies: Arc<[BodyMass]>,
+}
 
 /// Why parts have no centre of mass.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -52,19 +55,25 @@ impl Masses {
             let names: Vec<_> = parts.iter().map(|p| format!("`{}`", robot.parts[p.at()].name)).collect();
             return Err(NoMass(names.join(", ")));
         }
-        Ok(Self(bodies.into()))
+        Ok(Self { parts: parts.into(), bodies: bodies.into() })
+    }
+
+    /// The parts whose links were summed up.
+    #[must_use]
+    pub fn parts(&self) -> &[PartIndex] {
+        &self.parts
     }
 
     /// The bodies; at least one.
     #[must_use]
     pub fn bodies(&self) -> &[BodyMass] {
-        &self.0
+        &self.bodies
     }
 
     /// Their total, kilograms.
     #[must_use]
     pub fn total(&self) -> f64 {
-        self.0.iter().map(|b| b.mass).sum()
+        self.bodies.iter().map(|b| b.mass).sum()
     }
 }
 

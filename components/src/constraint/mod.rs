@@ -36,6 +36,14 @@ pub enum Constraint {
     PlacementHold(Placement, usize),
     /// A joint keeps its value.
     Locked(Locked),
+    /// Where the centre of mass is in a frame: fixed, frozen, or inside half-spaces.
+    CentreOfMass(CentreOfMass),
+    /// The centre of mass is over the line between two feet.
+    CentreOfMassBetween(CentreOfMassBetween),
+    /// Two points at a distance.
+    Distance(Distance),
+    /// A function of a host's own.
+    Custom(Custom),
 }
 
 impl Constraint {
@@ -44,7 +52,8 @@ impl Constraint {
     pub fn foliates(&self) -> bool {
         match self {
             Self::RelativePose(pose) => pose.rows.contains(&Some(Row::Parameter)),
-            Self::Placement(_) => false,
+            Self::CentreOfMass(balance) => balance.rows.iter().any(|plane| plane.row == Row::Parameter),
+            Self::Placement(_) | Self::CentreOfMassBetween(_) | Self::Distance(_) | Self::Custom(_) => false,
             Self::PlacementComplement(..) | Self::PlacementHold(..) => true,
             Self::Locked(locked) => matches!(locked.value, LockedValue::Argument(_)),
         }
@@ -63,7 +72,10 @@ impl Constraint {
             Self::PlacementComplement(placement, _) => Self::PlacementComplement(placement, slot),
             Self::PlacementHold(placement, _) => Self::PlacementHold(placement, slot),
             Self::Locked(locked) => Self::Locked(Locked { value: LockedValue::Argument(slot), ..locked }),
-            other @ Self::Placement(_) => other,
+            Self::CentreOfMass(balance) => {
+                Self::CentreOfMass(CentreOfMass { reference: Reference::Argument(slot), ..balance })
+            }
+            other @ (Self::Placement(_) | Self::CentreOfMassBetween(_) | Self::Distance(_) | Self::Custom(_)) => other,
         }
     }
 
@@ -83,7 +95,14 @@ impl Constraint {
             Self::PlacementComplement(..) => None,
             Self::PlacementHold(placement, _) => Some(Self::Placement(placement.clone())),
             Self::Locked(locked) => matches!(locked.value, LockedValue::Fixed(_)).then_some(Self::Locked(*locked)),
-            other @ Self::Placement(_) => Some(other.clone()),
+            Self::CentreOfMass(balance) => {
+                let rows: Vec<_> = balance.rows.iter().filter(|plane| plane.row != Row::Parameter).copied().collect();
+                let left = CentreOfMass { rows, reference: Reference::Identity, ..balance.clone() };
+                (!left.rows.is_empty()).then_some(Self::CentreOfMass(left))
+            }
+            other @ (Self::Placement(_) | Self::CentreOfMassBetween(_) | Self::Distance(_) | Self::Custom(_)) => {
+                Some(other.clone())
+            }
         }
     }
 }

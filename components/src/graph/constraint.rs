@@ -1,6 +1,6 @@
 //! The constraints that states and waypoints share, named as HPP names them.
 
-use crate::robot::{GripperIndex, HandleIndex};
+use crate::robot::{GripperIndex, HandleIndex, JointIndex};
 
 /// Index of a constraint in [`super::ConstraintGraph::constraints`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -42,19 +42,33 @@ pub enum ConstraintKind {
         /// What is approached.
         handle: HandleIndex,
     },
-    /// One of the object's surfaces lies on a support, the margin above it.
+    /// One of the object's surfaces lies on a support of one body, the margin above it.
     Placement {
         /// The object.
         object: u32,
+        /// The body whose supports carry it: another object, a drawer, a tray; `None` for those fixed in the world.
+        on: Option<JointIndex>,
     },
-    /// As a placement, lifted by the pre-placement distance.
+    /// As a placement, lifted by the pre-placement distance along the support's normal.
     Preplacement {
         /// The object.
         object: u32,
+        /// The body whose supports are to carry it.
+        on: Option<JointIndex>,
     },
     /// An object without surfaces stays where it is while nobody holds it (HPP: locked joints as placement complement).
     Rest {
         /// The object.
         object: u32,
+    },
+    /// A joint of an articulated part stays where it is, or is at its rest, while no handle beyond it is held.
+    JointRest {
+        /// Number in [`crate::problem::GraphOptions::resting_joints`].
+        joint: u32,
+    },
+    /// A constraint of the problem's own.
+    Given {
+        /// Number in [`crate::problem::GraphOptions::constraints`].
+        constraint: u32,
     },
 }

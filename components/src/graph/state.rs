@@ -19,8 +19,11 @@ impl StateId {
 /// A manifold of configurations, foliated by the complements of its constraints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
-    /// `g1 grasps h1 : g2 grasps h2`, or `free`.
+    /// `g1 grasps h1 : g2 grasps h2`, or `free`; in front the name of the problem's own state, where it has such (instead of
+    /// `free`), behind it which objects lie on bodies that move (`lid on box`).
     pub name: String,
+    /// Number of the problem's own state that this one is a case of; `None` where the problem has none.
+    pub written: Option<u32>,
     /// Who holds what, in the order of the problem's grippers.
     pub grasps: Vec<(GripperIndex, HandleIndex)>,
     /// What holds everywhere in the state (f_S).
@@ -28,6 +31,7 @@ pub struct State {
     /// Those of them with right-hand sides: a leaf of the state gives each a value (g_T).
     pub foliation: Vec<ConstraintId>,
     /// States are tried in falling order of priority when the state of a configuration is asked: more grasps first, because
-    /// a configuration that grasps may also satisfy the weaker state without the grasp (HPP's node selector).
+    /// a configuration that grasps may also satisfy the weaker state without the grasp (HPP's node selector). Among equals
+    /// the first counts: the problem's own states in the order in which they are written.
     pub priority: u32,
 }

@@ -3,8 +3,7 @@
 use crate::scene::error::{SceneError, did_you_mean, quoted};
 use crate::scene::keys::{Item, Keys};
 use foliate_components::pose::{pose_from_array, pose_to_array};
-use foliate_components::problem::Goal;
-use foliate_components::robot::{Joint, JointIndex, Motion, Part, PartIndex, PartKind, Robot, RootJoint, Source};
+use foliate_components::robot::{Joint, JointIndex, Motion, Part, Robot, Source};
 use std::collections::{HashMap, HashSet};
 
 /// Names of the coordinates in order: `part/joint`, for a free-flyer root `part/x` … `part/qw`, for a planar root
@@ -35,28 +34,13 @@ fn axes(motion: Motion) -> &'static [&'static str] {
     }
 }
 
-/// `[locked]`: joints that never move.
-pub(super) fn locked(keys: &mut Keys<'_>, robot: &Robot) -> Result<Vec<(JointIndex, f64)>, SceneError> {
-    let Some(item) = keys.optional("locked") else { return Ok(Vec::new()) };
-    let has_number = |j: &Joint| matches!(j.source, Source::Coordinates { .. }) && axes(j.motion).is_empty();
-    let mut locked = Vec::new();
-    for (name, item) in item.keys()?.entries() {
-        if is_moving_root(name, robot) {
-            // Its bounds are equal already.
-            continue;
-        }
-        let found = robot.joint(name).filter(|j| has_number(&robot.joints[j.at()]));
-        let known = robot.joints.iter().filter(|j| has_number(j)).map(|j| j.name.as_str());
-        let joint = found.ok_or_else(|| {
-            item.error("there is no joint with one coordinate of this name").hint(did_you_mean(name, known))
-        })?;
-        locked.push((joint, item.number()?));
-    }
-    Ok(locked)
+/// Whether a joint has one coordinate of its own.
+pub(super) fn has_number(joint: &Joint) -> bool {
+    matches!(joint.source, Source::Coordinates { .. }) && axes(joint.motion).is_empty()
 }
 
 /// Whether a name is that of the root joint of a part that is not fixed.
-fn is_moving_root(name: &str, robot: &Robot) -> bool {
+pub(super) fn is_moving_root(name: &str, robot: &Robot) -> bool {
     robot.joint(name).is_some_and(|joint| robot.parts.iter().any(|p| p.root_joint == Some(joint)))
 }
 
@@ -117,50 +101,13 @@ impl Reader<'_> {
         Ok(q)
     }
 
-    /// Goals: what a whole configuration does not name stands as in the start.
-    pub fn goals(&self, item: &Item<'_>, start: &[f64]) -> Result<Vec<Goal>, SceneError> {
-        let mut goals = Vec::new();
-        for item in item.list()? {
-            let mut keys = item.keys()?;
-            let goal = match (keys.optional("configuration"), keys.optional("objects")) {
-                (Some(whole), None) => {
-                    let mut q = start.to_vec();
-                    let mut known = vec![false; q.len()];
-                    self.configuration(&whole, &mut q, &mut known)?;
-                    self.check_locked(&whole, &q)?;
-                    Goal::Configuration(q)
-                }
-                (None, Some(objects)) => self.object_poses(&objects)?,
-                _ => return Err(item.error("wants either `configuration` or `objects`")),
-            };
-            keys.finish()?;
-            goals.push(goal);
-        }
-        match goals.is_empty() {
-            true => Err(item.error("is empty").hint("a problem has at least one goal")),
-            false => Ok(goals),
-        }
-    }
-
-    fn object_poses(&self, item: &Item<'_>) -> Result<Goal, SceneError> {
-        let objects = || self.robot.parts.iter().filter(|p| p.kind == PartKind::Object);
-        let mut poses = Vec::new();
-        for (name, item) in item.keys()?.entries() {
-            let part = self
-                .robot
-                .parts
-                .iter()
-                .position(|p| p.name == name && p.kind == PartKind::Object && p.root == RootJoint::FreeFlyer);
-            let known = objects().map(|p| p.name.as_str());
-            let part = part.ok_or_else(|| {
-                item.error("there is no freely moving object of this name").hint(did_you_mean(name, known))
-            })?;
-            poses.push((PartIndex(part as u32), item.pose()?));
-        }
-        match poses.is_empty() {
-            true => Err(item.error("is empty").hint("name at least one object and its pose")),
-            false => Ok(Goal::ObjectPoses(poses)),
-        }
+    /// A whole goal: what it does not name stands as in the start.
+    pub fn whole_goal(&self, item: &Item<'_>, start: &[f64]) -> Result<Vec<f64>, SceneError> {
+        let mut q = start.to_vec();
+        let mut known = vec![false; q.len()];
+        self.configuration(item, &mut q, &mut known)?;
+        self.check_locked(item, &q)?;
+        Ok(q)
     }
 
     /// A whole vector, or a table of names.
@@ -269,6 +216,15 @@ impl Reader<'_> {
             q[i..i + 7].copy_from_slice(&pose_to_array(&pose));
         }
         Ok(())
+    }
+
+    /// The value at which a coordinate is locked, if it is.
+    pub fn locked_value(&self, coordinate: usize) -> Option<f64> {
+        let at = |joint: JointIndex| match self.robot.joints[joint.at()].source {
+            Source::Coordinates { q, .. } => q == coordinate,
+            Source::Follows { .. } => false,
+        };
+        self.locked.iter().find(|(joint, _)| at(*joint)).map(|(_, value)| *value)
     }
 
     /// Locked joints stand at their values.

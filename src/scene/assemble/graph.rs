@@ -1,11 +1,15 @@
 //! `[graph]`: who may hold what, where things may lie.
 
+use super::constraint::{self, Context};
+use super::locked::{Locks, scalar_joint, within};
+use super::part::one_of;
+use super::written;
 use crate::scene::error::{SceneError, did_you_mean, quoted};
 use crate::scene::keys::{Item, Keys};
 use foliate_components::Pose;
-use foliate_components::problem::{GraphOptions, ObjectOptions, RestingPlane, Rule};
+use foliate_components::problem::{GraphOptions, JointRest, ObjectOptions, RestingJoint, RestingPlane, Rule};
 use foliate_components::robot::{
-    GripperIndex, HandleIndex, JointIndex, LinkIndex, PartIndex, PartKind, Robot, SurfaceIndex,
+    GripperIndex, HandleIndex, LinkIndex, PartIndex, PartKind, Robot, RootJoint, SurfaceIndex,
 };
 
 /// Gap between an object and its support where a scene gives none, metres.
@@ -18,19 +22,25 @@ const GRASPS: usize = 100_000;
 pub(super) fn read(
     keys: &mut Keys<'_>,
     robot: &Robot,
-    locked: Vec<(JointIndex, f64)>,
+    start: &[f64],
+    locks: &Locks,
 ) -> Result<GraphOptions, SceneError> {
+    let graph = keys.optional("graph");
     let mut options = GraphOptions {
         grippers: (0..robot.grippers.len() as u32).map(GripperIndex).collect(),
         objects: objects(robot),
         supports: supports(robot),
         placement_margin: PLACEMENT_MARGIN,
         preplacement_distance: PREPLACEMENT_DISTANCE,
-        locked,
         ..GraphOptions::default()
     };
-    let Some(item) = keys.optional("graph") else { return Ok(options) };
-    let mut keys = item.keys()?;
+    let mut graph = graph.map(|item| item.keys()).transpose()?;
+    if let Some(item) = graph.as_mut().and_then(|keys| keys.optional("resting_joints")) {
+        options.resting_joints = resting_joints(&item, robot, locks)?;
+    }
+    options.locked = locks.at_start(robot, start, &options.resting_joints);
+    options.constraints = constraint::read(keys, &Context::new(robot, start, &options.locked))?;
+    let Some(mut keys) = graph else { return Ok(options) };
     if let Some(item) = keys.optional("grippers") {
         options.grippers = names(&item, |i| gripper(i, robot))?;
     }
@@ -54,8 +64,26 @@ pub(super) fn read(
     if let Some(item) = keys.optional("preplacement_distance") {
         options.preplacement_distance = item.distance()?;
     }
+    written::read(&mut keys, &mut options)?;
     keys.finish()?;
     Ok(options)
+}
+
+/// `resting_joints = { "part/joint" = 0.0 or "stays" }`: they move only while a handle beyond them is held.
+fn resting_joints(item: &Item<'_>, robot: &Robot, locks: &Locks) -> Result<Vec<RestingJoint>, SceneError> {
+    let mut resting = Vec::new();
+    for (name, item) in item.keys()?.entries() {
+        let joint = scalar_joint(&item, name, robot)?;
+        if locks.names(joint) {
+            return Err(item.error("is locked as well").hint("a joint either never moves or moves when it is held"));
+        }
+        let rest = match item.is_string() {
+            true => one_of(&item, &[("stays", JointRest::Stays)])?,
+            false => JointRest::At(within(&item, joint, robot)?),
+        };
+        resting.push(RestingJoint { joint, rest });
+    }
+    Ok(resting)
 }
 
 /// Every object part, with all its handles and surfaces.
@@ -65,19 +93,23 @@ fn objects(robot: &Robot) -> Vec<ObjectOptions> {
         .map(|p| ObjectOptions {
             part: PartIndex(p as u32),
             handles: on_part(p, robot, robot.handles.iter().map(|h| h.link)).map(HandleIndex).collect(),
-            surfaces: on_part(p, robot, robot.surfaces.iter().map(|s| s.link)).map(SurfaceIndex).collect(),
+            surfaces: match robot.parts[p].root {
+                // It lies on nothing: its surfaces carry others.
+                RootJoint::Fixed => Vec::new(),
+                _ => on_part(p, robot, robot.surfaces.iter().map(|s| s.link)).map(SurfaceIndex).collect(),
+            },
             plane: None,
         })
         .collect()
 }
 
-/// Every surface of an environment.
+/// Every surface of environments and of furniture (objects with a fixed root).
 fn supports(robot: &Robot) -> Vec<SurfaceIndex> {
-    let of_environment = |s: &usize| {
-        let link = &robot.links[robot.surfaces[*s].link.at()];
-        robot.parts[link.part.at()].kind == PartKind::Environment
+    let carries = |s: &usize| {
+        let part = &robot.parts[robot.links[robot.surfaces[*s].link.at()].part.at()];
+        part.kind == PartKind::Environment || (part.kind == PartKind::Object && part.root == RootJoint::Fixed)
     };
-    (0..robot.surfaces.len()).filter(of_environment).map(|s| SurfaceIndex(s as u32)).collect()
+    (0..robot.surfaces.len()).filter(carries).map(|s| SurfaceIndex(s as u32)).collect()
 }
 
 /// Numbers of the documents that are on a part.
@@ -148,7 +180,12 @@ fn object(name: &str, item: &Item<'_>, robot: &Robot, objects: &mut [ObjectOptio
         let all = || object.surfaces.iter().map(|s| (s.0, robot.surfaces[s.at()].name.as_str())).collect();
         object.surfaces = names(&item, |i| own(i, all()).map(SurfaceIndex))?;
     }
-    object.plane = keys.optional("plane").map(|item| plane(&item)).transpose()?;
+    if let Some(item) = keys.optional("plane") {
+        if robot.parts[object.part.at()].root == RootJoint::Fixed {
+            return Err(item.error("an object with a fixed root lies nowhere"));
+        }
+        object.plane = Some(plane(&item)?);
+    }
     keys.finish()
 }
 

@@ -1,9 +1,15 @@
 //! From a scene file to a problem.
 
 mod configuration;
+mod constraint;
+mod frame;
+mod goal;
 mod graph;
+mod locked;
+mod mass;
 mod pairs;
 mod part;
+mod written;
 
 pub use configuration::coordinate_names;
 pub use part::PartSource;
@@ -79,15 +85,13 @@ pub(crate) fn load(name: &str, text: &str, base: SceneBase, packages: &PackagePa
     let mut ignored_pairs = pairs::of_parts(&parts, &robot)?;
     ignored_pairs.extend(pairs::ignored(&mut keys, &robot)?);
     let margins = pairs::margins(&mut keys, &robot)?;
-    let locked = configuration::locked(&mut keys, &robot)?;
     let order = configuration::order(&mut keys, &robot)?;
-    let (start, goals) = {
-        let reader = configuration::Reader { robot: &robot, locked: &locked, order: order.as_deref() };
-        let start = reader.start(&keys.required("start")?)?;
-        let goals = reader.goals(&keys.required("goal")?, &start)?;
-        (start, goals)
-    };
-    let graph = graph::read(&mut keys, &robot, locked)?;
+    let locks = locked::read(&mut keys, &robot)?;
+    let reader = configuration::Reader { robot: &robot, locked: &locks.at_values, order: order.as_deref() };
+    let start = reader.start(&keys.required("start")?)?;
+    let graph = graph::read(&mut keys, &robot, &start, &locks)?;
+    let reader = configuration::Reader { locked: &graph.locked, ..reader };
+    let goals = goal::read(&keys.required("goal")?, &reader, &start, &graph.constraints)?;
     keys.finish()?;
     let problem = Problem { name: scene_name, robot, graph, ignored_pairs, margins, start, goals };
     let parts = parts.into_iter().map(|p| p.source).collect();

@@ -5,6 +5,7 @@ use crate::scene::error::{SceneError, did_you_mean, quoted};
 use crate::scene::keys::{Item, Keys};
 use foliate_components::problem::Margin;
 use foliate_components::robot::{DisabledPair, LinkIndex, Part, Robot};
+use std::collections::{BTreeSet, HashSet};
 
 /// Most pairs that a scene's lists unfold to.
 const PAIRS: usize = 4_000_000;
@@ -102,7 +103,7 @@ pub(super) fn ignored(keys: &mut Keys<'_>, robot: &Robot) -> Result<Vec<Disabled
     Ok(pairs)
 }
 
-/// `margins = [{ pair = ["a/link", "b"], distance = 0.01 }, …]`.
+/// `margins = [{ pair = ["a/link", "b"], distance = 0.01 }, …]`, and `default_margin` for all other pairs of parts.
 pub(super) fn margins(keys: &mut Keys<'_>, robot: &Robot) -> Result<Vec<Margin>, SceneError> {
     let mut margins = Vec::new();
     for item in keys.optional("margins").map_or(Ok(Vec::new()), |i| i.list())? {
@@ -112,5 +113,25 @@ pub(super) fn margins(keys: &mut Keys<'_>, robot: &Robot) -> Result<Vec<Margin>,
         keys.finish()?;
         margins.extend(all.into_iter().map(|(first, second)| Margin { first, second, distance }));
     }
+    if let Some(item) = keys.optional("default_margin") {
+        let distance = item.distance()?;
+        let others = others(&margins, robot);
+        if margins.len() + others.len() > PAIRS {
+            return Err(item.error(format!("with this there are more than {PAIRS} pairs of links")));
+        }
+        margins.extend(others.into_iter().map(|(first, second)| Margin { first, second, distance }));
+    }
     Ok(margins)
+}
+
+/// Pairs of links with shapes, of different parts and not both fixed in the world, that have no margin of their own.
+fn others(margins: &[Margin], robot: &Robot) -> Vec<(LinkIndex, LinkIndex)> {
+    let own: HashSet<_> = margins.iter().flat_map(|m| [(m.first, m.second), (m.second, m.first)]).collect();
+    let with_shapes: BTreeSet<LinkIndex> = robot.shapes.iter().map(|s| s.link).collect();
+    let may_meet = |a: LinkIndex, b: LinkIndex| {
+        let (a, b) = (&robot.links[a.at()], &robot.links[b.at()]);
+        a.part != b.part && (a.joint.is_some() || b.joint.is_some())
+    };
+    let pairs = with_shapes.iter().flat_map(|&a| with_shapes.range(a..).map(move |&b| (a, b)));
+    pairs.filter(|&(a, b)| may_meet(a, b) && !own.contains(&(a, b))).take(PAIRS + 1).collect()
 }

@@ -66,7 +66,7 @@ pub(super) fn read<'f>(item: &Item<'f>, loader: &mut Loader<'_>) -> Result<Loade
 }
 
 /// The value that a word stands for.
-fn one_of<T: Copy>(item: &Item<'_>, words: &[(&'static str, T)]) -> Result<T, SceneError> {
+pub(super) fn one_of<T: Copy>(item: &Item<'_>, words: &[(&'static str, T)]) -> Result<T, SceneError> {
     let word = item.string()?;
     match words.iter().find(|(w, _)| *w == word) {
         Some((_, value)) => Ok(*value),

@@ -2,7 +2,9 @@
 
 use super::Scheduler;
 use crate::schedule::{SearchSet, empty_schedule};
-use crate::{commit, conclusion, connection, projection, rendezvous, sampling, selection, steering, validation};
+use crate::{
+    commit, conclusion, connection, feedback, goals, projection, rendezvous, sampling, selection, steering, validation,
+};
 use bevy_ecs::prelude::{IntoScheduleConfigs, Schedule, World};
 
 /// Random trees from the start and every goal, grown leaf by leaf through regular and crossed transitions.
@@ -25,11 +27,13 @@ impl Scheduler for Mrrt {
             projection::project_waypoints.in_set(SearchSet::Project),
             steering::steer_legs.in_set(SearchSet::Steer),
             validation::certify_legs.in_set(SearchSet::Validate),
-            commit::commit_extensions.in_set(SearchSet::Commit),
+            (commit::commit_extensions, goals::draw_more_goals).chain().in_set(SearchSet::Commit),
             (connection::propose_connections, connection::certify_connections, commit::commit_connections)
                 .chain()
                 .in_set(SearchSet::Connect),
-            conclusion::conclude.in_set(SearchSet::Conclude),
+            (conclusion::conclude, conclusion::report_progress, feedback::report_feedback, conclusion::report_solution)
+                .chain()
+                .in_set(SearchSet::Conclude),
         ));
         schedule
     }

@@ -112,13 +112,15 @@ impl Kinematics {
         }
     }
 
-    /// Moves carried objects to where their carriers take them; `carriages` are in dependency order (a box on a box comes
-    /// after the box beneath it). Bodies that hang on an object's root by joints of their own follow.
+    /// Moves carried objects to where their carriers take them, in any order of `carriages`. Bodies that hang on an
+    /// object's root by joints of their own follow. Objects that carry each other in a circle end anywhere.
     ///
     /// # Panics
     /// If a slice is too short.
     pub fn carry(&self, q: &[f64], carriages: &[Carriage], X_WJ: &mut [Pose]) {
-        for carriage in carriages {
+        // In dependency order, which is the rule, one pass is enough; otherwise each pass settles at least one more.
+        let passes = if self.carriers_come_first(carriages) { 1 } else { carriages.len() };
+        for carriage in std::iter::repeat_n(carriages, passes).flatten() {
             let object = carriage.object.at();
             X_WJ[object] = match carriage.carrier {
                 Some(carrier) => X_WJ[carrier.at()] * carriage.X_CO,
@@ -131,6 +133,22 @@ impl Kinematics {
                 X_WJ[index] = X_WJ[parent.at()] * (step.X_PJ * step.moved(q));
             }
         }
+    }
+
+    /// Whether no carrier is part of an object that is carried later.
+    fn carriers_come_first(&self, carriages: &[Carriage]) -> bool {
+        let root = |body: JointIndex| {
+            let mut body = body;
+            while let Some(parent) = self.steps[body.at()].parent {
+                body = parent;
+            }
+            body
+        };
+        let late = |(index, carriage): (usize, &Carriage)| {
+            let Some(carrier) = carriage.carrier.map(root) else { return false };
+            carriages[index + 1..].iter().any(|later| later.object == carrier)
+        };
+        !carriages.iter().enumerate().any(late)
     }
 
     /// Writes the poses of carried objects back into a configuration.

@@ -100,7 +100,7 @@ impl<'a> AttachmentTree<'a> {
         columns
     }
 
-    fn columns_of(
+    pub(super) fn columns_of(
         &self,
         index: JointIndex,
         sign: f64,

@@ -2,6 +2,8 @@
 
 mod forward;
 mod jacobian;
+mod weighted_points;
 
 pub use forward::{Carriage, Kinematics, Placement};
 pub use jacobian::{AttachmentTree, Column, geometric_jacobian};
+pub use weighted_points::{MomentColumn, PointNode, PointTree, WeightedPoint};

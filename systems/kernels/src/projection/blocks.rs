@@ -1,10 +1,15 @@
 //! Compiled constraints: each writes its rows of the Newton problem.
 
-use super::scratch::Decoded;
-use crate::constraints::{RowsOut, locked, placement, relative_pose};
+use super::scratch::{Decoded, Memory};
+use crate::constraints::centre_of_mass::{self, MassColumns};
+use crate::constraints::com_between::{self, StanceColumns};
+use crate::constraints::custom::FunctionColumns;
+use crate::constraints::{RowsOut, distance, locked, placement, reference_of, relative_pose};
 use crate::kinematics::{Column, Placement as BodyFrame};
 use foliate_components::Pose;
-use foliate_components::constraint::{LockedValue, Placement, Reference, Rows};
+use foliate_components::constraint::{
+    CentreOfMass, CentreOfMassBetween, Distance, LockedValue, Placement, Reference, Rows,
+};
 
 /// A compiled constraint.
 #[derive(Clone, Debug)]
@@ -23,6 +28,19 @@ pub(super) struct Block {
 pub(super) enum Kind {
     Pose(PoseBlock),
     Contact(ContactBlock),
+    Balance {
+        balance: CentreOfMass,
+        masses: MassColumns,
+    },
+    BalanceBetween {
+        balance: CentreOfMassBetween,
+        columns: Box<StanceColumns>,
+    },
+    Distance {
+        distance: Distance,
+        columns: Vec<Column>,
+    },
+    Custom(FunctionColumns),
     /// A locked joint that another constraint has locked already, or that is not free: always a check.
     Locked {
         coordinate: usize,
@@ -84,23 +102,47 @@ pub(super) struct Inputs<'a> {
 }
 
 impl Block {
-    /// All columns, whichever support they belong to.
-    pub(super) fn columns_mut(&mut self) -> impl Iterator<Item = &mut Column> {
-        let (one, many): (&mut [Column], &mut [Vec<Column>]) = match &mut self.kind {
-            Kind::Pose(pose) => (&mut pose.columns, &mut []),
-            Kind::Contact(contact) => (&mut [], &mut contact.columns),
-            Kind::Locked { .. } => (&mut [], &mut []),
-        };
-        one.iter_mut().chain(many.iter_mut().flatten())
+    /// All columns, whichever support, mass or frame they belong to.
+    pub(super) fn columns_mut(&mut self) -> Vec<&mut Column> {
+        fn moments(masses: &mut MassColumns) -> impl Iterator<Item = &mut Column> {
+            masses.columns.iter_mut().map(|moment| &mut moment.column)
+        }
+        match &mut self.kind {
+            Kind::Pose(pose) => pose.columns.iter_mut().collect(),
+            Kind::Contact(contact) => contact.columns.iter_mut().flatten().collect(),
+            Kind::Balance { masses, .. } => moments(masses).collect(),
+            Kind::BalanceBetween { columns, .. } => {
+                moments(&mut columns.masses).chain(columns.feet.iter_mut().flatten()).collect()
+            }
+            Kind::Distance { columns, .. } => columns.iter_mut().collect(),
+            Kind::Custom(function) => function.columns.iter_mut().flatten().collect(),
+            Kind::Locked { .. } => Vec::new(),
+        }
     }
 
     /// Whether any variable moves its rows.
     pub(super) fn is_free(&mut self) -> bool {
-        self.columns_mut().next().is_some()
+        !self.columns_mut().is_empty()
+    }
+
+    /// How many moments it works with.
+    pub(super) fn moments(&self) -> usize {
+        match &self.kind {
+            Kind::Balance { masses, .. } => masses.moments(),
+            Kind::BalanceBetween { columns, .. } => columns.masses.moments(),
+            _ => 0,
+        }
     }
 
     /// Writes values and Jacobian. Everything indexed has been checked when the program was compiled or the solve began.
-    pub(super) fn linearise(&self, at: Inputs<'_>, values: &mut [f64], jacobian: &mut [f64], stride: usize) {
+    pub(super) fn linearise(
+        &self,
+        at: Inputs<'_>,
+        memory: &mut Memory,
+        values: &mut [f64],
+        jacobian: &mut [f64],
+        stride: usize,
+    ) {
         let Inputs { q, arguments, decoded, X_WJ } = at;
         let (first, end) = (self.first, self.first + self.rows);
         // Checks have no columns.
@@ -108,10 +150,19 @@ impl Block {
         let out = RowsOut { values: &mut values[first..end], jacobian, stride };
         match &self.kind {
             Kind::Pose(block) => {
-                let reference = reference(block.reference, arguments);
+                let reference = reference_of(block.reference, arguments);
                 relative_pose::linearise(&block.a, &block.b, &reference, &block.rows, &block.columns, X_WJ, out);
             }
             Kind::Contact(block) => block.linearise(decoded, X_WJ, out),
+            Kind::Balance { balance, masses } => {
+                let reference = reference_of(balance.reference, arguments);
+                centre_of_mass::linearise(balance, &reference, masses, X_WJ, &mut memory.moments, out);
+            }
+            Kind::BalanceBetween { balance, columns } => {
+                com_between::linearise(balance, columns, X_WJ, &mut memory.moments, out);
+            }
+            Kind::Distance { distance, columns } => distance::linearise(distance, columns, X_WJ, out),
+            Kind::Custom(function) => function.linearise(X_WJ, &mut memory.function, out),
             Kind::Locked { coordinate, value } => {
                 out.values[0] = locked::value(q[*coordinate], locked_value(*value, arguments));
             }
@@ -134,14 +185,6 @@ impl ContactBlock {
         } else {
             placement::linearise_hold(placement, target, columns, X_WJ, out);
         }
-    }
-}
-
-pub(super) fn reference(reference: Reference, arguments: &[Pose]) -> Pose {
-    match reference {
-        Reference::Identity => Pose::identity(),
-        Reference::Fixed(pose) => pose,
-        Reference::Argument(slot) => arguments[slot],
     }
 }
 

@@ -7,10 +7,16 @@ use super::carriage::{CarriageTemplate, Relation};
 use super::hessian_bound::ResidualBound;
 use super::merge::merged;
 use super::program::{ConstraintProgram, LockedCoordinate, Move, WriteBack};
+use crate::constraints::centre_of_mass::MassColumns;
+use crate::constraints::com_between::{self, StanceColumns};
+use crate::constraints::custom::FunctionColumns;
 use crate::constraints::placement_of;
 use crate::kinematics::{AttachmentTree, Kinematics};
 use foliate_components::Pose;
-use foliate_components::constraint::{Constraint, Frame, Locked, LockedValue, Placement, Reference, RelativePose};
+use foliate_components::constraint::{
+    BodyMass, CentreOfMass, Constraint, Frame, Locked, LockedValue, Masses, Placement, PlaneRow, Reference,
+    RelativePose, Row,
+};
 use foliate_components::robot::{JointIndex, Motion, Robot, Source};
 
 /// Why constraints make no program.
@@ -29,8 +35,25 @@ pub enum CompileError {
     SeveralSupports(usize),
     #[error("constraint {0} is a placement without polygons")]
     EmptyPlacement(usize),
+    #[error("constraint {constraint} makes no sense: {problem}")]
+    Malformed { constraint: usize, problem: &'static str },
     #[error("the kinematics were compiled for another robot")]
     OtherRobot,
+}
+
+/// More rows than any balance needs; what a solve works with grows with their square.
+const MOST_ROWS: usize = 64;
+
+fn fits_rows(rows: usize) -> Option<&'static str> {
+    match rows {
+        0 => Some("it has no rows"),
+        1..=MOST_ROWS => None,
+        _ => Some("it has more than 64 rows"),
+    }
+}
+
+fn fit(constraint: usize, problem: Option<&'static str>) -> Result<(), CompileError> {
+    problem.map_or(Ok(()), |problem| Err(CompileError::Malformed { constraint, problem }))
 }
 
 struct Compiler<'a> {
@@ -48,7 +71,8 @@ impl ConstraintProgram {
     /// Compiles constraints.
     ///
     /// `carriages` say which objects follow what; `locked` joints keep their values. Then, in order, every constraint that
-    /// wholly determines an object that nothing carries yet eliminates it too, unless the object would carry itself. A
+    /// wholly determines an object that nothing carries yet eliminates it too, unless the object would carry itself;
+    /// constraints between two objects come after those that carry one of them. A
     /// second relation on a carried object (two hands on one box) becomes rows. A constraint and its complement on the same
     /// frames are one constraint.
     ///
@@ -85,11 +109,13 @@ impl ConstraintProgram {
             compiler.known(number, template.carrier)?;
             compiler.carry(number, template)?;
         }
+        let mut waiting = Vec::new();
         for (number, constraint) in merged(constraints) {
             let number = number + carriages.len();
             compiler.check_joints(number, &constraint)?;
-            compiler.add(number, constraint)?;
+            waiting.push((number, constraint));
         }
+        compiler.add_all(waiting)?;
         Ok(compiler.finish())
     }
 }
@@ -116,7 +142,40 @@ impl Compiler<'_> {
                 p.object.iter().chain(&p.supports).try_for_each(|polygon| self.known(number, polygon.frame.joint))
             }
             Constraint::Locked(locked) => self.known(number, Some(locked.joint)),
+            Constraint::CentreOfMass(balance) => {
+                self.known(number, balance.frame.joint)?;
+                self.masses_known(number, &balance.masses)?;
+                fit(number, fits_rows(balance.rows.len()))?;
+                let straight =
+                    |plane: &PlaneRow| (plane.normal.length() - 1.0).abs() < 1e-9 && plane.offset.is_finite();
+                fit(number, (!balance.rows.iter().all(straight)).then_some("a normal is not a unit vector"))
+            }
+            Constraint::CentreOfMassBetween(balance) => {
+                self.known(number, balance.first.joint)?;
+                self.known(number, balance.second.joint)?;
+                self.masses_known(number, &balance.masses)?;
+                fit(number, balance.height.filter(|h| !h.is_finite()).map(|_| "the height is not a finite number"))
+            }
+            Constraint::Distance(distance) => {
+                self.known(number, distance.a.joint)?;
+                self.known(number, distance.b.joint)?;
+                let positive = distance.length.is_finite() && distance.length > 0.0;
+                fit(number, (!positive).then_some("the distance is not a positive number"))?;
+                fit(number, (distance.row == Row::Parameter).then_some("a distance is no parameter"))
+            }
+            Constraint::Custom(own) => {
+                own.0.frames().iter().try_for_each(|frame| self.known(number, frame.joint))?;
+                fit(number, fits_rows(own.0.rows().len()))?;
+                fit(number, own.0.rows().contains(&Row::Parameter).then_some("a function has no parameters"))
+            }
         }
+    }
+
+    fn masses_known(&self, number: usize, masses: &Masses) -> Result<(), CompileError> {
+        masses.bodies().iter().try_for_each(|heavy| self.known(number, heavy.body))?;
+        let weighs = |heavy: &BodyMass| heavy.mass > 0.0 && heavy.mass.is_finite() && heavy.center.is_finite();
+        let sound = masses.bodies().iter().all(weighs) && masses.total().is_finite();
+        fit(number, (!sound).then_some("a mass is not a positive number at a finite place"))
     }
 
     fn name(&self, joint: JointIndex) -> String {
@@ -176,6 +235,37 @@ impl Compiler<'_> {
         Ok(())
     }
 
+    /// Adds constraints in order, except that a rigid relation of two objects waits until one of them is carried, or
+    /// nothing else is left: of a hand, a box and its lid the box follows the hand and the lid the box, in whatever order
+    /// they are named.
+    fn add_all(&mut self, mut waiting: Vec<(usize, Constraint)>) -> Result<(), CompileError> {
+        while !waiting.is_empty() {
+            let before = waiting.len();
+            let mut later = Vec::new();
+            for (number, constraint) in waiting {
+                if self.floats(&constraint) {
+                    later.push((number, constraint));
+                } else {
+                    self.add(number, constraint)?;
+                }
+            }
+            if later.len() == before {
+                let (number, constraint) = later.remove(0);
+                self.add(number, constraint)?;
+            }
+            waiting = later;
+        }
+        // The order of rows is that of the input.
+        self.remaining.sort_by_key(|(number, _)| *number);
+        Ok(())
+    }
+
+    /// Whether a constraint fixes two objects to each other that nothing carries yet.
+    fn floats(&self, constraint: &Constraint) -> bool {
+        let free = |frame: &Frame| frame.joint.is_some_and(|j| self.is_object(j) && !self.tree.is_carried(j));
+        matches!(constraint, Constraint::RelativePose(pose) if pose.is_rigid() && free(&pose.a) && free(&pose.b))
+    }
+
     fn add(&mut self, number: usize, constraint: Constraint) -> Result<(), CompileError> {
         if let Constraint::Locked(locked) = constraint
             && self.lock(locked)?
@@ -230,6 +320,7 @@ impl Compiler<'_> {
         number_rows(&mut blocks);
         let check_rows = number_rows(&mut checks);
         let decoded = number_decoded(blocks.iter_mut().chain(&mut checks));
+        let moments = blocks.iter().chain(&checks).map(Block::moments).max().unwrap_or(0);
         let objects: Vec<_> = self.carriages.iter().map(|c| c.object).collect();
         let bodies = self.bodies(&blocks, &checks, &objects, &active);
         ConstraintProgram {
@@ -245,6 +336,7 @@ impl Compiler<'_> {
             checks,
             check_rows,
             decoded,
+            moments,
             bodies,
             bodies_count: self.robot.joints.len(),
             size: self.robot.space.size(),
@@ -272,6 +364,11 @@ impl Compiler<'_> {
     /// Columns still number velocity coordinates.
     fn block(&self, source: usize, constraint: &Constraint, is_free: &[bool]) -> Block {
         let columns = |a: &Frame, b: &Frame| self.tree.columns(a.joint, b.joint, |v| is_free[v].then_some(v));
+        let masses = |masses: &Masses, from: Option<JointIndex>| {
+            let moves = |joint| velocities_of(self.robot, joint).any(|v| is_free[v]);
+            MassColumns::new(&self.tree, from, masses, moves, |v| is_free[v].then_some(v))
+        };
+        let world = Frame::world(Pose::identity());
         let contact = |placement: &Placement, part: Part| {
             let against = |s: &_| columns(s, &placement.object[0].frame);
             let columns = placement.supports.iter().map(|support| against(&support.frame)).collect();
@@ -289,6 +386,25 @@ impl Compiler<'_> {
                 });
                 Block { source, first: 0, rows: pose.dimension(), kind }
             }
+            Constraint::CentreOfMass(balance) => {
+                let masses = masses(&balance.masses, balance.frame.joint);
+                let kind = Kind::Balance { balance: balance.clone(), masses };
+                Block { source, first: 0, rows: balance.rows.len(), kind }
+            }
+            Constraint::CentreOfMassBetween(balance) => {
+                let feet = [&balance.first, &balance.second].map(|foot| columns(&world, foot));
+                let columns = Box::new(StanceColumns { masses: masses(&balance.masses, None), feet });
+                let kind = Kind::BalanceBetween { balance: balance.clone(), columns };
+                Block { source, first: 0, rows: com_between::dimension(balance), kind }
+            }
+            Constraint::Distance(distance) => {
+                let kind = Kind::Distance { distance: *distance, columns: columns(&distance.a, &distance.b) };
+                Block { source, first: 0, rows: 1, kind }
+            }
+            Constraint::Custom(own) => {
+                let function = FunctionColumns::new(own, |frame| columns(&world, frame));
+                Block { source, first: 0, rows: function.rows().len(), kind: Kind::Custom(function) }
+            }
             Constraint::Placement(placement) => contact(placement, Part::Contact),
             Constraint::PlacementComplement(placement, slot) => contact(placement, Part::Complement(*slot)),
             Constraint::PlacementHold(placement, slot) => contact(placement, Part::Hold(*slot)),
@@ -304,17 +420,7 @@ impl Compiler<'_> {
 
     fn bodies(&self, blocks: &[Block], checks: &[Block], objects: &[JointIndex], active: &[usize]) -> Bodies {
         let looked_at = blocks.iter().chain(checks).flat_map(joints_of);
-        let moves = |joint: JointIndex| {
-            let joint = &self.robot.joints[joint.at()];
-            let (v, count) = match joint.source {
-                Source::Coordinates { v, .. } => (v, joint.motion.velocity_size()),
-                Source::Follows { leader, .. } => match self.robot.joints[leader.at()].source {
-                    Source::Coordinates { v, .. } => (v, 1),
-                    Source::Follows { .. } => return false,
-                },
-            };
-            active.iter().any(|a| (v..v + count).contains(a))
-        };
+        let moves = |joint: JointIndex| velocities_of(self.robot, joint).any(|v| active.binary_search(&v).is_ok());
         Bodies::new(self.robot, &self.tree, looked_at, objects, moves)
     }
 
@@ -355,6 +461,7 @@ impl Compiler<'_> {
         });
         let remaining = self.remaining.iter().filter_map(|(_, constraint)| match constraint {
             Constraint::RelativePose(RelativePose { reference: Reference::Argument(slot), .. })
+            | Constraint::CentreOfMass(CentreOfMass { reference: Reference::Argument(slot), .. })
             | Constraint::PlacementComplement(_, slot)
             | Constraint::PlacementHold(_, slot)
             | Constraint::Locked(Locked { value: LockedValue::Argument(slot), .. }) => Some(*slot),
@@ -362,6 +469,18 @@ impl Compiler<'_> {
         });
         let carried = self.carriages.iter().filter_map(CarriageTemplate::slot);
         locked.chain(remaining).chain(carried).max().map_or(0, |slot| slot.saturating_add(1))
+    }
+}
+
+/// The velocity coordinates that move a joint: its own, or its leader's.
+fn velocities_of(robot: &Robot, joint: JointIndex) -> std::ops::Range<usize> {
+    let joint = &robot.joints[joint.at()];
+    match joint.source {
+        Source::Coordinates { v, .. } => v..v + joint.motion.velocity_size(),
+        Source::Follows { leader, .. } => match robot.joints[leader.at()].source {
+            Source::Coordinates { v, .. } => v..v + 1,
+            Source::Follows { .. } => 0..0, // composing a robot resolves chains of followers
+        },
     }
 }
 
@@ -409,6 +528,15 @@ fn joints_of(block: &Block) -> Vec<JointIndex> {
             let polygons = contact.placement.object.iter().chain(&contact.placement.supports);
             polygons.filter_map(|polygon| polygon.frame.joint).collect()
         }
+        Kind::Balance { balance, .. } => with_masses(&balance.masses, [&balance.frame]),
+        Kind::BalanceBetween { balance, .. } => with_masses(&balance.masses, [&balance.first, &balance.second]),
+        Kind::Distance { distance, .. } => [distance.a.joint, distance.b.joint].into_iter().flatten().collect(),
+        Kind::Custom(function) => function.frames().iter().filter_map(|frame| frame.joint).collect(),
         Kind::Locked { .. } => Vec::new(),
     }
+}
+
+fn with_masses<'a>(masses: &Masses, frames: impl IntoIterator<Item = &'a Frame>) -> Vec<JointIndex> {
+    let heavy = masses.bodies().iter().filter_map(|heavy| heavy.body);
+    heavy.chain(frames.into_iter().filter_map(|frame| frame.joint)).collect()
 }

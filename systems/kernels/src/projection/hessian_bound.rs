@@ -13,6 +13,7 @@
 //! axis as a unit vector, with ρ = 1.
 
 use super::blocks::{Block, ContactBlock, Kind as BlockKind, Part};
+use super::function_bound::FunctionBound;
 use crate::kinematics::{AttachmentTree, Placement};
 use foliate_components::Pose;
 use foliate_components::constraint::{Frame, Placement as Contact, Row, Rows};
@@ -26,6 +27,7 @@ const LARGEST_TURN: f64 = 0.1;
 #[derive(Clone, Debug, Default)]
 pub struct ResidualBound {
     pairs: Vec<Pair>,
+    functions: Vec<FunctionBound>,
 }
 
 /// Two frames, and the joints between them from `a` outwards.
@@ -49,8 +51,9 @@ enum Turns {
     Unbounded,
 }
 
+/// One free motion of a joint.
 #[derive(Clone, Copy, Debug)]
-enum Link {
+pub(super) enum Link {
     /// Turns about an axis through the body's origin (about any axis, where none is given).
     Turn { body: usize, axis: Option<DVec3>, v: usize, count: usize, scale: f64 },
     /// Slides.
@@ -72,21 +75,24 @@ impl ResidualBound {
                     let turns = turns_of_contact(contact, blocks);
                     pairs.extend(pairs_of_contact(&contact.placement, turns, &links));
                 }
-                BlockKind::Locked { .. } => {}
+                _ => {}
             }
         }
-        Self { pairs }
+        let function = |block| FunctionBound::new(tree, block, |joint| links_of(robot, joint, is_free));
+        Self { pairs, functions: blocks.iter().filter_map(function).collect() }
     }
 
     /// How far any row can be from the straight line between its values at the two ends of a motion with the velocity
     /// `delta` (metres, radians; all velocity coordinates), or infinity where no bound holds. `start` are the poses of
-    /// bodies at the motion's start, in the world.
+    /// bodies at the motion's start, in the world. An inequality counts only as far as it can be violated: nowhere along
+    /// the motion are residuals larger than at the ends by more than this.
     ///
     /// # Panics
     /// If a slice is too short.
     #[must_use]
     pub fn between(&self, delta: &[f64], start: &[Pose]) -> f64 {
-        self.pairs.iter().map(|pair| pair.bound(delta, start)).fold(0.0, f64::max)
+        let pairs = self.pairs.iter().map(|pair| pair.bound(delta, start)).fold(0.0, f64::max);
+        self.functions.iter().map(|function| function.bound(delta, start)).fold(pairs, f64::max)
     }
 }
 
@@ -189,7 +195,8 @@ fn distance_from(X_WB: &Pose, axis: Option<DVec3>, point: DVec3) -> f64 {
 }
 
 impl Link {
-    fn length(&self, delta: &[f64]) -> f64 {
+    /// How far it moves, metres or radians.
+    pub(super) fn length(&self, delta: &[f64]) -> f64 {
         let (Self::Turn { v, count, scale, .. } | Self::Slide { v, count, scale }) = *self;
         delta[v..v + count].iter().map(|d| d * d).sum::<f64>().sqrt() * scale.abs()
     }

@@ -9,10 +9,12 @@ mod blocks;
 mod bodies;
 mod carriage;
 mod compile;
+mod function_bound;
 mod hessian_bound;
 mod merge;
 mod motion;
 mod newton;
+mod point_rates;
 mod program;
 mod scratch;
 

@@ -33,6 +33,8 @@ pub struct ConstraintProgram {
     pub(super) checks: Vec<Block>,
     pub(super) check_rows: usize,
     pub(super) decoded: usize,
+    /// Moments of masses that one block works with, at most.
+    pub(super) moments: usize,
     pub(super) bodies: Bodies,
     pub(super) bodies_count: usize,
     pub(super) arguments: usize,
@@ -188,10 +190,10 @@ impl ConstraintProgram {
     /// Values and Jacobian of the implicit rows at the current poses; returns the largest absolute value.
     pub(super) fn evaluate(&self, q: &[f64], arguments: &[Pose], scratch: &mut Scratch) -> f64 {
         let (rows, width) = (self.rows(), self.active.len());
-        let Scratch { X_WJ, decoded, values, jacobian, .. } = scratch;
+        let Scratch { X_WJ, decoded, memory, values, jacobian, .. } = scratch;
         jacobian[..rows * width].fill(0.0);
         for block in &self.blocks {
-            block.linearise(Inputs { q, arguments, decoded, X_WJ }, values, jacobian, rows);
+            block.linearise(Inputs { q, arguments, decoded, X_WJ }, memory, values, jacobian, rows);
         }
         largest(&values[..rows])
     }
@@ -205,9 +207,9 @@ impl ConstraintProgram {
         scratch: &mut Scratch,
     ) -> (Option<usize>, f64) {
         let (mut failed, mut worst) = (None, 0.0_f64);
-        let Scratch { X_WJ, decoded, values, .. } = scratch;
+        let Scratch { X_WJ, decoded, memory, values, .. } = scratch;
         for check in &self.checks {
-            check.linearise(Inputs { q, arguments, decoded, X_WJ }, values, &mut [], 0);
+            check.linearise(Inputs { q, arguments, decoded, X_WJ }, memory, values, &mut [], 0);
             let residual = largest(&values[check.first..check.first + check.rows]);
             worst = worst.max(residual);
             if failed.is_none() && residual > tolerance {

@@ -1,12 +1,21 @@
 //! Memory that a solve works in; kept by the caller so that no solve allocates.
 
 use super::program::ConstraintProgram;
+use crate::constraints::custom::FunctionMemory;
 use crate::constraints::placement::Contact;
 use crate::kinematics::Carriage;
 use foliate_components::Pose;
+use glam::DVec3;
 
 /// A placement's leaf parameter, read.
 pub(super) type Decoded = (Contact, Pose);
+
+/// What single constraints work with.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Memory {
+    pub(super) moments: Vec<DVec3>,
+    pub(super) function: FunctionMemory,
+}
 
 /// Working memory of one thread; it serves every program in turn and grows to the largest.
 #[derive(Clone, Debug, Default)]
@@ -15,6 +24,7 @@ pub struct Scratch {
     pub(super) X_WJ: Vec<Pose>,
     pub(super) carriages: Vec<Carriage>,
     pub(super) decoded: Vec<Decoded>,
+    pub(super) memory: Memory,
     pub(super) values: Vec<f64>,
     pub(super) jacobian: Vec<f64>,
     pub(super) gram: Vec<f64>,
@@ -33,6 +43,7 @@ impl Scratch {
         grow(&mut self.X_WJ, program.bodies_count, Pose::identity());
         grow(&mut self.values, rows, 0.0);
         grow(&mut self.jacobian, rows * width, 0.0);
+        grow(&mut self.memory.moments, program.moments, DVec3::ZERO);
         grow(&mut self.gram, rows * rows, 0.0);
         grow(&mut self.multipliers, rows, 0.0);
         grow(&mut self.step, width, 0.0);

@@ -1,0 +1,46 @@
+//! Joints of objects do not move by themselves: only while something beyond them is held.
+
+use super::attachments::Bond;
+use super::motion::{At, SegmentMotion};
+use super::report::{CheckReport, Kind, Place};
+use crate::path_file::PathFile;
+use foliate_components::robot::PartKind;
+
+/// How far a joint that nobody holds may be from where the segment's first knot has it, radians and metres.
+const TOLERANCE: f64 = 1e-5;
+
+pub(super) fn check(motion: &SegmentMotion<'_>, file: &PathFile, report: &mut CheckReport) {
+    let world = motion.world;
+    // Written so that a tolerance that is not a number is none.
+    let tolerance = TOLERANCE.min(file.certificate.path_tolerance);
+    for part in world.parts.iter().filter(|part| part.kind == PartKind::Object) {
+        let joints = part.bodies.clone().filter(|&b| Some(b) != part.root);
+        for joint in joints.filter(|&j| world.bodies[j].motion.configuration_size() == 1 && !held_beyond(motion, j)) {
+            let start = motion.scalar(joint, At::knot(0));
+            for knot in 1..motion.knots.len() {
+                let moved = (motion.scalar(joint, At::knot(knot)) - start).abs();
+                // Compared so that NaN is off.
+                let still = moved <= tolerance;
+                if !still {
+                    let place = Place::at(motion.index, knot as f64);
+                    report.violate(place, Kind::JointUnheld, &world.bodies[joint].name, moved, tolerance);
+                }
+            }
+        }
+    }
+}
+
+/// Whether a gripper holds a handle on the body of a joint, or on one further out.
+fn held_beyond(motion: &SegmentMotion<'_>, joint: usize) -> bool {
+    let handles = motion.attachments.iter().filter_map(|a| match &a.held {
+        Some((_, held, Bond::Grasp { .. })) => held.frame.body,
+        _ => None,
+    });
+    handles.into_iter().any(|body| {
+        let mut next = Some(body);
+        while let Some(at) = next.filter(|&at| at != joint) {
+            next = motion.world.bodies[at].parent;
+        }
+        next == Some(joint)
+    })
+}

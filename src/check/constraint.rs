@@ -1,0 +1,238 @@
+//! Constraints that a segment lists besides its attachments: poses, distances, joints at rest; balance is next door.
+
+use super::CheckError;
+use super::balance;
+use super::documents::Frames;
+use super::leaf::{Leaf, Named, zero};
+use super::models::{Frame, shown};
+use super::motion::At;
+use super::reach::Bends;
+use super::report::{Kind, Place};
+use super::residual::{Form, Quantity, Relation, prove};
+use crate::path_file::{Bound, ConstraintEntry, FrameEntry};
+use foliate_components::Pose;
+use foliate_components::pose::pose_from_array;
+use glam::DVec3;
+
+/// Proves one constraint along a segment; what is not known here, or cannot be bounded, is told and not passed over.
+pub(super) fn check(
+    leaf: &mut Leaf<'_>,
+    entry: &ConstraintEntry,
+    frames: &Frames,
+    place: &str,
+) -> Result<(), CheckError> {
+    let mut case = Case { entry, frames, place, subject: subject(entry) };
+    if entry.tolerance > leaf.tolerance() {
+        let (subject, tolerance) = (&case.subject, entry.tolerance);
+        leaf.report.note(format!("{subject}: its tolerance {tolerance} exceeds the path tolerance"));
+    }
+    match entry.kind.as_str() {
+        "pose" | "relative_pose" => pose(leaf, &case, case.mask()?),
+        "position" => {
+            let mask = case.mask()?;
+            pose(leaf, &case, std::array::from_fn(|i| i < 3 && mask[i]))
+        }
+        "orientation" => {
+            let mask = case.mask()?;
+            pose(leaf, &case, std::array::from_fn(|i| i >= 3 && mask[i]))
+        }
+        "distance" => distance(leaf, &case),
+        "joint" => joint(leaf, &case),
+        "centre_of_mass" | "center_of_mass" => balance::centre_of_mass(leaf, &case),
+        "centre_of_mass_between" => balance::between(leaf, &case),
+        "custom" => {
+            case.subject += ": a function of the program's own, not proved here";
+            case.unchecked(leaf, "");
+            Ok(())
+        }
+        _ => {
+            case.unchecked(leaf, ": this checker knows no such kind");
+            Ok(())
+        }
+    }
+}
+
+/// A constraint with where it stands.
+pub(super) struct Case<'c> {
+    pub entry: &'c ConstraintEntry,
+    pub frames: &'c Frames,
+    /// JSON path of the constraint.
+    pub place: &'c str,
+    /// For people.
+    pub subject: String,
+}
+
+impl Case<'_> {
+    pub(super) fn refuse<T>(&self, key: &str, message: impl Into<String>) -> Result<T, CheckError> {
+        Err(CheckError::malformed(format!("{}.{key}", self.place), message))
+    }
+
+    pub(super) fn relation(&self) -> Relation<'_> {
+        Relation { kind: Kind::Constraint, subject: &self.subject, tolerance: self.entry.tolerance }
+    }
+
+    pub(super) fn unchecked(&self, leaf: &mut Leaf<'_>, why: &str) {
+        let place = Place { segment: Some(leaf.motion.index), t: None };
+        leaf.report.violate(place, Kind::UncheckedConstraint, format!("{}{why}", self.subject), None, None);
+    }
+
+    fn mask(&self) -> Result<[bool; 6], CheckError> {
+        self.entry.mask.map_or_else(|| self.refuse("mask", "is missing"), Ok)
+    }
+
+    /// The frame of a key, which must be there.
+    pub(super) fn frame(&self, leaf: &Leaf<'_>, key: &str, entry: Option<&FrameEntry>) -> Result<Frame, CheckError> {
+        let Some(entry) = entry else { return self.refuse(key, "is missing") };
+        let (name, within) = entry.parts();
+        let mut frame = self.frames.named(leaf.motion.world, name, || format!("{}.{key}", self.place))?;
+        if let Some(row) = within {
+            let Some(pose) = pose_from_array(*row) else { return self.refuse(key, "is no pose") };
+            frame.body_from_frame = frame.body_from_frame * pose;
+        }
+        Ok(frame)
+    }
+}
+
+fn subject(entry: &ConstraintEntry) -> String {
+    let told = |frame: &Option<FrameEntry>| frame.as_ref().map(|f| shown(f.parts().0)).unwrap_or_default();
+    let kind = shown(&entry.kind);
+    let about = match (&entry.joint, entry.parts.is_empty()) {
+        (Some(joint), _) => format!("{kind} {}", shown(joint)),
+        (None, false) => format!("{kind} of {}", shown(&entry.parts.join(", "))),
+        (None, true) if entry.frame.is_none() => kind,
+        (None, true) => format!("{kind} of {} in {}", told(&entry.frame), told(&entry.to)),
+    };
+    if entry.name.is_empty() { about } else { format!("{} ({about})", shown(&entry.name)) }
+}
+
+/// Rows of the mask that must not be negative; the others are zero.
+pub(super) fn inequality(entry: &ConstraintEntry) -> [bool; 6] {
+    entry.inequality.unwrap_or_default()
+}
+
+fn pose(leaf: &mut Leaf<'_>, case: &Case<'_>, mask: [bool; 6]) -> Result<(), CheckError> {
+    let entry = case.entry;
+    let sided = inequality(entry);
+    if sided[3..].contains(&true) {
+        case.unchecked(leaf, ": a rotation that must not be negative is not bounded");
+        return Ok(());
+    }
+    if mask[3..].iter().filter(|r| **r).count() == 1 {
+        case.unchecked(leaf, ": one rotation alone is not bounded");
+        return Ok(());
+    }
+    let to = case.frame(leaf, "to", entry.to.as_ref())?;
+    let frame = case.frame(leaf, "frame", entry.frame.as_ref())?;
+    let motion = leaf.motion;
+    let to_from_frame = |at: At| motion.frame(&to, at).inverse() * motion.frame(&frame, at);
+    let back = value(entry).unwrap_or_else(|| to_from_frame(At::knot(0))).inverse();
+    let pose = |at: At| back * to_from_frame(at);
+    let forms = rows(mask, sided);
+    leaf.prove([&to, &frame], &pose, &case.relation(), &forms);
+    Ok(())
+}
+
+/// Rows of the mask are zero, or not negative.
+pub(super) fn rows(mask: [bool; 6], sided: [bool; 6]) -> Vec<Named> {
+    let mut forms = zero(std::array::from_fn(|i| mask[i] && !sided[i]));
+    let negative = |i: usize| (-DVec3::AXES[i], 0.0);
+    let planes: Vec<_> = (0..3).filter(|&i| mask[i] && sided[i]).map(negative).collect();
+    if !planes.is_empty() {
+        forms.push(("negative", Form::Outside { point: DVec3::ZERO, planes }));
+    }
+    forms
+}
+
+/// The value of a constraint that has one.
+pub(super) fn value(entry: &ConstraintEntry) -> Option<Pose> {
+    entry.value.and_then(pose_from_array)
+}
+
+fn distance(leaf: &mut Leaf<'_>, case: &Case<'_>) -> Result<(), CheckError> {
+    let entry = case.entry;
+    let to = case.frame(leaf, "to", entry.to.as_ref())?;
+    let frame = case.frame(leaf, "frame", entry.frame.as_ref())?;
+    let motion = leaf.motion;
+    let vector = |at: At| (motion.frame(&to, at).inverse() * motion.frame(&frame, at)).translation;
+    let end = (frame.body, frame.body_from_frame.translation.length());
+    let apart = Apart {
+        length: entry.length.unwrap_or_else(|| vector(At::knot(0)).length()),
+        bound: entry.bound.unwrap_or_default(),
+        bends: leaf.reach.bends(to.body, end, motion.knots.len()),
+        vector: &vector,
+    };
+    prove(motion, &apart, "length", &case.relation(), leaf.report, leaf.work);
+    Ok(())
+}
+
+/// The length of a vector against what it should be.
+struct Apart<'a> {
+    length: f64,
+    bound: Bound,
+    bends: Bends,
+    vector: &'a dyn Fn(At) -> DVec3,
+}
+
+impl Apart<'_> {
+    /// How far lengths between these are off at worst.
+    fn off(&self, least: f64, most: f64) -> f64 {
+        let (short, long) = (self.length - least, most - self.length);
+        match self.bound {
+            Bound::Equal => short.max(long),
+            Bound::AtLeast => short.max(0.0),
+            Bound::AtMost => long.max(0.0),
+        }
+    }
+}
+
+impl Quantity for Apart<'_> {
+    type Sample = DVec3;
+
+    fn sample(&self, at: At) -> DVec3 {
+        (self.vector)(at)
+    }
+
+    fn error(&self, vector: DVec3) -> f64 {
+        let length = vector.length();
+        self.off(length, length)
+    }
+
+    fn bound(&self, knot: usize, share: f64, [a, b]: [DVec3; 2]) -> f64 {
+        let swell = self.bends.point[knot] * share * share / 8.0;
+        self.off(nearest(a, b) - swell, a.length().max(b.length()) + swell)
+    }
+
+    fn travel(&self, knot: usize) -> f64 {
+        self.bends.travel[knot]
+    }
+}
+
+/// How near the origin the straight line from one point to another comes.
+pub(super) fn nearest(a: DVec3, b: DVec3) -> f64 {
+    let along = b - a;
+    let square = along.length_squared();
+    let fraction = if square > 0.0 { (-a.dot(along) / square).clamp(0.0, 1.0) } else { 0.0 };
+    (a + along * fraction).length()
+}
+
+/// A joint of one coordinate is linear between knots, so they suffice.
+fn joint(leaf: &mut Leaf<'_>, case: &Case<'_>) -> Result<(), CheckError> {
+    let Some(name) = &case.entry.joint else { return case.refuse("joint", "is missing") };
+    let motion = leaf.motion;
+    let body = motion.world.bodies.iter().position(|b| &b.name == name);
+    let Some(body) = body.filter(|&b| motion.world.bodies[b].motion.configuration_size() == 1) else {
+        return case.refuse("joint", format!("there is no joint `{}` of one coordinate", shown(name)));
+    };
+    let wanted = case.entry.position.unwrap_or_else(|| motion.scalar(body, At::knot(0)));
+    for knot in 0..motion.knots.len() {
+        let error = (motion.scalar(body, At::knot(knot)) - wanted).abs();
+        // Compared so that NaN is off.
+        let fine = error <= case.entry.tolerance;
+        if !fine {
+            let place = Place::at(motion.index, knot as f64);
+            leaf.report.violate(place, Kind::Constraint, &case.subject, error, case.entry.tolerance);
+        }
+        leaf.report.see_residual(error, motion.index, knot as f64, || case.subject.clone());
+    }
+    Ok(())
+}

@@ -1,0 +1,58 @@
+//! Frames that constraints relate: on a link, or fixed in the world.
+
+use crate::scene::error::{SceneError, did_you_mean, quoted};
+use crate::scene::keys::Item;
+use foliate_components::Pose;
+use foliate_components::constraint::Frame;
+use foliate_components::robot::{LinkIndex, PartIndex, Robot};
+
+/// A frame, and the part that carries it.
+#[derive(Clone, Copy)]
+pub(super) struct ReadFrame {
+    pub frame: Frame,
+    /// `None` in the world.
+    pub part: Option<PartIndex>,
+}
+
+impl ReadFrame {
+    /// The world's own frame.
+    pub fn world() -> Self {
+        Self { frame: Frame::world(Pose::identity()), part: None }
+    }
+
+    /// Where it is in the world when the bodies are there.
+    pub fn in_world(&self, bodies: &[Pose]) -> Pose {
+        match self.frame.joint {
+            Some(joint) => bodies[joint.at()] * self.frame.joint_from_frame,
+            None => self.frame.joint_from_frame,
+        }
+    }
+}
+
+/// `"part/link"`, or `{ link = "part/link", pose = … }`; without a link the frame is fixed in the world.
+pub(super) fn frame(item: &Item<'_>, robot: &Robot) -> Result<ReadFrame, SceneError> {
+    if item.is_string() {
+        return Ok(on_link(link(item, robot)?, &Pose::identity(), robot));
+    }
+    let mut keys = item.keys()?;
+    let link = keys.optional("link").map(|item| link(&item, robot)).transpose()?;
+    let pose = keys.optional("pose").map_or(Ok(Pose::identity()), |item| item.pose())?;
+    keys.finish()?;
+    Ok(match link {
+        Some(link) => on_link(link, &pose, robot),
+        None => ReadFrame { frame: Frame::world(pose), part: None },
+    })
+}
+
+fn on_link(link: LinkIndex, link_from_frame: &Pose, robot: &Robot) -> ReadFrame {
+    let part = Some(robot.links[link.at()].part);
+    ReadFrame { frame: Frame::on_link(robot, link, link_from_frame), part }
+}
+
+fn link(item: &Item<'_>, robot: &Robot) -> Result<LinkIndex, SceneError> {
+    let name = item.string()?;
+    let known = || robot.links.iter().map(|l| l.name.as_str());
+    robot
+        .link(name)
+        .ok_or_else(|| item.error(format!("there is no link `{}`", quoted(name))).hint(did_you_mean(name, known())))
+}

@@ -1,0 +1,104 @@
+//! `everywhere`, `state` and `transition` of `[graph]`: states that the problem itself writes down, such as stances.
+
+use crate::scene::error::{SceneError, did_you_mean, quoted};
+use crate::scene::keys::{Item, Keys};
+use foliate_components::problem::{GraphOptions, NamedConstraint, WrittenLeg, WrittenState, WrittenTransition};
+
+/// Most states, and most legs of a transition.
+const STATES: usize = 1000;
+/// Most transitions.
+const TRANSITIONS: usize = 10_000;
+
+/// Reads what names constraints; the constraints themselves are in `options` already.
+pub(super) fn read(keys: &mut Keys<'_>, options: &mut GraphOptions) -> Result<(), SceneError> {
+    let constraints =
+        |item: &Item<'_>, known: &[NamedConstraint]| several(item, known.iter().map(|c| c.name.as_str()), "constraint");
+    if let Some(item) = keys.optional("everywhere") {
+        options.everywhere = constraints(&item, &options.constraints)?;
+    }
+    let items = capped(keys.optional("state"), STATES)?;
+    for item in &items {
+        let mut keys = item.keys()?;
+        let name = keys.required("name")?;
+        if options.states.iter().any(|s| Ok(s.name.as_str()) == name.string()) {
+            return Err(name.error("two states have this name"));
+        }
+        let listed = keys.optional("constraints");
+        let constraints = listed.map_or(Ok(Vec::new()), |item| constraints(&item, &options.constraints))?;
+        keys.finish()?;
+        options.states.push(WrittenState { name: name.string()?.to_owned(), constraints });
+    }
+    for item in capped(keys.optional("transition"), TRANSITIONS)? {
+        let transition = transition(&item, options)?;
+        if options.transitions.iter().any(|t| t.name == transition.name) {
+            return Err(item
+                .error(format!("two transitions are called `{}`", quoted(&transition.name)))
+                .hint("give each a `name`"));
+        }
+        options.transitions.push(transition);
+    }
+    Ok(())
+}
+
+fn transition(item: &Item<'_>, options: &GraphOptions) -> Result<WrittenTransition, SceneError> {
+    let mut keys = item.keys()?;
+    let (from, to) = (keys.required("from")?, keys.required("to")?);
+    let name = match keys.optional("name") {
+        Some(item) => item.string()?.to_owned(),
+        None => format!("{} → {}", from.string()?, to.string()?),
+    };
+    let (from, to) = (state(&from, options)?, state(&to, options)?);
+    let mut legs = Vec::new();
+    for item in capped(keys.optional("legs"), STATES)? {
+        legs.push(leg(&item, options)?);
+    }
+    keys.finish()?;
+    Ok(WrittenTransition { name, from, to, legs })
+}
+
+fn leg(item: &Item<'_>, options: &GraphOptions) -> Result<WrittenLeg, SceneError> {
+    let mut keys = item.keys()?;
+    let within = state(&keys.required("within")?, options)?;
+    let names = || options.constraints.iter().map(|c| c.name.as_str());
+    let until = keys.optional("until").map_or(Ok(Vec::new()), |item| several(&item, names(), "constraint"))?;
+    let short = keys.optional("short").map_or(Ok(false), |item| item.boolean())?;
+    keys.finish()?;
+    Ok(WrittenLeg { within, until, short })
+}
+
+fn state(item: &Item<'_>, options: &GraphOptions) -> Result<u32, SceneError> {
+    number(item, options.states.iter().map(|s| s.name.as_str()), "state")
+}
+
+/// The items of a list that is not too long.
+fn capped<'f>(item: Option<Item<'f>>, most: usize) -> Result<Vec<Item<'f>>, SceneError> {
+    let Some(item) = item else { return Ok(Vec::new()) };
+    let items = item.list()?;
+    match items.len() > most {
+        true => Err(item.error(format!("there are {} of them, at most {most} are read", items.len()))),
+        false => Ok(items),
+    }
+}
+
+/// Numbers of names, each at most once.
+pub(super) fn several<'a>(
+    item: &Item<'_>,
+    known: impl Iterator<Item = &'a str> + Clone,
+    what: &str,
+) -> Result<Vec<u32>, SceneError> {
+    let mut found = Vec::new();
+    for item in item.list()? {
+        let index = number(&item, known.clone(), what)?;
+        if found.contains(&index) {
+            return Err(item.error("is named a second time"));
+        }
+        found.push(index);
+    }
+    Ok(found)
+}
+
+fn number<'a>(item: &Item<'_>, known: impl Iterator<Item = &'a str> + Clone, what: &str) -> Result<u32, SceneError> {
+    let name = item.string()?;
+    let position = known.clone().position(|n| n == name).map(|i| i as u32);
+    position.ok_or_else(|| item.error(format!("there is no {what} `{}`", quoted(name))).hint(did_you_mean(name, known)))
+}

@@ -1,0 +1,263 @@
+//! What a goal demands in a state, compiled: the state's manifold, the goal's demands, and which objects stay.
+
+use crate::membership::coordinate;
+use crate::model::Model;
+use crate::settings::SearchSettings;
+use foliate_components::Pose;
+use foliate_components::constraint::{Constraint, Frame, Locked, LockedValue, Reference, RelativePose, Row};
+use foliate_components::graph::{ConstraintId, ConstraintKind, StateId};
+use foliate_components::pose::{exp_so3, pose_from_array};
+use foliate_components::problem::PartialGoal;
+use foliate_components::robot::{Joint, JointIndex, Motion, Source};
+use foliate_kernels::projection::{CarriageTemplate, ConstraintProgram, Outcome, Scratch, Settings, project};
+use glam::DVec3;
+
+/// A goal in a state.
+#[derive(Clone, Debug)]
+pub(crate) struct GoalProgram {
+    /// What the kernels solve; it takes no arguments.
+    pub program: ConstraintProgram,
+    /// Numbers of the robots' joints that it does not look at.
+    pub idle: Vec<usize>,
+}
+
+/// Constraints with the names that errors use.
+#[derive(Clone, Default)]
+struct Demands {
+    carriages: Vec<CarriageTemplate>,
+    constraints: Vec<(String, Constraint)>,
+}
+
+impl GoalProgram {
+    /// Compiles a goal in a state. Objects that no hand holds there and that the goal leaves free stay where `start` has
+    /// them, as far as nothing else demands otherwise; those on supports only where `supported_too` says so.
+    ///
+    /// # Errors
+    /// What contradicts what, whatever the free joints do.
+    pub(crate) fn new(
+        model: &Model,
+        settings: &SearchSettings,
+        goal: &PartialGoal,
+        start: &[f64],
+        state: StateId,
+        supported_too: bool,
+    ) -> Result<Self, String> {
+        let mut demands = Demands::of_goal(model, goal, state);
+        let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
+        model.kinematics.forward(start, &mut X_WJ);
+        let staying = staying(model, goal, state, supported_too);
+        let stand = |object: &JointIndex| CarriageTemplate::fixed(*object, None, X_WJ[object.at()]);
+        let mut all = demands.clone();
+        all.carriages.extend(staying.iter().map(stand));
+        if let Ok(program) = all.compile(model, settings, start) {
+            return Ok(Self::with_idle(model, program));
+        }
+        // Not all can stay: one after another, who can.
+        let mut program = demands.compile(model, settings, start).map_err(|why| in_state(model, state, &why))?;
+        for object in &staying {
+            demands.carriages.push(stand(object));
+            match demands.compile(model, settings, start) {
+                Ok(tighter) => program = tighter,
+                Err(_) => {
+                    demands.carriages.pop();
+                }
+            }
+        }
+        Ok(Self::with_idle(model, program))
+    }
+
+    fn with_idle(model: &Model, program: ConstraintProgram) -> Self {
+        let objects: Vec<_> = model.objects().iter().filter_map(|o| o.root).collect();
+        let mut idle = Vec::new();
+        for (index, joint) in (0u32..).map(JointIndex).zip(&model.problem.robot.joints) {
+            let Source::Coordinates { q, v } = joint.source else { continue };
+            let mut velocities = v..v + joint.motion.velocity_size();
+            if !objects.contains(&index) && velocities.all(|v| program.active().binary_search(&v).is_err()) {
+                idle.extend(q..q + joint.motion.configuration_size());
+            }
+        }
+        Self { program, idle }
+    }
+}
+
+impl Demands {
+    fn of_goal(model: &Model, goal: &PartialGoal, state: StateId) -> Self {
+        let mut demands = Self::default();
+        for (part, pose) in &goal.poses {
+            if let Some(root) = object_root(model, *part) {
+                demands.carriages.push(CarriageTemplate::fixed(root, None, *pose));
+            }
+        }
+        for &constraint in &model.graph.state(state).manifold {
+            let name = model.graph.constraint(constraint).name.clone();
+            demands.constraints.extend(rows_of(model, constraint).map(|rows| (name, rows)));
+        }
+        for named in &goal.constraints {
+            let rows = named.constraint.without_parameters();
+            demands.constraints.extend(rows.map(|rows| (named.name.clone(), rows)));
+        }
+        demands.constraints.extend(coordinate_rows(model, &goal.coordinates));
+        demands
+    }
+
+    /// Compiles. A relation that no free joint can change is asked here and then left out: a goal that is given in numbers
+    /// need only lie on it as nearly as a start has to.
+    fn compile(&self, model: &Model, settings: &SearchSettings, start: &[f64]) -> Result<ConstraintProgram, String> {
+        let mut constraints = self.constraints.clone();
+        let (robot, locked) = (&model.problem.robot, &model.problem.graph.locked);
+        let solve = Settings { tolerance: settings.projection_tolerance, iterations: 0, ..Settings::default() };
+        loop {
+            let rows: Vec<_> = constraints.iter().map(|(_, rows)| rows.clone()).collect();
+            let program = ConstraintProgram::compile(robot, &model.kinematics, &rows, &self.carriages, locked);
+            let program = program.map_err(|e| e.to_string())?;
+            let outcome = project(&program, &mut start.to_vec(), &[], &solve, &mut Scratch::default());
+            let Outcome::Contradicted { constraint, residual } = outcome else { return Ok(program) };
+            let Some(number) = constraint.checked_sub(self.carriages.len()).filter(|&n| n < constraints.len()) else {
+                return Err(format!("an object is in two places, {residual:.3e} apart"));
+            };
+            if residual > settings.membership_tolerance {
+                return Err(format!("`{}` is off by {residual:.3e}", constraints[number].0));
+            }
+            constraints.remove(number);
+        }
+    }
+}
+
+/// Checks a goal's own numbers.
+///
+/// # Errors
+/// Poses of what does not move freely, numbers that are not finite, out of range or out of bounds.
+pub(crate) fn validate(model: &Model, goal: &PartialGoal) -> Result<(), String> {
+    let robot = &model.problem.robot;
+    for (part, pose) in &goal.poses {
+        let name = robot.parts.get(part.0 as usize).map_or("?", |p| p.name.as_str());
+        if object_root(model, *part).is_none() {
+            return Err(format!("`{name}` is no movable object"));
+        }
+        if !pose.is_finite() {
+            return Err(format!("the pose of `{name}` is not finite"));
+        }
+    }
+    for &(index, value) in &goal.coordinates {
+        if index >= robot.space.size() {
+            return Err(format!("there is no number {index} in a configuration of {}", robot.space.size()));
+        }
+        let (low, high) = (robot.space.lower[index], robot.space.upper[index]);
+        if !(value >= low - 1e-9 && value <= high + 1e-9 && value.is_finite()) {
+            return Err(format!("{} = {value} is outside [{low}, {high}]", coordinate(robot, index)));
+        }
+    }
+    whole_quaternions(model, goal)
+}
+
+/// Refuses part of a quaternion, and one that is far from unit.
+fn whole_quaternions(model: &Model, goal: &PartialGoal) -> Result<(), String> {
+    for joint in model.problem.robot.joints.iter().filter(|j| j.motion == Motion::FreeFlyer) {
+        let Source::Coordinates { q, .. } = joint.source else { continue };
+        let numbers: Vec<f64> = (q + 3..q + 7).filter_map(|index| named(&goal.coordinates, index)).collect();
+        let length = numbers.iter().map(|x| x * x).sum::<f64>().sqrt();
+        match numbers.len() {
+            0 => {}
+            4 if (length - 1.0).abs() < 1e-3 => {}
+            4 => return Err(format!("the quaternion of {} has length {length}", joint.name)),
+            count => return Err(format!("{count} of the four numbers of the quaternion of {} are named", joint.name)),
+        }
+    }
+    Ok(())
+}
+
+fn named(coordinates: &[(usize, f64)], index: usize) -> Option<f64> {
+    coordinates.iter().find(|(i, _)| *i == index).map(|&(_, value)| value)
+}
+
+/// Numbers of a configuration as constraints: locked joints, and rows of roots.
+fn coordinate_rows(model: &Model, coordinates: &[(usize, f64)]) -> Vec<(String, Constraint)> {
+    let mut rows = Vec::new();
+    for (index, joint) in (0u32..).map(JointIndex).zip(&model.problem.robot.joints) {
+        let Source::Coordinates { q, .. } = joint.source else { continue };
+        let values: Vec<_> =
+            (q..q + joint.motion.configuration_size()).map(|index| named(coordinates, index)).collect();
+        if values.iter().all(Option::is_none) {
+            continue;
+        }
+        let constraint = match (joint.motion, values.as_slice()) {
+            (Motion::Planar | Motion::FreeFlyer, values) => root_rows(index, joint, values),
+            (_, &[Some(value)]) => Constraint::Locked(Locked { joint: index, value: LockedValue::Fixed(value) }),
+            _ => continue,
+        };
+        rows.push((joint.name.clone(), constraint));
+    }
+    rows
+}
+
+/// Rows that hold the named numbers of a root: x y θ, or x y z and a whole quaternion.
+fn root_rows(index: JointIndex, joint: &Joint, values: &[Option<f64>]) -> Constraint {
+    let number = |i: usize| values.get(i).copied().flatten();
+    let row = |is_held: bool| is_held.then_some(Row::Zero);
+    let (reference, rows) = if joint.motion == Motion::Planar {
+        let at = DVec3::new(number(0).unwrap_or(0.0), number(1).unwrap_or(0.0), 0.0);
+        let turn = exp_so3(DVec3::Z * number(2).unwrap_or(0.0));
+        let held = [0, 1].map(|i| row(number(i).is_some()));
+        (Pose::from_parts(at, turn), [held[0], held[1], None, None, None, row(number(2).is_some())])
+    } else {
+        let identity = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+        let numbers: [f64; 7] = std::array::from_fn(|i| number(i).unwrap_or(identity[i]));
+        let held = [0, 1, 2].map(|i| row(number(i).is_some()));
+        let turned = row(number(6).is_some());
+        let pose = pose_from_array(numbers).unwrap_or_default();
+        (pose, [held[0], held[1], held[2], turned, turned, turned])
+    };
+    let a = Frame { joint: joint.parent, joint_from_frame: joint.parent_from_joint };
+    Constraint::RelativePose(RelativePose {
+        a,
+        b: Frame::of_joint(index),
+        rows,
+        reference: Reference::Fixed(reference),
+    })
+}
+
+/// What a constraint of the graph demands of a configuration, right-hand sides aside; `None` where nothing.
+fn rows_of(model: &Model, constraint: ConstraintId) -> Option<Constraint> {
+    match model.graph.constraint(constraint).kind {
+        ConstraintKind::Grasp { .. } => Some(Constraint::RelativePose(model.grasp(constraint)?.constraint())),
+        ConstraintKind::Pregrasp { .. } => Some(Constraint::RelativePose(model.grasp(constraint)?.pregrasp())),
+        ConstraintKind::Placement { object, on } => {
+            Some(model.objects()[object as usize].resting_on(on)?.resting.constraint(0.0))
+        }
+        ConstraintKind::Preplacement { object, on } => {
+            let lift = model.problem.graph.preplacement_distance;
+            Some(model.objects()[object as usize].resting_on(on)?.resting.constraint(lift))
+        }
+        ConstraintKind::Given { .. } | ConstraintKind::JointRest { .. } => {
+            model.constraint(constraint)?.without_parameters()
+        }
+        ConstraintKind::Rest { .. } => None,
+    }
+}
+
+/// Objects that stay where they are in a state, if nothing demands otherwise: those that rest and whose poses are not
+/// named. What lies on nothing in particular stays in any case.
+fn staying(model: &Model, goal: &PartialGoal, state: StateId, supported_too: bool) -> Vec<JointIndex> {
+    let carriers = model.carriers(state);
+    let stays = |&(index, _): &(usize, &crate::model::ObjectModel)| {
+        let part = model.graph.objects[index].part;
+        let carrier = carriers.of[index].map(|c| model.graph.constraint(c).kind);
+        let rests = match carrier {
+            // What lies on something that moves goes with it.
+            Some(ConstraintKind::Placement { on, .. }) => supported_too && on.is_none(),
+            Some(ConstraintKind::Rest { .. }) => true,
+            _ => false,
+        };
+        rests && goal.poses.iter().all(|(named, _)| *named != part)
+    };
+    model.objects().iter().enumerate().filter(stays).filter_map(|(_, object)| object.root).collect()
+}
+
+fn object_root(model: &Model, part: foliate_components::robot::PartIndex) -> Option<JointIndex> {
+    let index = model.graph.objects.iter().position(|object| object.part == part)?;
+    model.objects()[index].root
+}
+
+fn in_state(model: &Model, state: StateId, why: &str) -> String {
+    format!("in state `{}` {why}", model.graph.state(state).name)
+}
