@@ -44,9 +44,12 @@ fn bodies(model: &PlanningModel, q: &[f64]) -> Vec<Pose> {
     X_WJ
 }
 
-/// Every state along a path holds at its knots and half-way between them.
+/// Every state along a path holds at its knots and half-way between them; segments share their joint knots bit for bit.
 fn assert_stays_in_its_states(model: &PlanningModel, path: &ManipulationPath) {
     let space = &model.problem.robot.space;
+    for pair in path.segments.windows(2) {
+        assert_eq!(pair[0].knots.last(), pair[1].knots.first(), "a joint knot is not shared");
+    }
     for segment in &path.segments {
         let state = model.graph.state(segment.state);
         let mut middle = vec![0.0; space.size()];

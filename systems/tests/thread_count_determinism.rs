@@ -8,7 +8,9 @@
 mod common;
 
 use common::{model, search, seeded};
-use foliate_components::sample_problems::{boxes_on_a_table, swap_two_boxes};
+use foliate_components::sample_problems::{
+    boxes_on_a_table, hold_a_lid_by_a_magnet, make_a_step, open_a_box_and_move_it, put_a_lid_on_a_box, swap_two_boxes,
+};
 use foliate_systems::schedulers::shipped;
 use foliate_systems::settings::{SearchSettings, Selection};
 
@@ -25,6 +27,21 @@ fn roadmap_and_path_do_not_depend_on_threads() {
                 assert_eq!(one.path(), many.path());
             }
         }
+    }
+}
+
+#[test]
+fn nor_do_they_where_the_graph_is_not_only_grasps() {
+    let problems = [make_a_step(), open_a_box_and_move_it(), hold_a_lid_by_a_magnet(), put_a_lid_on_a_box()];
+    for problem in problems {
+        let model = model(problem.unwrap());
+        let scheduler = foliate_systems::schedulers::mrrt::Mrrt;
+        let settings = SearchSettings { max_steps: 12, ..seeded(2) };
+        let (outcome, one) = search(&model, &scheduler, settings.clone(), 1);
+        let (other, many) = search(&model, &scheduler, settings, 3);
+        assert_eq!(outcome, other);
+        assert_eq!(one.roadmap().fingerprint(), many.roadmap().fingerprint(), "{}", model.problem.name);
+        assert_eq!(one.path(), many.path());
     }
 }
 
