@@ -200,6 +200,42 @@ fn a_motion_that_would_jump_to_another_branch_stops_before_it() {
     assert!(knots.chunks(from.len()).all(|k| (k[elbow] > 0.0) == (from[elbow] > 0.0)), "never on the other branch");
 }
 
+/// Prints what a knot costs; run with `--release --nocapture` to read it.
+#[test]
+fn costs() {
+    let mut bench = Bench::new(38);
+    let robot = &bench.robot;
+    let top = robot.handle("block/top").unwrap();
+    let grasp = |hand: &str| Grasp::new(robot, robot.gripper(hand).unwrap(), top).unwrap().constraint();
+    let opposite = Pose::from_rotation(exp_so3(DVec3::Y * std::f64::consts::PI));
+    let (left, right) = (grasp("left/hand"), grasp("right/hand"));
+    let right = RelativePose { b: right.b.then(&opposite), ..right };
+    let program = bench.compile(&[Constraint::RelativePose(left), Constraint::RelativePose(right)]);
+    let (settings, mut scratch) = (MotionSettings::default(), MotionScratch::default());
+    let ends: Vec<_> = (0..60)
+        .map(|_| {
+            let from = bench.solution(&program, &[]);
+            let to = bench.neighbour(&program, &[], &from, 0.5);
+            (from, to)
+        })
+        .collect();
+    let mut best = f64::INFINITY;
+    let (mut knots, mut reached) = (Vec::new(), 0);
+    for _ in 0..5 {
+        knots.clear();
+        let begin = std::time::Instant::now();
+        let walk = |(from, to): &(Vec<f64>, Vec<f64>)| {
+            let ends = (&from[..], &to[..]);
+            project_motion(&program, &bench.robot.space, ends, &[], &settings, &mut scratch, &mut knots)
+        };
+        reached = ends.iter().map(walk).filter(|end| *end == MotionEnd::Reached).count();
+        best = best.min(begin.elapsed().as_secs_f64());
+    }
+    let count = knots.len() / bench.robot.space.size();
+    println!("{reached} of {} reached, {count} knots, {:.2} µs a knot", ends.len(), 1e6 * best / count as f64);
+    assert!(reached > 0);
+}
+
 /// A step may be short beside its chord and still end on another branch: what forbids it is the residual's bound along the
 /// straight line between two knots, with the test of lengths or without.
 #[test]
@@ -273,7 +309,11 @@ fn a_flying_root_keeps_its_foot_on_the_ground() {
     let program = bench.compile(&[Constraint::PlacementHold(contact.clone(), 0)]);
     assert_eq!((program.rows(), program.active().len()), (6, 8));
     let (settings, mut scratch) = (MotionSettings::default(), MotionScratch::default());
-    let mut reached = 0;
+    let root = match bench.robot.joints[bench.robot.joint("drone/root_joint").unwrap().at()].source {
+        Source::Coordinates { q, .. } => q,
+        Source::Follows { .. } => unreachable!(),
+    };
+    let (mut reached, mut at_bound) = (0, 0);
     for _ in 0..20 {
         let parameter =
             Pose::from_parts(DVec3::new(0.0, bench.rng.random_range(-0.5..0.5), 0.2), exp_so3(DVec3::X * 2.5));
@@ -290,7 +330,18 @@ fn a_flying_root_keeps_its_foot_on_the_ground() {
         };
         let worst = largest_residual(&bench, &program, &[parameter], &knots, residual);
         assert!(worst <= settings.path_tolerance, "{worst} between knots");
+        // Between knots positions are linear, so what holds at the knots holds all along.
+        for knot in knots.chunks(from.len()) {
+            for i in root..root + 3 {
+                let (low, high) = (bench.robot.space.lower[i], bench.robot.space.upper[i]);
+                assert!((low..=high).contains(&knot[i]), "the root leaves its bounds: {} at {i}", knot[i]);
+                at_bound += usize::from(knot[i] == low || knot[i] == high);
+            }
+            let norm: f64 = knot[root + 3..root + 7].iter().map(|x| x * x).sum();
+            assert!((norm - 1.0).abs() < 1e-12, "not a unit quaternion: {norm}");
+        }
     }
+    println!("{reached} reached, the root at a bound {at_bound} times");
     assert!(reached >= 15, "{reached}");
 }
 

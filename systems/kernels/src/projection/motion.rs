@@ -56,6 +56,13 @@ pub struct MotionScratch {
     chord: Vec<f64>,
     step: Vec<f64>,
     poses: Vec<Pose>,
+    /// What the last projection added to the straight way, per unit of its length, as a velocity; zero before there was
+    /// one.
+    correction: Vec<f64>,
+    /// The straight way's next point, before it is corrected.
+    straight: Vec<f64>,
+    /// Length of the last step's straight way; infinite before there was one.
+    stride: f64,
 }
 
 /// Appends to `knots` the motion from `from` towards `to` on the leaf of `arguments`: whole configurations, one after the
@@ -99,6 +106,9 @@ pub fn project_motion(
     MotionEnd::TooManyKnots
 }
 
+/// How much longer than the last one a stride may be tried.
+const LARGEST_GROWTH: f64 = 2.0;
+
 /// A motion under way: `scratch.current` is the last knot, `scratch.poses` its bodies.
 struct Walk<'a> {
     program: &'a ConstraintProgram,
@@ -112,13 +122,16 @@ impl Walk<'_> {
     fn start(&mut self, from: &[f64], to: &[f64]) {
         let dimension = self.space.dimension();
         let s = &mut *self.scratch;
-        for (buffer, q) in [(&mut s.current, from), (&mut s.next, from), (&mut s.goal, to)] {
+        for (buffer, q) in [(&mut s.current, from), (&mut s.next, from), (&mut s.straight, from), (&mut s.goal, to)] {
             buffer.clear();
             buffer.extend_from_slice(q);
         }
         s.chord.resize(dimension, 0.0);
         s.step.resize(dimension, 0.0);
         s.poses.clear();
+        s.correction.clear();
+        s.correction.resize(dimension, 0.0);
+        s.stride = f64::INFINITY;
     }
 
     /// Largest implicit row at the current knot or at the goal; infinite where it cannot be evaluated.
@@ -151,32 +164,35 @@ impl Walk<'_> {
     /// Takes the longest step towards the goal that can be certified, halving it until it can; false where none can.
     fn advance(&mut self) -> bool {
         let length = self.length(false);
-        let mut fraction = self.certified_fraction();
+        let mut fraction = self.certified_fraction(length);
         while fraction * length >= self.settings.shortest_step {
             if self.try_step(fraction, length) {
-                std::mem::swap(&mut self.scratch.current, &mut self.scratch.next);
                 let s = &mut *self.scratch;
+                std::mem::swap(&mut s.current, &mut s.next);
+                s.stride = fraction * length;
                 s.poses.clear();
                 s.poses.extend_from_slice(s.solve.poses());
                 return true;
             }
+            self.scratch.correction.fill(0.0);
             fraction *= 0.5;
         }
         false
     }
 
     /// The fraction of the chord that meets the bound, with a margin for the correction that the projection adds. The
-    /// bound grows with the square of the step and a little faster, so its root is a guess on the safe side.
-    fn certified_fraction(&mut self) -> f64 {
-        let mut fraction = 0.5;
+    /// bound grows with the square of the step and a little faster, so its root is a guess on the safe side of a step that
+    /// is too long. Looked for from the last stride, which is nearly right.
+    fn certified_fraction(&mut self, length: f64) -> f64 {
+        let mut fraction = (self.scratch.stride / length).min(0.5);
         while fraction > 1e-6 {
             let s = &mut *self.scratch;
             s.step.iter_mut().zip(&s.chord).for_each(|(x, c)| *x = c * fraction);
             let bound = self.bound(&self.scratch.step);
-            if bound <= self.budget() {
-                return 0.9 * fraction;
-            }
             let guess = (self.budget() / bound).sqrt();
+            if bound <= self.budget() {
+                return (0.9 * fraction * guess.min(LARGEST_GROWTH)).min(0.5);
+            }
             fraction *= if bound.is_finite() { guess.min(0.9) } else { 0.5 };
         }
         0.0
@@ -193,13 +209,19 @@ impl Walk<'_> {
 
     fn try_step(&mut self, fraction: f64, length: f64) -> bool {
         let s = &mut *self.scratch;
-        self.space.interpolate(&s.current, &s.goal, fraction, &mut s.next);
+        let stride = fraction * length;
+        self.space.interpolate(&s.current, &s.goal, fraction, &mut s.straight);
+        // The leaf bends little from knot to knot: what was added last time is nearly what will be added now.
+        s.step.iter_mut().zip(&s.correction).for_each(|(x, c)| *x = c * stride);
+        self.space.integrate(&s.straight, &s.step, &mut s.next);
         if !project(self.program, &mut s.next, self.arguments, &self.settings.solve, &mut s.solve).is_converged() {
             return false;
         }
+        self.space.difference(&s.straight, &s.next, &mut s.correction);
+        s.correction.iter_mut().for_each(|c| *c /= stride);
         self.space.difference(&s.current, &s.next, &mut s.step);
         let stepped = self.length(true);
-        if stepped > self.settings.jump * fraction * length || !self.is_certified(&self.scratch.step) {
+        if stepped > self.settings.jump * stride || !self.is_certified(&self.scratch.step) {
             return false;
         }
         // What is left must get shorter, or the walk could circle.
