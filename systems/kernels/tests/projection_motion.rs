@@ -306,8 +306,8 @@ fn a_flying_root_keeps_its_foot_on_the_ground() {
     let object = Polygon::new(foot, &sole, Side::Object).unwrap();
     let ground = Polygon::new(Frame::world(Pose::identity()), &square(0.5, 2.0), Side::Support).unwrap();
     let contact = Contact::from_polygons(vec![object], vec![ground], 0.0).unwrap();
-    let program = bench.compile(&[Constraint::PlacementHold(contact.clone(), 0)]);
-    assert_eq!((program.rows(), program.active().len()), (6, 8));
+    let anywhere = bench.compile(&[Constraint::PlacementHold(contact.clone(), 0)]);
+    assert_eq!((anywhere.rows(), anywhere.active().len()), (6, 8));
     let (settings, mut scratch) = (MotionSettings::default(), MotionScratch::default());
     let root = match bench.robot.joints[bench.robot.joint("drone/root_joint").unwrap().at()].source {
         Source::Coordinates { q, .. } => q,
@@ -317,7 +317,12 @@ fn a_flying_root_keeps_its_foot_on_the_ground() {
     for _ in 0..20 {
         let parameter =
             Pose::from_parts(DVec3::new(0.0, bench.rng.random_range(-0.5..0.5), 0.2), exp_so3(DVec3::X * 2.5));
-        let from = bench.solution(&program, &[parameter]);
+        let from = bench.solution(&anywhere, &[parameter]);
+        // Room for less than the step that is asked for: the root is stopped by its bounds on the way.
+        for i in root..root + 3 {
+            (bench.robot.space.lower[i], bench.robot.space.upper[i]) = (from[i] - 0.05, from[i] + 0.05);
+        }
+        let program = bench.compile(&[Constraint::PlacementHold(contact.clone(), 0)]);
         let to = bench.neighbour(&program, &[parameter], &from, 0.4);
         let mut knots = Vec::new();
         let ends = (&from[..], &to[..]);
@@ -342,7 +347,7 @@ fn a_flying_root_keeps_its_foot_on_the_ground() {
         }
     }
     println!("{reached} reached, the root at a bound {at_bound} times");
-    assert!(reached >= 15, "{reached}");
+    assert!(reached >= 10 && at_bound > 0, "{reached} reached, at a bound {at_bound} times");
 }
 
 /// Between any two frames, along any short motion: how far values leave the straight line between their ends.
