@@ -319,8 +319,8 @@ fn a_flying_root_keeps_its_foot_on_the_ground() {
             Pose::from_parts(DVec3::new(0.0, bench.rng.random_range(-0.5..0.5), 0.2), exp_so3(DVec3::X * 2.5));
         let from = bench.solution(&anywhere, &[parameter]);
         // Room for less than the step that is asked for: the root is stopped by its bounds on the way.
-        for i in root..root + 3 {
-            (bench.robot.space.lower[i], bench.robot.space.upper[i]) = (from[i] - 0.05, from[i] + 0.05);
+        for (i, at) in from.iter().enumerate().skip(root).take(3) {
+            (bench.robot.space.lower[i], bench.robot.space.upper[i]) = (at - 0.05, at + 0.05);
         }
         let program = bench.compile(&[Constraint::PlacementHold(contact.clone(), 0)]);
         let to = bench.neighbour(&program, &[parameter], &from, 0.4);
@@ -337,10 +337,10 @@ fn a_flying_root_keeps_its_foot_on_the_ground() {
         assert!(worst <= settings.path_tolerance, "{worst} between knots");
         // Between knots positions are linear, so what holds at the knots holds all along.
         for knot in knots.chunks(from.len()) {
-            for i in root..root + 3 {
+            for (i, at) in knot.iter().enumerate().skip(root).take(3) {
                 let (low, high) = (bench.robot.space.lower[i], bench.robot.space.upper[i]);
-                assert!((low..=high).contains(&knot[i]), "the root leaves its bounds: {} at {i}", knot[i]);
-                at_bound += usize::from(knot[i] == low || knot[i] == high);
+                assert!((low..=high).contains(at), "the root leaves its bounds: {at} at {i}");
+                at_bound += usize::from(*at == low || *at == high);
             }
             let norm: f64 = knot[root + 3..root + 7].iter().map(|x| x * x).sum();
             assert!((norm - 1.0).abs() < 1e-12, "not a unit quaternion: {norm}");
