@@ -36,7 +36,8 @@ impl Aims {
     }
 
     /// Changes of grasp from a leaf to the nearest leaf of any tree but `tree`.
-    fn to_others(&self, roadmap: &Roadmap, leaf: LeafId, tree: ComponentId) -> u16 {
+    #[must_use]
+    pub fn to_others(&self, roadmap: &Roadmap, leaf: LeafId, tree: ComponentId) -> u16 {
         let others = (0u32..).map(ComponentId).zip(&self.nearest[leaf.at()]);
         others.filter(|&(c, _)| roadmap.component(c) != tree).map(|(_, &d)| d).min().unwrap_or(0)
     }
