@@ -42,7 +42,7 @@ fn kept(graph: &ConstraintGraph, from: &Leaf, to: StateId) -> Leaf {
     Leaf { state: to, parameters }
 }
 
-fn transition<'a>(graph: &'a ConstraintGraph, from: StateId, to: StateId, kind: TransitionKind) -> &'a Transition {
+fn transition(graph: &ConstraintGraph, from: StateId, to: StateId, kind: TransitionKind) -> &Transition {
     graph.leaving(from).find(|(_, t)| t.to == to && t.kind == kind).unwrap().1
 }
 
