@@ -223,7 +223,17 @@ impl Region {
         let malformed = validate(model, goal).err();
         let sites: Vec<_> = (0..model.graph.states.len() as u32).map(|state| Site::new(StateId(state))).collect();
         let widened = if model.graph.lazy { 0 } else { sites.len() };
-        Self { number, goal: goal.clone(), malformed, sites, widened, turn: 0, tries: 0, numbered: 0, known: Vec::new() }
+        Self {
+            number,
+            goal: goal.clone(),
+            malformed,
+            sites,
+            widened,
+            turn: 0,
+            tries: 0,
+            numbered: 0,
+            known: Vec::new(),
+        }
     }
 
     fn is_possible(&self) -> bool {

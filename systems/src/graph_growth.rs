@@ -7,10 +7,10 @@
 
 use crate::graph_building::{Builder, Census, GraphError, check};
 use crate::graph_cases::{Case, Cases, Documents, grasp_sets, handles};
+use foliate_components::constraint::Grasp;
 use foliate_components::graph::{ConstraintGraph, ConstraintKind, StateId};
 use foliate_components::problem::Problem;
 use foliate_components::robot::{GripperIndex, HandleIndex, JointIndex};
-use foliate_components::constraint::Grasp;
 use std::sync::Arc;
 
 /// More transitions than this from one state are refused: a search has to draw from all of them.

@@ -273,7 +273,10 @@ impl Model {
     /// # Errors
     /// What a graph that was built by hand may ask for and no program can say.
     pub fn leg_program(&self, transition: TransitionId, leg: usize) -> Result<&LegProgram, &CompileError> {
-        self.transitions[transition.at()].legs[leg].program.get_or_init(|| LegProgram::of_leg(self, transition, leg)).as_ref()
+        self.transitions[transition.at()].legs[leg]
+            .program
+            .get_or_init(|| LegProgram::of_leg(self, transition, leg))
+            .as_ref()
     }
 
     /// The program of motions within a state.

@@ -41,6 +41,7 @@ impl State {
     #[must_use]
     pub fn bytes(&self) -> u64 {
         let ids = self.manifold.len() + self.foliation.len();
-        (size_of::<Self>() + self.name.len() + size_of_val(self.grasps.as_slice()) + ids * size_of::<ConstraintId>()) as u64
+        (size_of::<Self>() + self.name.len() + size_of_val(self.grasps.as_slice()) + ids * size_of::<ConstraintId>())
+            as u64
     }
 }
