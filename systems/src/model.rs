@@ -266,6 +266,10 @@ impl Model {
                             touch(&lying, &links_with(robot, robot.surfaces[support.at()].link));
                         }
                     }
+                    if let Some(floor) = place.and_then(|place| place.touches) {
+                        let part = self.graph.objects[object as usize].part;
+                        touch(&links_with(robot, robot.parts[part.at()].root_link), &links_with(robot, floor));
+                    }
                 }
                 _ => {}
             }
@@ -408,7 +412,7 @@ impl Model {
                         object.map(|object| Attachment::Grasp { object, gripper, handle, carrier })
                     }
                     ConstraintKind::Placement { on, .. } => self.contact(leaf, leaves, constraint, index, on),
-                    ConstraintKind::Rest { .. } => object.root.map(|object| Attachment::Rest { object }),
+                    ConstraintKind::Rest { .. } => object.root.map(|object| Attachment::Rest { object, on: None }),
                     _ => None,
                 };
                 match attachment {
@@ -435,7 +439,7 @@ impl Model {
         let root = self.objects[object].root?;
         let place = self.objects[object].resting_on(on)?;
         let Resting::Surfaces(lying) = &place.resting else {
-            return Some(Attachment::Rest { object: root });
+            return Some(Attachment::Rest { object: root, on: place.touches });
         };
         // Seen from the carrier, which stands at the origin.
         let mut X_WJ = vec![Pose::identity(); self.kinematics.bodies()];
