@@ -47,7 +47,9 @@ fn change(robot: &Robot, object: JointIndex, before: &[&Attachment], now: &Attac
 
 fn object_of(attachment: &Attachment) -> JointIndex {
     match *attachment {
-        Attachment::Grasp { object, .. } | Attachment::Contact { object, .. } | Attachment::Rest { object, .. } => object,
+        Attachment::Grasp { object, .. } | Attachment::Contact { object, .. } | Attachment::Rest { object, .. } => {
+            object
+        }
     }
 }
 

@@ -451,10 +451,12 @@ impl Model {
     }
 
     /// How far the objects' coordinates in the knots of a motion are from where their carriers take them: at the joint
-    /// knots of two segments an object has the next leaf's exact pose. Metres and radians.
+    /// knots of two segments an object has the next leaf's exact pose. And how far what carries them is from holding: by as
+    /// much as the start or goal is, where a leaf has its values from there. Metres and radians.
     #[must_use]
     pub fn carrier_gap(&self, leaf: &Leaf, leaves: &LeafIndex, knots: &[Vec<f64>]) -> f64 {
         let carriages = self.carriages_of_leaf(leaf, leaves);
+        let carrying = || self.carriers(leaf.state).of.iter().flatten();
         let mut X_WJ = vec![Pose::identity(); self.kinematics.bodies()];
         let mut gap = 0.0_f64;
         for q in knots {
@@ -466,6 +468,8 @@ impl Model {
                 let turn = log_so3(written.rotation.conjugate() * carried.rotation).length();
                 gap = gap.max(carried.translation.distance(written.translation)).max(turn);
             }
+            let off = carrying().map(|&constraint| crate::membership::residual(self, constraint, q, &X_WJ));
+            gap = off.fold(gap, f64::max);
         }
         gap
     }
