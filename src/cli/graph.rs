@@ -33,14 +33,17 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
 
 /// States with their constraints, and the transitions that leave each.
 fn listing(graph: &ConstraintGraph) -> String {
-    let mut out = format!("{} states, {} transitions\n", graph.states.len(), graph.transitions.len());
+    let count = |number: usize, what: &str| format!("{number} {what}{}", if number == 1 { "" } else { "s" });
+    let (states, transitions) = (count(graph.states.len(), "state"), count(graph.transitions.len(), "transition"));
+    let mut out = format!("{states}, {transitions}\n");
     for (index, state) in graph.states.iter().enumerate() {
         let names = |ids: &[foliate::components::graph::ConstraintId]| {
             ids.iter().map(|&c| graph.constraint(c).name.clone()).collect::<Vec<_>>().join(", ")
         };
         let _ = writeln!(out, "\n{}", state.name);
-        let _ = writeln!(out, "  holds: {}", names(&state.manifold));
-        let _ = writeln!(out, "  leaves by: {}", names(&state.foliation));
+        let or = |names: String, nothing: &str| if names.is_empty() { nothing.to_owned() } else { names };
+        let _ = writeln!(out, "  holds: {}", or(names(&state.manifold), "nothing"));
+        let _ = writeln!(out, "  leaves by: {}", or(names(&state.foliation), "nothing, it is one leaf"));
         for (_, t) in graph.leaving(foliate::components::graph::StateId(index as u32)) {
             let kind = match t.kind {
                 TransitionKind::Loop => "loop   ",
@@ -48,7 +51,8 @@ fn listing(graph: &ConstraintGraph) -> String {
                 TransitionKind::Crossed => "crossed",
             };
             let to = &graph.state(t.to).name;
-            let _ = writeln!(out, "  {kind} {} → {to} ({} legs, weight {:.3})", t.name, t.legs.len(), t.weight);
+            let legs = count(t.legs.len(), "leg");
+            let _ = writeln!(out, "  {kind} {} → {to} ({legs}, weight {:.3})", t.name, t.weight);
         }
     }
     out
