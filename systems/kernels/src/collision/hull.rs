@@ -4,15 +4,11 @@
 //! Two links of a robot that are neighbours of neighbours are as a rule set apart by a plane. To find one takes a dozen
 //! supports; to prove the same by the triangles takes hundreds of boxes.
 
-use super::convex::Core;
 use super::distance::Solid;
 use super::gjk::{Ask, Relative, walk};
-use super::mesh_tree::MeshTree;
+use super::simplex::{Closest, Simplex};
 use foliate_components::Pose;
 use glam::DVec3;
-
-/// Of two children one is left behind at every level.
-const STACK: usize = 40;
 
 /// A lower bound of the distance of the hulls of two solids, metres: at least `ask.needed`, or within `ask`'s tolerances of
 /// the hulls' distance; not positive where the hulls (may) overlap. Poses and `hint` as for
@@ -39,70 +35,104 @@ pub(super) fn hull_distance(a: &Solid, X_WA: &Pose, b: &Solid, X_WB: &Pose, ask:
 fn has_hull(solid: &Solid) -> bool {
     match solid {
         Solid::Convex(_) => true,
-        Solid::Mesh(mesh) => mesh.nodes.first().is_some_and(|root| root.half.is_finite()),
+        Solid::Mesh(mesh) => !mesh.hull.points.is_empty(),
     }
 }
 
 fn radius(solid: &Solid) -> f64 {
     match solid {
         Solid::Convex(convex) => convex.radius,
-        Solid::Mesh(_) => 0.0,
+        Solid::Mesh(mesh) => mesh.hull.slack,
     }
 }
 
 fn middle(solid: &Solid) -> DVec3 {
     match solid {
         Solid::Convex(convex) => convex.core.center(),
-        Solid::Mesh(mesh) => mesh.nodes.first().map_or(DVec3::ZERO, |root| root.center),
+        Solid::Mesh(mesh) => mesh.hull.middle,
     }
 }
 
 fn support(solid: &Solid, d: DVec3) -> DVec3 {
     match solid {
         Solid::Convex(convex) => convex.core.support(d),
-        Solid::Mesh(mesh) => mesh.support(d),
+        Solid::Mesh(mesh) => farthest_along(&mesh.hull.points, d),
     }
 }
 
-impl MeshTree {
-    /// A vertex that lies farthest in direction `d`; the mesh must not be empty.
-    fn support(&self, d: DVec3) -> DVec3 {
-        let widths = d.abs();
-        let ahead = |index: u32| {
-            let node = &self.nodes[index as usize];
-            d.dot(node.center) + widths.dot(node.half)
-        };
-        let (mut best, mut found) = (f64::NEG_INFINITY, DVec3::NAN);
-        let mut stack = [(0_u32, f64::INFINITY); STACK];
-        let mut depth = 1;
-        while depth > 0 {
-            depth -= 1;
-            let (mut index, mut bound) = stack[depth];
-            // Towards the child that reaches farther, until it is a leaf or can add nothing.
-            while bound > best {
-                let node = &self.nodes[index as usize];
-                if node.is_leaf() {
-                    let first = node.next as usize;
-                    for triangle in &self.triangles[first..first + node.count as usize] {
-                        let p = Core::Triangle(*triangle).support(d);
-                        let value = d.dot(p);
-                        if value > best {
-                            (best, found) = (value, p);
-                        }
-                    }
-                    break;
-                }
-                let (near, far) = (ahead(index + 1), ahead(node.next));
-                let children = if near >= far {
-                    [(index + 1, near), (node.next, far)]
-                } else {
-                    [(node.next, far), (index + 1, near)]
-                };
-                stack[depth] = children[1];
-                depth += 1;
-                (index, bound) = children[0];
+/// Few points, and how far beyond their convex hull a mesh reaches at most.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Hull {
+    /// Vertices of the mesh; none where it has no triangles or numbers that are not finite.
+    pub points: Vec<DVec3>,
+    /// Metres.
+    pub slack: f64,
+    /// Somewhere in the middle of the points.
+    pub middle: DVec3,
+}
+
+/// With more points every direction would cost more than closer hulls save.
+const MOST_POINTS: usize = 128;
+/// Vertices that are farther than this share of the mesh's size beyond the hull become points of it.
+const FAR: f64 = 0.003;
+/// Rounding of coordinates up to some tens of metres, with room to spare; metres.
+const ROUNDING: f64 = 1e-9;
+
+impl Hull {
+    /// Of `vertices`, beginning with the `extreme` among them.
+    pub(super) fn new(vertices: &[DVec3], extreme: Vec<DVec3>) -> Self {
+        let mut points: Vec<DVec3> = Vec::with_capacity(MOST_POINTS);
+        for point in extreme {
+            if !points.contains(&point) {
+                points.push(point);
             }
         }
-        found
+        if points.is_empty() || !vertices.iter().all(|v| v.is_finite()) {
+            return Self::default();
+        }
+        let size = points.iter().map(|p| p.distance(points[0])).fold(0.0, f64::max);
+        let mut slack: f64 = 0.0;
+        for &vertex in vertices {
+            let far = beyond(&points, vertex, slack);
+            if far > FAR * size && points.len() < MOST_POINTS {
+                points.push(vertex);
+            } else {
+                slack = slack.max(far);
+            }
+        }
+        let middle = points.iter().sum::<DVec3>() / points.len() as f64;
+        Self { points, slack: slack + ROUNDING, middle }
     }
+}
+
+/// A point that lies farthest in direction `d`.
+#[inline]
+fn farthest_along(points: &[DVec3], d: DVec3) -> DVec3 {
+    let (mut best, mut found) = (f64::NEG_INFINITY, DVec3::NAN);
+    for point in points {
+        let along = d.dot(*point);
+        if along > best {
+            (best, found) = (along, *point);
+        }
+    }
+    found
+}
+
+/// At least the distance of `vertex` from the convex hull of `points`; nearly that where it is more than `enough`.
+fn beyond(points: &[DVec3], vertex: DVec3, enough: f64) -> f64 {
+    let mut closest = points[0] - vertex;
+    let mut simplex = Simplex::of(closest);
+    // Whatever the walk does, `closest` is a point of the hull, seen from the vertex.
+    for _ in 0..32 {
+        let length = closest.length();
+        let w = farthest_along(points, -closest) - vertex;
+        if length <= enough || length * length - closest.dot(w) <= 1e-3 * length * length || !simplex.add(w) {
+            break;
+        }
+        match simplex.reduce() {
+            Closest::Outside(point) => closest = point,
+            Closest::Inside => return 0.0,
+        }
+    }
+    closest.length()
 }
