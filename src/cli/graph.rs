@@ -56,7 +56,9 @@ fn shown(problem: Problem) -> Result<ConstraintGraph, Refusal> {
 
 /// States with their constraints, and the transitions that leave each.
 fn listing(graph: &ConstraintGraph) -> String {
-    let mut out = format!("{} states, {} transitions\n", graph.states.len(), graph.transitions.len());
+    let count = |number: usize, what: &str| format!("{number} {what}{}", if number == 1 { "" } else { "s" });
+    let (states, transitions) = (count(graph.states.len(), "state"), count(graph.transitions.len(), "transition"));
+    let mut out = format!("{states}, {transitions}\n");
     if graph.lazy {
         out = format!(
             "more than {MOST_STATES} states: the graph grows while it is searched; these are the start's state and its \
@@ -68,8 +70,9 @@ fn listing(graph: &ConstraintGraph) -> String {
             ids.iter().map(|&c| graph.constraint(c).name.clone()).collect::<Vec<_>>().join(", ")
         };
         let _ = writeln!(out, "\n{}", state.name);
-        let _ = writeln!(out, "  holds: {}", names(&state.manifold));
-        let _ = writeln!(out, "  leaves by: {}", names(&state.foliation));
+        let or = |names: String, nothing: &str| if names.is_empty() { nothing.to_owned() } else { names };
+        let _ = writeln!(out, "  holds: {}", or(names(&state.manifold), "nothing"));
+        let _ = writeln!(out, "  leaves by: {}", or(names(&state.foliation), "nothing, it is one leaf"));
         if !graph.is_expanded(StateId(index as u32)) {
             let _ = writeln!(out, "  not expanded yet");
         }
@@ -80,7 +83,8 @@ fn listing(graph: &ConstraintGraph) -> String {
                 TransitionKind::Crossed => "crossed",
             };
             let to = &graph.state(t.to).name;
-            let _ = writeln!(out, "  {kind} {} → {to} ({} legs, weight {:.3})", t.name, t.legs.len(), t.weight);
+            let legs = count(t.legs.len(), "leg");
+            let _ = writeln!(out, "  {kind} {} → {to} ({legs}, weight {:.3})", t.name, t.weight);
         }
     }
     out

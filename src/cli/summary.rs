@@ -57,7 +57,7 @@ pub(crate) fn text(loaded: &Loaded<'_>, solution: &Solution) -> String {
             c.max_residual, c.path_tolerance, c.min_clearance
         );
         let _ = writeln!(out, "  what happens:");
-        out.push_str(&story::tell(&loaded.planner.model().problem.robot, path));
+        out.push_str(&story::tell(loaded.planner.model(), path));
     }
     if !report.funnel.is_empty() {
         out.push_str(&funnel(&report.funnel, solution.outcome == SearchOutcome::Solved));

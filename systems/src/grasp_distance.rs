@@ -45,6 +45,8 @@ struct Subject {
     next: Vec<Vec<usize>>,
     /// Changes from one situation to another, row by row.
     changes: Vec<u8>,
+    /// For each constraint with values: changes from one situation to another through one that lacks it, row by row.
+    through_lack: Vec<(ConstraintId, Vec<u8>)>,
 }
 
 /// What a state says of a subject.
@@ -53,8 +55,6 @@ struct Situation {
     constraints: Vec<ConstraintId>,
     /// Those of them with values.
     foliating: Vec<ConstraintId>,
-    /// Changes until the situation is there again with other values.
-    renewal: u8,
 }
 
 impl GraspDistance {
@@ -119,9 +119,7 @@ impl GraspDistance {
     /// Changes of grasp from one leaf to another.
     #[must_use]
     pub fn between(&self, graph: &ConstraintGraph, from: &Leaf, to: &Leaf) -> u16 {
-        self.sum(to, from.state, |subject, situation| {
-            subject.situations[situation].foliating.iter().all(|&c| value(graph, from, c) == value(graph, to, c))
-        })
+        self.sum(to, from.state, |c| value(graph, from, c) == value(graph, to, c))
     }
 
     /// Changes of grasp from where a transition leads to a leaf, where a crossed one takes the values of that leaf as far
@@ -129,22 +127,16 @@ impl GraspDistance {
     #[must_use]
     pub fn after(&self, graph: &ConstraintGraph, from: &Leaf, transition: &Transition, to: &Leaf) -> u16 {
         let crossed = transition.kind == TransitionKind::Crossed;
-        self.sum(to, transition.to, |subject, situation| {
-            subject.situations[situation].foliating.iter().all(|&c| match value(graph, from, c) {
-                Some(kept) => Some(kept) == value(graph, to, c),
-                None => crossed,
-            })
+        self.sum(to, transition.to, |c| match value(graph, from, c) {
+            Some(kept) => Some(kept) == value(graph, to, c),
+            None => crossed,
         })
     }
 
-    /// Sums over the subjects; `same` says whether a situation that both ends share has the same values in both.
-    fn sum(&self, to: &Leaf, from: StateId, same: impl Fn(&Subject, usize) -> bool) -> u16 {
+    /// Sums over the subjects; `same` says whether a constraint that holds at both ends has the same value at both.
+    fn sum(&self, to: &Leaf, from: StateId, same: impl Fn(ConstraintId) -> bool) -> u16 {
         let ends = self.situations[from.at()].iter().zip(&self.situations[to.state.at()]);
-        let steps = self.subjects.iter().zip(ends).map(|(subject, (&a, &b))| match a == b {
-            true if same(subject, a) => 0,
-            true => subject.situations[a].renewal,
-            false => subject.changes[a * subject.situations.len() + b],
-        });
+        let steps = self.subjects.iter().zip(ends).map(|(subject, (&a, &b))| subject.steps(a, b, &same));
         steps.map(u16::from).sum()
     }
 }
@@ -177,7 +169,7 @@ impl Subject {
             return known;
         }
         let foliating = constraints.iter().copied().filter(|&c| graph.constraint(c).foliates).collect();
-        self.situations.push(Situation { constraints, foliating, renewal: FAR });
+        self.situations.push(Situation { constraints, foliating });
         self.next.push(Vec::new());
         self.situations.len() - 1
     }
@@ -191,20 +183,38 @@ impl Subject {
         is_news
     }
 
-    /// Shortest ways between all situations, and back to each with other values.
+    /// Changes from one situation to another. Where both have a constraint with another value, the way leads through a
+    /// situation without it: what is held must be let go to be held otherwise.
+    fn steps(&self, from: usize, to: usize, same: impl Fn(ConstraintId) -> bool) -> u8 {
+        let count = self.situations.len();
+        let shared = |c: ConstraintId| {
+            let has = |situation: usize| self.situations[situation].foliating.contains(&c);
+            has(from) && has(to)
+        };
+        let wrong = self.through_lack.iter().filter(|&&(c, _)| shared(c) && !same(c));
+        let at = from * count + to;
+        wrong.map(|(_, changes)| changes[at]).fold(self.changes[at], u8::max)
+    }
+
+    /// Shortest ways between all situations.
     fn measure(&mut self) {
         let count = self.situations.len();
         self.changes = (0..count).flat_map(|from| ways(&self.next, from)).collect();
-        for situation in 0..count {
-            let loses = |other: &usize| {
-                let kept = &self.situations[*other].foliating;
-                self.situations[situation].foliating.iter().any(|c| !kept.contains(c))
-            };
-            let there_and_back =
-                |other: usize| self.changes[situation * count + other] + self.changes[other * count + situation];
-            let renewal = (0..count).filter(loses).map(there_and_back).min();
-            self.situations[situation].renewal = renewal.unwrap_or(FAR).min(FAR);
-        }
+        let mut foliating: Vec<ConstraintId> = self.situations.iter().flat_map(|s| s.foliating.clone()).collect();
+        foliating.sort_unstable();
+        foliating.dedup();
+        self.through_lack = foliating.into_iter().map(|c| (c, self.ways_through_lack(c))).collect();
+    }
+
+    fn ways_through_lack(&self, constraint: ConstraintId) -> Vec<u8> {
+        let count = self.situations.len();
+        let lacks = |&s: &usize| !self.situations[s].foliating.contains(&constraint);
+        let ways = |at: usize| {
+            let (from, to) = (at / count, at % count);
+            let through = |s: usize| self.changes[from * count + s] + self.changes[s * count + to];
+            (0..count).filter(lacks).map(through).min().unwrap_or(FAR).min(FAR)
+        };
+        (0..count * count).map(ways).collect()
     }
 }
 

@@ -348,6 +348,10 @@ impl Model {
                             touch(&lying, &links_with(robot, robot.surfaces[support.at()].link));
                         }
                     }
+                    if let Some(floor) = place.and_then(|place| place.touches) {
+                        let part = self.graph.objects[object as usize].part;
+                        touch(&links_with(robot, robot.parts[part.at()].root_link), &links_with(robot, floor));
+                    }
                 }
                 _ => {}
             }
@@ -490,7 +494,7 @@ impl Model {
                         object.map(|object| Attachment::Grasp { object, gripper, handle, carrier })
                     }
                     ConstraintKind::Placement { on, .. } => self.contact(leaf, leaves, constraint, index, on),
-                    ConstraintKind::Rest { .. } => object.root.map(|object| Attachment::Rest { object }),
+                    ConstraintKind::Rest { .. } => object.root.map(|object| Attachment::Rest { object, on: None }),
                     _ => None,
                 };
                 match attachment {
@@ -517,7 +521,7 @@ impl Model {
         let root = self.objects[object].root?;
         let place = self.objects[object].resting_on(on)?;
         let Resting::Surfaces(lying) = &place.resting else {
-            return Some(Attachment::Rest { object: root });
+            return Some(Attachment::Rest { object: root, on: place.touches });
         };
         // Seen from the carrier, which stands at the origin.
         let mut X_WJ = vec![Pose::identity(); self.kinematics.bodies()];
@@ -529,10 +533,12 @@ impl Model {
     }
 
     /// How far the objects' coordinates in the knots of a motion are from where their carriers take them: at the joint
-    /// knots of two segments an object has the next leaf's exact pose. Metres and radians.
+    /// knots of two segments an object has the next leaf's exact pose. And how far what carries them is from holding: by as
+    /// much as the start or goal is, where a leaf has its values from there. Metres and radians.
     #[must_use]
     pub fn carrier_gap(&self, leaf: &Leaf, leaves: &LeafIndex, knots: &[Vec<f64>]) -> f64 {
         let carriages = self.carriages_of_leaf(leaf, leaves);
+        let carrying = || self.carriers(leaf.state).of.iter().flatten();
         let mut X_WJ = vec![Pose::identity(); self.kinematics.bodies()];
         let mut gap = 0.0_f64;
         for q in knots {
@@ -544,6 +550,8 @@ impl Model {
                 let turn = log_so3(written.rotation.conjugate() * carried.rotation).length();
                 gap = gap.max(carried.translation.distance(written.translation)).max(turn);
             }
+            let off = carrying().map(|&constraint| crate::membership::residual(self, constraint, q, &X_WJ));
+            gap = off.fold(gap, f64::max);
         }
         gap
     }

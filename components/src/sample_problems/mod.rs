@@ -128,6 +128,7 @@ pub fn swap_with_crossed_foliations() -> Result<Problem, ComposeError> {
         object.plane = Some(RestingPlane {
             world_from_plane: Pose::from_translation(DVec3::Z * (0.5 * SIDE + 1e-3)),
             object_from_frame: Pose::identity(),
+            on: None,
         });
         for handle in &object.handles {
             let handle = &mut problem.robot.handles[handle.at()];
