@@ -319,6 +319,15 @@ impl Model {
         })
     }
 
+    /// The pairs of a motion that is part of a transition which is not travelled to its end: margins are lifted only from what
+    /// touches where it begins, or in the states in which its legs lie.
+    #[must_use]
+    pub fn pairs_on_the_way(&self, transition: TransitionId, states: &[StateId], carriages: &[Carriage]) -> PairSet {
+        let from = self.graph.transition(transition).from;
+        let touching: Vec<_> = states.iter().chain([&from]).flat_map(|&state| self.touching(state)).collect();
+        PairSet::new(&self.collision, carriages, &touching)
+    }
+
     /// The links that touch by grasp or placement at either end of a transition.
     fn touching_along(&self, transition: TransitionId) -> Vec<(LinkIndex, LinkIndex)> {
         let ends = self.graph.transition(transition);

@@ -10,7 +10,9 @@ use foliate_components::candidate::{Candidate, CandidateArena, PlannedLeg};
 use foliate_components::graph::{StateId, TransitionId, TransitionKind};
 use foliate_components::leaf::LeafIndex;
 use foliate_components::outcome::Rejection;
-use foliate_kernels::collision::{CertificateSettings, CollisionScratch, PolylineVerdict, certify_polyline};
+use foliate_kernels::collision::{
+    CertificateSettings, CollisionScratch, Contact, PairSet, PolylineVerdict, certify_polyline,
+};
 use foliate_kernels::kinematics::Carriage;
 use rayon::prelude::*;
 
@@ -77,12 +79,60 @@ fn certify_candidate(
         let carriages = model.carriages_of_leg(leg, leaves);
         let free = certify_leg(model, settings, transition, &carriages, leg, candidate, &mut scratch.collision);
         if !free {
-            let kept = if leg.knots.len() > model.problem.robot.space.size() { index + 1 } else { index };
+            let kept = if moves(model, leg) { index + 1 } else { index };
             legs.truncate(kept);
+            keep_margins(model, settings, leaves, transition, legs, scratch);
             return false;
         }
     }
+    if !whole {
+        keep_margins(model, settings, leaves, transition, legs, scratch);
+    }
     whole
+}
+
+fn moves(model: &PlanningModel, leg: &PlannedLeg) -> bool {
+    leg.knots.len() > model.problem.robot.space.size()
+}
+
+/// Cuts what is kept of a transition that is not travelled to its end to what keeps the margins of pairs that have not
+/// touched by then: whatever goes on from there may never make them touch. The end keeps those of its own state, for other
+/// transitions start there.
+fn keep_margins(
+    model: &PlanningModel,
+    settings: &SearchSettings,
+    leaves: &LeafIndex,
+    transition: TransitionId,
+    legs: &mut Vec<PlannedLeg>,
+    scratch: &mut Scratch,
+) {
+    if model.problem.margins.is_empty() || model.graph.transition(transition).kind == TransitionKind::Loop {
+        return;
+    }
+    let size = model.problem.robot.space.size();
+    while let Some(last) = legs.len().checked_sub(1) {
+        let states: Vec<StateId> = legs.iter().map(|leg| leg.state).collect();
+        let blocked = legs.iter_mut().position(|leg| {
+            let carriages = model.carriages_of_leg(leg, leaves);
+            let pairs = model.pairs_on_the_way(transition, &states, &carriages);
+            certified_prefix(model, settings, &pairs, &carriages, leg, &mut scratch.collision).is_some()
+        });
+        if let Some(index) = blocked {
+            let kept = if moves(model, &legs[index]) { index + 1 } else { index };
+            legs.truncate(kept);
+            if legs.len() <= last {
+                continue;
+            }
+        }
+        let leg = &legs[last];
+        let end = &leg.knots[leg.knots.len() - size..];
+        model.kinematics.forward(end, &mut scratch.X_WJ);
+        let guard = settings.clearance_guard;
+        if model.first_collision(leg.state, &scratch.X_WJ, guard, &mut scratch.collision).is_none() {
+            return;
+        }
+        legs.truncate(last);
+    }
 }
 
 /// Exact verdict of every waypoint, all pairs: also of those that a leg keeps in constant relative pose, for which this is
@@ -123,23 +173,36 @@ fn certify_leg(
     candidate: &mut Candidate,
     scratch: &mut CollisionScratch,
 ) -> bool {
+    let pairs = model.pairs(transition, leg.state, carriages);
+    let Some(blocked_by) = certified_prefix(model, settings, pairs, carriages, leg, scratch) else { return true };
+    candidate.rejected = Some(Rejection::MotionBlocked(leg.leg as u8));
+    candidate.blocked_by = blocked_by.map(|c| model.pair_shapes(c.pair));
+    false
+}
+
+/// Cuts a leg's knots to the certified prefix; where that is not all of it, what is in the way.
+fn certified_prefix(
+    model: &PlanningModel,
+    settings: &SearchSettings,
+    pairs: &PairSet,
+    carriages: &[Carriage],
+    leg: &mut PlannedLeg,
+    scratch: &mut CollisionScratch,
+) -> Option<Option<Contact>> {
     let size = model.problem.robot.space.size();
     let certificate = certificate_settings(settings, false);
-    let pairs = model.pairs(transition, leg.state, carriages);
     let knots = &leg.knots;
     match certify_polyline(&model.collision, &model.kinematics, carriages, knots, pairs, &certificate, scratch) {
         PolylineVerdict::Free { min_clearance_lower_bound } => {
             leg.clearance = min_clearance_lower_bound;
-            true
+            None
         }
         PolylineVerdict::FreeUntil { piece, t, blocked_by } => {
-            candidate.rejected = Some(Rejection::MotionBlocked(leg.leg as u8));
-            candidate.blocked_by = blocked_by.map(|c| model.pair_shapes(c.pair));
             // The proof holds for the prefix; how much more clearance it has is not known of a motion that ends in front of
             // something.
             leg.clearance = settings.clearance_guard;
             cut(model, carriages, leg, piece * size, t);
-            false
+            Some(blocked_by)
         }
     }
 }
