@@ -1,5 +1,5 @@
-//! Promise: whatever a file holds, reading it ends within 2 s and 200 MB with exit code 2 and a message that names file,
-//! line and element.
+//! Promise: whatever a file holds, a model's or a scene's, reading it ends within 2 s and 200 MB with exit code 2 and a message
+//! that names file, line and element.
 //!
 //! `bad_input/expected.tsv` says for each file where the message points. Files too large to keep are written here.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot go on says so")]
@@ -23,12 +23,13 @@ fn directory() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bad_input")
 }
 
-/// Runs `foliate inspect` with bounded memory; what runs longer than it may is ended.
-fn inspect(urdf: &Path, srdf: Option<&Path>) -> Told {
+/// Runs `foliate inspect`, of a scene `foliate graph`, with bounded memory; what runs longer than it may is ended.
+fn read(file: &Path, srdf: Option<&Path>) -> Told {
     let start = Instant::now();
     let mut command = Command::new("sh");
     command.arg("-c").arg(format!("ulimit -v {KILOBYTES}; exec \"$@\"")).arg("sh").arg(env!("CARGO_BIN_EXE_foliate"));
-    command.arg("inspect").arg(urdf).arg("--package-path").arg(directory().parent().expect("tests/"));
+    let reader = if file.extension().is_some_and(|kind| kind == "toml") { "graph" } else { "inspect" };
+    command.arg(reader).arg(file).arg("--package-path").arg(directory().parent().expect("tests/"));
     if let Some(srdf) = srdf {
         command.arg("--srdf").arg(srdf);
     }
@@ -68,13 +69,13 @@ fn every_bad_file_is_refused_quickly_with_file_line_and_element() {
     let expected = std::fs::read_to_string(directory.join("expected.tsv")).expect("expected.tsv");
     let (mut faults, mut files) = (String::new(), 0);
     for line in expected.lines().filter(|l| !l.starts_with('#')) {
-        let [urdf, srdf, place, element, says] = line.split('\t').collect::<Vec<_>>()[..] else {
+        let [file, srdf, place, element, says] = line.split('\t').collect::<Vec<_>>()[..] else {
             panic!("expected.tsv: {line}");
         };
         let srdf = (!srdf.is_empty()).then(|| directory.join(srdf));
-        let told = inspect(&directory.join(urdf), srdf.as_deref());
+        let told = read(&directory.join(file), srdf.as_deref());
         if let Some(fault) = fault(&told, place, element, says) {
-            let _ = writeln!(faults, "{urdf} {place}: {fault}");
+            let _ = writeln!(faults, "{file} {place}: {fault}");
         }
         files += 1;
     }
@@ -152,7 +153,7 @@ fn deep_wide_and_long_files_are_refused_before_they_cost_anything() {
     let mut faults = String::new();
     for (name, content, says) in cases {
         let path = scratch.write(name, content);
-        if let Some(fault) = fault(&inspect(&path, None), name, "", says) {
+        if let Some(fault) = fault(&read(&path, None), name, "", says) {
             let _ = writeln!(faults, "{name}: {fault}");
         }
     }
@@ -196,7 +197,7 @@ fn large_meshes_are_refused_before_they_are_read() {
             "<robot name=\"r\"><link name=\"a\"><collision><geometry><mesh filename=\"{name}\"/></geometry></collision></link></robot>"
         );
         let urdf = scratch.write(&format!("{name}.urdf"), urdf);
-        if let Some(fault) = fault(&inspect(&urdf, None), name, "", says) {
+        if let Some(fault) = fault(&read(&urdf, None), name, "", says) {
             let _ = writeln!(faults, "{name}: {fault}");
         }
     }
@@ -220,7 +221,7 @@ fn links_and_pipes_are_not_followed_out_of_a_package() {
             "<robot name=\"r\">\n<link name=\"a\"><collision><geometry><mesh filename=\"{name}\"/></geometry></collision></link></robot>"
         );
         std::fs::write(package.join("model.urdf"), urdf).expect("a model");
-        let told = inspect(&package.join("model.urdf"), None);
+        let told = read(&package.join("model.urdf"), None);
         let place = if name == "out.stl" { "model.urdf:2" } else { name };
         assert_eq!(fault(&told, place, "", says), None);
     }
@@ -228,6 +229,6 @@ fn links_and_pipes_are_not_followed_out_of_a_package() {
 
 #[test]
 fn a_file_that_is_not_there_is_named() {
-    let told = inspect(Path::new("/no/such/model.urdf"), None);
+    let told = read(Path::new("/no/such/model.urdf"), None);
     assert_eq!((told.code, told.message.contains("/no/such/model.urdf")), (Some(2), true), "{}", told.message);
 }

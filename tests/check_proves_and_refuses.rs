@@ -197,6 +197,26 @@ mod collisions {
     }
 
     #[test]
+    fn margins_are_lifted_along_the_whole_transition_that_ends_the_touch() {
+        let folder = Folder::new();
+        let mut path = story();
+        path["certificate"]["min_clearance"] = json!(0.0);
+        path["margins"] = json!([["arm/lower", "cube/cube", 0.05]]);
+        let cube = in_hand(0.1, 0.0);
+        let turn = |from: f64, to: f64| segment(json!([placed()]), vec![knot(0.1, from, cube), knot(0.1, to, cube)]);
+        path["segments"][2] = turn(0.0, -0.05);
+        path["segments"].as_array_mut().unwrap().push(turn(-0.05, -0.6));
+        let mut with = |names: [&str; 2]| {
+            path["segments"][2]["transition"] = json!(names[0]);
+            path["segments"][3]["transition"] = json!(names[1]);
+            path.clone()
+        };
+        assert_only(&folder, &with(["let go", "let go"]), &[]);
+        assert_only(&folder, &with(["let go", "go on"]), &["margin"]);
+        assert_only(&folder, &with(["", ""]), &["margin"]);
+    }
+
+    #[test]
     fn a_cube_inside_a_closed_mesh_is_not_free() {
         let folder = Folder::new();
         folder.write("shell.stl", &cube_as_stl(0.2));

@@ -519,6 +519,51 @@ mod objects {
         assert_only(&folder, &slid, &["unattached-object-moved"]);
     }
 
+    #[test]
+    fn what_rests_on_a_link_touches_it_and_stays() {
+        let folder = Folder::new();
+        let start = in_hand(0.0, 0.0);
+        let mut path = story();
+        path["certificate"]["min_clearance"] = json!(0.0);
+        path["margins"] = json!([["cube/cube", "table/top", 0.01]]);
+        path["segments"] = json!([segment(json!([]), vec![knot(0.0, -0.6, start), knot(0.0, -0.3, start)])]);
+        assert_only(&folder, &path, &["margin"]);
+        path["segments"][0]["attachments"] = json!([{ "object": "cube", "on": "table/top", "carrier": true }]);
+        assert_only(&folder, &path, &[]);
+        let mut slid = path.clone();
+        slid["segments"][0]["knots"][1][2] = json!(start[0] + 1e-3);
+        assert_only(&folder, &slid, &["placed-object-moved"]);
+        path["segments"][0]["attachments"][0]["on"] = json!("table/cloth");
+        assert!(folder.check(&path).unwrap_err().contains("segments[0].attachments[0].on"));
+    }
+
+    /// The hand holds the cube by a point, about which it turns on its own: nothing carries it, and it is written as it goes.
+    #[test]
+    fn what_is_held_by_a_point_moves_as_written() {
+        let folder = Folder::new();
+        let mut path = story();
+        let three = [true, true, true, false, false, false];
+        path["documents"]["handles"]["cube/handle"]["mask"] = json!(three);
+        let turned = |shoulder: f64, turn: f64| {
+            let [x, y, z, ..] = in_hand(shoulder, 0.0);
+            knot(shoulder, 0.0, about_z(x, y, z, turn))
+        };
+        let mut free = held();
+        free["carrier"] = json!(false);
+        path["segments"] = json!([segment(json!([free]), vec![turned(0.0, 0.0), turned(0.02, 0.5)])]);
+        assert_only(&folder, &path, &[]);
+        let mut torn = path.clone();
+        torn["segments"][0]["knots"][1][2] = json!(in_hand(0.02, 0.0)[0] + 1e-3);
+        assert_only(&folder, &torn, &["grasp"]);
+        // On an arc of which the chord is too far off.
+        let mut wide = path.clone();
+        wide["segments"][0]["knots"][1] = turned(0.1, 0.5);
+        assert_only(&folder, &wide, &["grasp"]);
+        // What is not held at all stays.
+        path["segments"][0]["attachments"] = json!([]);
+        assert_only(&folder, &path, &["unattached-object-moved"]);
+    }
+
     const TRAY_TO_CUBE: f64 = 0.031;
 
     /// The story's arm carries a tray on which the cube stands.

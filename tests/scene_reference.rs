@@ -42,6 +42,7 @@ fn the_example_loads_as_the_page_says() {
     assert_eq!(problem.graph.objects[1].handles.len(), 1);
     let plane = problem.graph.objects[1].plane.expect("the brick's plane");
     assert_eq!((plane.world_from_plane.translation.z, plane.object_from_frame.translation.z), (0.7, -0.041));
+    assert_eq!(plane.on, robot.link("table/table"));
     assert!(problem.ignored_pairs.iter().any(|p| p.reason == "adjacent"));
     assert_eq!(problem.margins.len(), 1);
     assert_eq!(problem.start[0], 0.1);

@@ -3,9 +3,12 @@
 
 mod common;
 
+use foliate::Planner;
+use foliate::components::outcome::SearchOutcome;
 use foliate::components::problem::Goal;
 use foliate::components::robot::{PartKind, Robot};
 use foliate::scene::{Origin, PackagePath, Scene, coordinate_names, load_scene, shipped_scenes};
+use foliate::systems::settings::SearchSettings;
 
 fn assert_within_bounds(scene: &Scene) {
     let problem = &scene.problem;
@@ -60,6 +63,20 @@ fn scenes_with_published_robots_load_with_the_files_they_were_made_with() {
         assert_within_bounds(&scene);
         let differs = scene.warnings.iter().find(|w| w.message.contains("differs"));
         assert_eq!(differs, None);
+    }
+}
+
+/// A search classifies start and goals before its first step: in bounds, free of collisions, in a state.
+#[test]
+fn every_start_and_goal_may_be_one() {
+    let packages = common::published_models("every_start_and_goal_may_be_one");
+    for shipped in shipped_scenes().iter().filter(|s| packages.is_some() || !s.needs_models) {
+        let scene =
+            shipped.load(packages.as_ref().unwrap_or(&PackagePath::default())).unwrap_or_else(|e| panic!("{e}"));
+        let planner = Planner::new(scene.problem).unwrap_or_else(|e| panic!("{}: {e}", shipped.name));
+        let settings = SearchSettings { max_steps: 1, candidates: 1, ..SearchSettings::default() };
+        let outcome = planner.settings(settings).solve().outcome;
+        assert!(matches!(outcome, SearchOutcome::StepLimit | SearchOutcome::Solved), "{}: {outcome:?}", shipped.name);
     }
 }
 

@@ -21,6 +21,8 @@ pub struct Candidate {
     pub near: Option<NodeId>,
     /// The transition that is tried (T).
     pub transition: Option<TransitionId>,
+    /// The leaf to extend, where one is chosen before the node.
+    pub leaf: Option<LeafId>,
     /// Where it is guided: the leaf of another tree that it is on its way to.
     pub aim: Option<LeafId>,
     /// For a crossed transition: the leaf of another tree that is aimed at; the values of the rows that the transition

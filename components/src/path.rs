@@ -3,7 +3,7 @@
 use crate::Pose;
 use crate::constraint::Constraint;
 use crate::graph::{StateId, TransitionId};
-use crate::robot::{GripperIndex, HandleIndex, JointIndex, SurfaceIndex};
+use crate::robot::{GripperIndex, HandleIndex, JointIndex, LinkIndex, SurfaceIndex};
 
 /// A path from the start to a goal. Consecutive segments share the joint knot bit for bit.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -68,6 +68,8 @@ pub enum Attachment {
     Rest {
         /// Root joint of the object.
         object: JointIndex,
+        /// The link that it touches there, where the problem names one.
+        on: Option<LinkIndex>,
     },
 }
 

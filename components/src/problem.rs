@@ -176,6 +176,9 @@ pub struct RestingPlane {
     pub world_from_plane: Pose,
     /// The frame of the object, in its root link, that coincides with a frame in the plane at rest.
     pub object_from_frame: Pose,
+    /// The link whose top the plane is, fixed in the world: an object at rest touches it, so margins between the two do not
+    /// apply. `None` where the object stands free.
+    pub on: Option<LinkIndex>,
 }
 
 /// Says whether states may occur in which the named grippers hold the named handles.

@@ -1,4 +1,5 @@
-//! What objects hang on in each segment, read from the file: grasps, contacts, or nothing but their place.
+//! What objects hang on in each segment, read from the file: grasps, contacts, a link that they rest on, or nothing but
+//! their place.
 
 use super::CheckError;
 use super::documents::Frames;
@@ -13,6 +14,8 @@ pub(super) enum Bond {
     Grasp { gripper: Frame, handle: Frame, mask: [bool; 6], complement: [bool; 6] },
     /// A surface lies on a support; both by name.
     Contact { surface: String, support: String },
+    /// The object rests on a link without polygons.
+    Rest,
 }
 
 /// An attachment of a segment.
@@ -77,11 +80,15 @@ impl Resolver<'_> {
         let Some(part) = self.world.part(owner) else {
             return self.refuse(".object", format!("there is no part `{}`", shown(owner)));
         };
-        let held = match (&entry.gripper, &entry.handle, &entry.surface, &entry.support) {
-            (Some(gripper), Some(handle), None, None) => Some(self.grasp(gripper, handle)?),
-            (None, None, Some(surface), Some(support)) => Some(self.contact(surface, support)?),
-            (None, None, None, None) => None,
-            _ => return self.refuse("", "wants `gripper` and `handle`, or `surface` and `support`, or none of them"),
+        let held = match (&entry.gripper, &entry.handle, &entry.surface, &entry.support, &entry.on) {
+            (Some(gripper), Some(handle), None, None, None) => Some(self.grasp(gripper, handle)?),
+            (None, None, Some(surface), Some(support), None) => Some(self.contact(surface, support)?),
+            (None, None, None, None, Some(on)) => Some(self.rest(part, on)?),
+            (None, None, None, None, None) => None,
+            _ => {
+                let message = "wants `gripper` and `handle`, or `surface` and `support`, or `on`, or none of them";
+                return self.refuse("", message);
+            }
         };
         if let Some((holder, link, bond)) = &held {
             self.owner(entry, part, *link, bond)?;
@@ -89,9 +96,10 @@ impl Resolver<'_> {
                 return self.refuse("", format!("`{}` cannot carry itself", shown(&entry.object)));
             }
         }
-        let name = match (&entry.gripper, &entry.handle, &entry.surface, &entry.support) {
+        let name = match (&entry.gripper, &entry.handle, &entry.surface, &entry.support, &entry.on) {
             (Some(gripper), Some(handle), ..) => format!("{gripper} > {handle}"),
-            (_, _, Some(surface), Some(support)) => format!("{surface} on {support}"),
+            (_, _, Some(surface), Some(support), _) => format!("{surface} on {support}"),
+            (.., Some(on)) => format!("{} on {on}", entry.object),
             _ => format!("{} rests", entry.object),
         };
         Ok(Attachment { part, carrier: entry.carrier, name, held })
@@ -102,6 +110,7 @@ impl Resolver<'_> {
         let (key, what) = match bond {
             Bond::Grasp { .. } => (".handle", &entry.handle),
             Bond::Contact { .. } => (".surface", &entry.surface),
+            Bond::Rest => return Ok(()),
         };
         let of_link = entry.object.contains('/');
         let same_link = || self.world.links.get(&entry.object).is_some_and(|l| l.frame.body == link.frame.body);
@@ -123,6 +132,14 @@ impl Resolver<'_> {
         };
         let bond = Bond::Grasp { gripper, handle: frame, mask: entry.mask, complement: entry.mask_complement };
         Ok((holder, link, bond))
+    }
+
+    fn rest(&self, part: usize, on: &str) -> Result<(Link, Link, Bond), CheckError> {
+        let holder = self.world.link(on, || format!("{}.on", self.place))?;
+        let Some(root) = self.world.links.get(&self.world.parts[part].root_link) else {
+            return self.refuse(".object", "has no root link");
+        };
+        Ok((holder, *root, Bond::Rest))
     }
 
     fn contact(&self, surface: &str, support: &str) -> Result<(Link, Link, Bond), CheckError> {

@@ -41,6 +41,7 @@ pub(super) fn check(
                     leaf.contact(&attachment.name, (&holder.frame, support), (&held.frame, surface));
                 }
             }
+            Some((holder, held, Bond::Rest)) => leaf.rest(&attachment.name, &holder.frame, &held.frame),
             None => {}
         }
     }
@@ -114,6 +115,14 @@ impl Leaf<'_> {
         };
         prove(Kind::Placement, &forms);
         prove(Kind::PlacementConstancy, &frozen(&first, [false; 6], [true; 6]));
+    }
+
+    /// How it rests is said by a constraint; here that it stays.
+    fn rest(&mut self, subject: &str, support: &Frame, object: &Frame) {
+        let motion = self.motion;
+        let pose = |at: At| motion.frame(support, at).inverse() * motion.frame(object, at);
+        let relation = Relation { kind: Kind::PlacementConstancy, subject, tolerance: self.tolerance() };
+        self.prove([support, object], &pose, &relation, &frozen(&pose(At::knot(0)), [false; 6], [true; 6]));
     }
 }
 

@@ -104,7 +104,7 @@ pub fn check(
         carriers::check(&motion, file, &mut report);
         articulation::check(&motion, file, &mut report);
         leaf::check(&motion, file, &frames, &attachments[index], &mut report, &mut work)?;
-        let thresholds = pairs.thresholds(&world, &attachments, index);
+        let thresholds = pairs.thresholds(&world, file, &attachments, index);
         tester.check(&motion, &thresholds, &mut report, &mut work);
         if index + 1 == file.segments.len() {
             tester.check_written_end(&motion, &thresholds, &mut report);

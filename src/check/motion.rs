@@ -89,10 +89,14 @@ impl<'a> SegmentMotion<'a> {
         self.knots.len() - 1
     }
 
-    /// What a floating object hangs on: the body that is held, and its new edge.
+    /// What a floating object hangs on: the body that is held, and its new edge. None for one that is held without a
+    /// carrier: it moves as written, and its grasps are proved like any relation.
     fn tie(&self, part: usize) -> Option<(Carry, usize, Edge)> {
         let root = self.world.parts[part].root.filter(|_| self.world.parts[part].floats)?;
         let attachment = self.attachments.iter().position(|a| a.carrier && a.part == part && a.held.is_some());
+        if attachment.is_none() && self.attachments.iter().any(|a| a.part == part && a.is_grasp()) {
+            return None;
+        }
         let carry = Carry { part, attachment };
         let still = |body: usize| Edge { parent: None, via: Via::Rigid(self.written(Some(body), 0)) };
         let Some((holder, held, _)) = attachment.and_then(|a| self.attachments[a].held.as_ref()) else {

@@ -7,6 +7,7 @@ use super::models::{RigidBody, World, ordered, shown};
 use super::report::CheckReport;
 use crate::path_file::PathFile;
 use std::collections::{BTreeMap, HashMap, HashSet};
+use std::ops::Range;
 
 /// Most pairs that are tested.
 const MOST: usize = 4_000_000;
@@ -48,19 +49,35 @@ impl Pairs {
     }
 
     /// The least distance allowed for each pair in a segment: its margin, unless the pair touches by grasp or placement
-    /// in this segment or one beside it; then, and without margins, zero.
-    pub(super) fn thresholds(&self, world: &World, attachments: &[Vec<Attachment>], segment: usize) -> Vec<f64> {
+    /// where the transition that the segment travels begins or ends; then, and without margins, zero.
+    pub(super) fn thresholds(
+        &self,
+        world: &World,
+        file: &PathFile,
+        attachments: &[Vec<Attachment>],
+        segment: usize,
+    ) -> Vec<f64> {
         if self.margins.is_empty() {
             return vec![0.0; self.list.len()];
         }
-        let last = (segment + 1).min(attachments.len() - 1);
-        let touching = touching(world, attachments[segment.saturating_sub(1)..=last].iter().flatten());
+        let touching = touching(world, attachments[of_one_transition(file, segment)].iter().flatten());
         let threshold = |(&(a, b), &margin): (&(usize, usize), &f64)| {
             let bodies = (world.shapes[a].rigid, world.shapes[b].rigid);
             if touching.contains(&bodies) || touching.contains(&(bodies.1, bodies.0)) { 0.0 } else { margin }
         };
         self.list.iter().zip(&self.margins).map(threshold).collect()
     }
+}
+
+/// The segments that travel one transition together with a segment, and the ones before and after, which lie in the states
+/// that it joins.
+fn of_one_transition(file: &PathFile, segment: usize) -> Range<usize> {
+    let segments = &file.segments;
+    let name = &segments[segment].transition;
+    let same = |other: &&crate::path_file::SegmentEntry| !name.is_empty() && other.transition == *name;
+    let before = segments[..segment].iter().rev().take_while(same).count();
+    let after = segments[segment + 1..].iter().take_while(same).count();
+    (segment - before).saturating_sub(1)..(segment + after + 2).min(segments.len())
 }
 
 /// Bodies in contact: holder and held, and for a gripper also the bodies that hang directly on it (fingers).

@@ -20,7 +20,7 @@ pub(crate) struct Loaded<'a> {
 /// The summary for people.
 pub(crate) fn text(loaded: &Loaded<'_>, solution: &Solution) -> String {
     let report = &solution.report;
-    let graph = &loaded.planner.model().graph;
+    let graph = &solution.model.graph;
     let mut out = String::new();
     let _ = writeln!(
         out,
@@ -32,12 +32,13 @@ pub(crate) fn text(loaded: &Loaded<'_>, solution: &Solution) -> String {
     );
     let _ = writeln!(
         out,
-        "  {} steps, {} candidates, {} nodes, {} edges, {} leaves; graph of {} states, {} transitions",
+        "  {} steps, {} candidates, {} nodes, {} edges, {} leaves; {} of {} states, {} transitions",
         report.steps,
         report.candidates,
         report.nodes,
         report.edges,
         report.leaves,
+        if graph.lazy { "as much as was needed of the graph:" } else { "graph" },
         graph.states.len(),
         graph.transitions.len()
     );
@@ -56,7 +57,7 @@ pub(crate) fn text(loaded: &Loaded<'_>, solution: &Solution) -> String {
             c.max_residual, c.path_tolerance, c.min_clearance
         );
         let _ = writeln!(out, "  what happens:");
-        out.push_str(&story::tell(&loaded.planner.model().problem.robot, path));
+        out.push_str(&story::tell(loaded.planner.model(), path));
     }
     if !report.funnel.is_empty() {
         out.push_str(&funnel(&report.funnel, solution.outcome == SearchOutcome::Solved));

@@ -138,7 +138,10 @@ pub struct SegmentEntry {
     pub times: Option<Vec<f64>>,
 }
 
-/// What an object hangs on: a gripper by a handle, a support by a surface, or nothing but its place.
+/// What an object hangs on: a gripper by a handle, a support by a surface, a link that it rests on, or nothing but its place.
+///
+/// An object follows its carrier. One that is held but has no carrier (its handle leaves rotations free) moves as written,
+/// like a robot's root; one without any attachment stays where it is.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct AttachmentEntry {
     /// The part, or `part/link` of an articulated one.
@@ -155,6 +158,9 @@ pub struct AttachmentEntry {
     /// The surface that carries it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub support: Option<String>,
+    /// `part/link` that it rests on without polygons; how it rests is one of the segment's constraints.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub on: Option<String>,
     /// Whether the object follows this attachment rigidly.
     pub carrier: bool,
 }

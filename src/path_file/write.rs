@@ -145,7 +145,13 @@ fn attachment_entry(robot: &Robot, attachment: &Attachment) -> Option<Attachment
             carrier: true,
             ..AttachmentEntry::default()
         }),
-        Attachment::Rest { .. } => None,
+        Attachment::Rest { on: None, .. } => None,
+        Attachment::Rest { object, on: Some(on) } => Some(AttachmentEntry {
+            object: part(object),
+            on: Some(robot.links[on.at()].name.clone()),
+            carrier: true,
+            ..AttachmentEntry::default()
+        }),
     }
 }
 

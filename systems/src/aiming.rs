@@ -2,12 +2,18 @@
 
 use crate::grasp_distance::GraspDistance;
 use crate::model::PlanningModel;
-use crate::selection::ReachedLeaves;
-use bevy_ecs::prelude::{Res, ResMut, Resource};
-use foliate_components::graph::StateId;
-use foliate_components::leaf::{LeafId, LeafIndex};
+use crate::random::{Purpose, stream};
+use crate::schedule::StepCounter;
+use crate::selection::{Explored, ReachedLeaves};
+use crate::settings::{SearchSettings, Selection};
+use bevy_ecs::prelude::{Query, Res, ResMut, Resource};
+use foliate_components::candidate::Candidate;
+use foliate_components::graph::{ConstraintGraph, StateId, Transition};
+use foliate_components::leaf::{Leaf, LeafId, LeafIndex};
 use foliate_components::roadmap::{ComponentId, Roadmap};
+use rand::seq::IndexedRandom;
 use rand::{Rng, RngExt};
+use rayon::prelude::*;
 
 /// A leaf one change of grasp farther is so many times less likely to be chosen.
 const FOCUS: f64 = 2.0;
@@ -25,24 +31,19 @@ pub struct Aims {
     /// By leaf and tree: changes of grasp to the nearest leaf that the tree has reached.
     nearest: Vec<Vec<u16>>,
     /// By leaf: candidates that started there.
-    pub tries: Vec<u32>,
+    tries: Vec<u32>,
 }
 
 impl Aims {
-    /// The distances.
-    #[must_use]
-    pub fn distance(&self) -> &GraspDistance {
-        &self.distance
-    }
-
     /// Changes of grasp from a leaf to the nearest leaf of any tree but `tree`.
-    fn to_others(&self, roadmap: &Roadmap, leaf: LeafId, tree: ComponentId) -> u16 {
+    #[must_use]
+    pub fn to_others(&self, roadmap: &Roadmap, leaf: LeafId, tree: ComponentId) -> u16 {
         let others = (0u32..).map(ComponentId).zip(&self.nearest[leaf.at()]);
         others.filter(|&(c, _)| roadmap.component(c) != tree).map(|(_, &d)| d).min().unwrap_or(0)
     }
 
     /// Chooses a leaf of a tree, `reached` sorted by state: a state by its nearest leaf, then a leaf in it.
-    pub(crate) fn leaf(
+    fn leaf(
         &self,
         roadmap: &Roadmap,
         reached: &[(StateId, LeafId)],
@@ -63,28 +64,33 @@ impl Aims {
     }
 
     /// Chooses what to aim at from `leaf`: among the leaves that other trees have reached, near ones first.
-    pub(crate) fn aim(
+    fn aim(
         &self,
-        model: &PlanningModel,
-        roadmap: &Roadmap,
-        leaves: &LeafIndex,
-        reached: &ReachedLeaves,
+        graph: &ConstraintGraph,
+        explored: &Explored<'_>,
         (leaf, tree): (LeafId, ComponentId),
         rng: &mut impl Rng,
     ) -> Option<LeafId> {
-        let from = leaves.leaf(leaf);
-        let others =
-            (0u32..).map(ComponentId).zip(&reached.by_component).filter(|&(c, _)| roadmap.component(c) != tree);
+        let from = explored.leaves.leaf(leaf);
+        let all = (0u32..).map(ComponentId).zip(&explored.reached.by_component);
+        let others = all.filter(|&(c, _)| explored.roadmap.component(c) != tree);
         let weigh = |&to: &LeafId| {
-            let far = self.distance.between(&model.graph, from, leaves.leaf(to));
+            let far = self.distance.between(graph, from, explored.leaves.leaf(to));
             (to, FOCUS.powi(-2 * i32::from(far)))
         };
         draw(&others.flat_map(|(_, list)| list).map(weigh).collect::<Vec<_>>(), rng)
     }
 
     /// How much likelier a transition gets by what it leads to.
-    pub(crate) fn preference(&self, after: u16) -> f64 {
-        FOCUS.powi(-i32::from(after))
+    pub(crate) fn preference(&self, graph: &ConstraintGraph, from: &Leaf, transition: &Transition, aim: &Leaf) -> f64 {
+        FOCUS.powi(-i32::from(self.distance.after(graph, from, transition, aim)))
+    }
+
+    /// Remembers that a candidate has started on a leaf.
+    pub(crate) fn count_try(&mut self, leaf: LeafId) {
+        if let Some(tries) = self.tries.get_mut(leaf.at()) {
+            *tries += 1;
+        }
     }
 }
 
@@ -106,9 +112,7 @@ pub fn measure_leaves(
     mut aims: ResMut<'_, Aims>,
 ) {
     let aims = &mut *aims;
-    if aims.distance.states() != model.graph.states.len() {
-        aims.distance = GraspDistance::new(&model.graph);
-    }
+    aims.distance.grow(&model.graph);
     let trees = reached.by_component.len();
     aims.known.resize(trees, 0);
     aims.tries.resize(leaves.leaves().len(), 0);
@@ -127,4 +131,31 @@ pub fn measure_leaves(
             }
         }
     }
+}
+
+/// Chooses for the guided candidates the leaf to extend and the leaf to aim at.
+pub fn choose_leaves(
+    model: Res<'_, PlanningModel>,
+    settings: Res<'_, SearchSettings>,
+    step: Res<'_, StepCounter>,
+    explored: Explored<'_>,
+    aims: Res<'_, Aims>,
+    mut candidates: Query<'_, '_, &mut Candidate>,
+) {
+    if settings.selection != Selection::Guided {
+        return;
+    }
+    let trees = explored.leaves_by_tree();
+    let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive()).collect();
+    pool.par_iter_mut().for_each(|candidate| {
+        let mut rng = stream(settings.seed, Purpose::Aim, step.step, candidate.index);
+        if rng.random::<f64>() >= settings.guided_probability {
+            return;
+        }
+        let Some((tree, leaves)) = trees.choose(&mut rng) else { return };
+        let Some(leaf) = aims.leaf(&explored.roadmap, leaves, *tree, &mut rng) else { return };
+        candidate.component = Some(*tree);
+        candidate.leaf = Some(leaf);
+        candidate.aim = aims.aim(&model.graph, &explored, (leaf, *tree), &mut rng);
+    });
 }

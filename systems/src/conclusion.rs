@@ -54,7 +54,7 @@ pub fn conclude(
         Some(SearchOutcome::Timeout)
     } else if solved {
         Some(SearchOutcome::Solved)
-    } else if roadmap.nodes().len() >= settings.max_nodes || roadmap.bytes() >= settings.max_bytes {
+    } else if roadmap.nodes().len() >= settings.max_nodes || roadmap.bytes() + grown(&model) >= settings.max_bytes {
         Some(SearchOutcome::MemoryLimit)
     } else if let Some(why) = no_goal(&roots, &goals, &model, &settings) {
         Some(SearchOutcome::InfeasibleGoal(why))
@@ -63,6 +63,11 @@ pub fn conclude(
     } else {
         None
     };
+}
+
+/// Bytes that the search has made its graph grow by.
+fn grown(model: &PlanningModel) -> u64 {
+    if model.graph.lazy { model.graph.bytes() } else { 0 }
 }
 
 /// Why there is no goal and none will be found.

@@ -2,7 +2,7 @@
 
 use crate::model::PlanningModel;
 use foliate_components::configuration::{Group, quaternion, wrap};
-use foliate_components::graph::TransitionId;
+use foliate_components::graph::{StateId, TransitionId};
 use foliate_components::leaf::LeafIndex;
 use foliate_components::path::{Certificate, ManipulationPath, Segment};
 use foliate_components::roadmap::{EdgeId, Motion, NodeId, Roadmap};
@@ -48,6 +48,21 @@ pub fn extract_path(
     path.certificate = certificate;
     unwrap_coordinates(model, &mut path);
     Some(path)
+}
+
+/// The states that motions of the path were to reach and that it leaves instead, since it travels them backwards.
+pub(crate) fn reached_backwards(model: &PlanningModel, roadmap: &Roadmap, start: NodeId, goal: NodeId) -> Vec<StateId> {
+    let mut at = start;
+    let mut states = Vec::new();
+    for edge in shortest_route(model, roadmap, start, goal).unwrap_or_default() {
+        let row = roadmap.edge(edge);
+        let forward = row.from == at;
+        at = if forward { row.to } else { row.from };
+        if !forward {
+            states.extend(roadmap.motions_of(edge).iter().map(|m| model.graph.transition(m.transition).to));
+        }
+    }
+    states
 }
 
 fn segment(model: &PlanningModel, leaves: &LeafIndex, motion: &Motion, forward: bool) -> Segment {

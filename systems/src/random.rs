@@ -15,6 +15,8 @@ pub enum Purpose {
     Rendezvous = 3,
     /// Which idle coordinates keep still.
     Still = 4,
+    /// Choosing leaves to extend and to aim at.
+    Aim = 6,
     /// Configurations for goals that name only object poses.
     Goal = 5,
 }

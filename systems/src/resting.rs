@@ -6,7 +6,7 @@ use foliate_components::Pose;
 use foliate_components::constraint::{Constraint, Frame, Placement, Reference, RelativePose, Row};
 use foliate_components::pose::{exp_so3, log_so3};
 use foliate_components::problem::{GraphOptions, ObjectOptions};
-use foliate_components::robot::{JointIndex, Robot, SurfaceIndex};
+use foliate_components::robot::{JointIndex, LinkIndex, Robot, SurfaceIndex};
 use foliate_kernels::constraints::{placement, placement_of, relative_pose};
 use glam::DVec3;
 
@@ -31,6 +31,8 @@ pub struct RestingPlace {
     pub on: Option<JointIndex>,
     /// The supports on it; empty for a plane.
     pub supports: Vec<SurfaceIndex>,
+    /// What a plane is the top of, where the problem says so: the object touches it.
+    pub touches: Option<LinkIndex>,
     /// How the object rests there.
     pub resting: Resting,
 }
@@ -75,12 +77,12 @@ impl RestingPlace {
             let root = robot.parts[object.part.at()].root_link;
             let frame = Frame::on_link(robot, root, &plane.object_from_frame);
             let resting = Resting::Plane { plane: Frame::world(plane.world_from_plane), frame };
-            return Ok(vec![Self { on: None, supports: Vec::new(), resting }]);
+            return Ok(vec![Self { on: None, supports: Vec::new(), touches: plane.on, resting }]);
         }
         let place = |(on, supports): (Option<JointIndex>, Vec<SurfaceIndex>)| {
             let placement = Placement::new(robot, &object.surfaces, &supports, options.placement_margin);
             let placement = placement.map_err(|e| e.to_string())?;
-            Ok(Self { on, supports, resting: Resting::Surfaces(placement) })
+            Ok(Self { on, supports, touches: None, resting: Resting::Surfaces(placement) })
         };
         carrying_bodies(robot, options, object).into_iter().map(place).collect()
     }

@@ -6,13 +6,14 @@ use crate::random::{Purpose, stream};
 use crate::schedule::StepCounter;
 use crate::settings::{SearchSettings, Selection};
 use bevy_ecs::prelude::{Component, Query, Res, ResMut, Resource};
+use bevy_ecs::system::SystemParam;
 use foliate_components::candidate::{Candidate, CandidateArena};
 use foliate_components::graph::{StateId, Transition, TransitionId};
 use foliate_components::leaf::{LeafId, LeafIndex};
 use foliate_components::outcome::Rejection;
 use foliate_components::roadmap::{ComponentId, NodeId, Roadmap};
-use rand::RngExt;
 use rand::seq::IndexedRandom;
+use rand::{Rng, RngExt};
 use rayon::prelude::*;
 
 /// The weight by which a transition is drawn; on the transition's entity, so that a host's system may change it.
@@ -44,52 +45,82 @@ pub fn gather_weights(
     }
 }
 
-/// Chooses for every candidate a node as [`SearchSettings::selection`] says.
+/// What the trees have reached so far, for systems that choose.
+#[derive(SystemParam)]
+pub struct Explored<'w> {
+    /// Nodes and edges.
+    pub roadmap: Res<'w, Roadmap>,
+    /// Leaves and parameters.
+    pub leaves: Res<'w, LeafIndex>,
+    /// Leaves by tree.
+    pub reached: Res<'w, ReachedLeaves>,
+}
+
+impl Explored<'_> {
+    /// The trees that have not been absorbed by another, by id.
+    pub fn trees(&self) -> impl Iterator<Item = ComponentId> {
+        (0..self.roadmap.trees() as u32).map(ComponentId).filter(|&c| self.roadmap.component(c) == c)
+    }
+
+    /// Every tree with the leaves that it has reached, sorted by state.
+    #[must_use]
+    pub fn leaves_by_tree(&self) -> Vec<(ComponentId, Vec<(StateId, LeafId)>)> {
+        self.trees().map(|tree| (tree, self.leaves_of(tree))).collect()
+    }
+
+    fn leaves_of(&self, tree: ComponentId) -> Vec<(StateId, LeafId)> {
+        let reached = self.members(tree).flat_map(|c| &self.reached.by_component[c.at()]);
+        let mut leaves: Vec<_> = reached.map(|&leaf| (self.leaves.leaf(leaf).state, leaf)).collect();
+        leaves.sort_unstable();
+        leaves.dedup();
+        leaves
+    }
+
+    /// All trees that have been joined into `tree`.
+    fn members(&self, tree: ComponentId) -> impl Iterator<Item = ComponentId> {
+        (0..self.roadmap.trees() as u32).map(ComponentId).filter(move |&c| self.roadmap.component(c) == tree)
+    }
+
+    /// The nodes of a tree on a leaf.
+    fn nodes_on(&self, leaf: LeafId, tree: ComponentId) -> impl Iterator<Item = NodeId> {
+        let nodes = self.roadmap.nodes_on(leaf).iter().copied();
+        nodes.filter(move |&node| self.roadmap.component_of(node) == tree)
+    }
+}
+
+/// Chooses for every candidate a node: the nearest on its leaf where one is chosen already, else as
+/// [`SearchSettings::selection`] says.
 pub fn select_nodes(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
     step: Res<'_, StepCounter>,
-    roadmap: Res<'_, Roadmap>,
-    leaves: Res<'_, ReachedLeaves>,
-    index: Res<'_, LeafIndex>,
-    aims: Res<'_, Aims>,
+    explored: Explored<'_>,
     arena: Res<'_, CandidateArena>,
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
-    let trees = live_trees(&roadmap);
+    let trees = explored.leaves_by_tree();
+    let roadmap = &*explored.roadmap;
     let mut pool: Vec<_> = candidates.iter_mut().collect();
     pool.par_iter_mut().filter(|c| c.is_alive()).for_each(|candidate| {
         let mut rng = stream(settings.seed, Purpose::Select, step.step, candidate.index);
-        let Some(&tree) = trees.choose(&mut rng) else { return candidate.reject(Rejection::NoNode) };
         let q = arena.random_of(candidate.index);
-        let chosen = match settings.selection {
-            Selection::Nearest => {
+        let nearest_on = |leaf, tree| model.nearest(roadmap, q, explored.nodes_on(leaf, tree), &model.robot_weights);
+        let chosen = match (candidate.leaf, candidate.component, settings.selection) {
+            (Some(leaf), Some(tree), _) => nearest_on(leaf, tree),
+            (_, _, Selection::Nearest) => {
                 let all = (0..roadmap.nodes().len() as u32).map(NodeId);
-                model.nearest(&roadmap, q, all, &model.weights)
+                model.nearest(roadmap, q, all, &model.weights)
             }
-            Selection::StateFirst => {
-                let states = states_of(&roadmap, &leaves, tree);
-                states.choose(&mut rng).and_then(|&state| {
-                    let nodes = nodes_in_state(&roadmap, &leaves, tree, state);
-                    model.nearest(&roadmap, q, nodes, &model.weights)
-                })
-            }
-            Selection::LeafFirst => {
-                let leaf = leaf_of(&reached_by(&roadmap, &leaves, tree), &mut rng);
-                leaf.and_then(|leaf| nearest_on(&model, &roadmap, leaf, tree, q))
-            }
-            Selection::Guided => {
-                let reached = reached_by(&roadmap, &leaves, tree);
-                let leaf = if rng.random::<f64>() < settings.guided_probability {
-                    let leaf = aims.leaf(&roadmap, &reached, tree, &mut rng);
-                    candidate.aim =
-                        leaf.and_then(|leaf| aims.aim(&model, &roadmap, &index, &leaves, (leaf, tree), &mut rng));
-                    leaf
-                } else {
-                    leaf_of(&reached, &mut rng)
-                };
-                leaf.and_then(|leaf| nearest_on(&model, &roadmap, leaf, tree, q))
-            }
+            (_, _, Selection::StateFirst) => trees.choose(&mut rng).and_then(|(tree, leaves)| {
+                let nodes = one_state(leaves, &mut rng)?.iter().flat_map(|&(_, leaf)| explored.nodes_on(leaf, *tree));
+                model.nearest(roadmap, q, nodes, &model.weights)
+            }),
+            (_, _, Selection::LeafFirst | Selection::Guided) => trees.choose(&mut rng).and_then(|(tree, leaves)| {
+                // States with few leaves are often the narrow ones (one leaf holds every solid grasp of an object), so
+                // leaves alone would starve them.
+                let &(_, leaf) = one_state(leaves, &mut rng)?.choose(&mut rng)?;
+                nearest_on(leaf, *tree)
+            }),
         };
         match chosen {
             Some(node) => {
@@ -101,14 +132,19 @@ pub fn select_nodes(
     });
 }
 
+/// The leaves of one of the states.
+fn one_state<'a>(leaves: &'a [(StateId, LeafId)], rng: &mut impl Rng) -> Option<&'a [(StateId, LeafId)]> {
+    let states: Vec<_> = leaves.chunk_by(|a, b| a.0 == b.0).collect();
+    states.choose(rng).copied()
+}
+
 /// Draws for every candidate a transition that leaves its node's state, in proportion to the weights.
 pub fn select_transitions(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
     step: Res<'_, StepCounter>,
-    roadmap: Res<'_, Roadmap>,
+    explored: Explored<'_>,
     weights: Res<'_, TransitionWeights>,
-    leaves: Res<'_, LeafIndex>,
     mut aims: ResMut<'_, Aims>,
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
@@ -118,15 +154,12 @@ pub fn select_transitions(
             continue;
         };
         let mut rng = stream(settings.seed, Purpose::Select, step.step, candidate.index | 1 << 31);
-        let row = roadmap.node(near);
-        if let Some(tries) = aims.tries.get_mut(row.leaf.at()) {
-            *tries += 1;
-        }
-        let from = leaves.leaf(row.leaf);
-        let aim = candidate.aim.map(|aim| leaves.leaf(aim));
+        let row = explored.roadmap.node(near);
+        aims.count_try(row.leaf);
+        let from = explored.leaves.leaf(row.leaf);
+        let aim = candidate.aim.map(|aim| explored.leaves.leaf(aim));
         let weigh = |(id, transition): (TransitionId, &Transition)| {
-            let preference =
-                aim.map_or(1.0, |aim| aims.preference(aims.distance().after(&model.graph, from, transition, aim)));
+            let preference = aim.map_or(1.0, |aim| aims.preference(&model.graph, from, transition, aim));
             (id, weights.0[id.at()] * preference)
         };
         let choices: Vec<_> = model.graph.leaving(row.state).map(weigh).collect();
@@ -140,60 +173,4 @@ pub fn select_transitions(
             None => candidate.reject(Rejection::NoTransition),
         }
     }
-}
-
-/// The trees that have not been absorbed by another, by id.
-fn live_trees(roadmap: &Roadmap) -> Vec<ComponentId> {
-    (0..roadmap.trees() as u32).map(ComponentId).filter(|&c| roadmap.component(c) == c).collect()
-}
-
-/// All trees that have been joined into `tree`.
-fn members(roadmap: &Roadmap, tree: ComponentId) -> impl Iterator<Item = ComponentId> {
-    (0..roadmap.trees() as u32).map(ComponentId).filter(move |&c| roadmap.component(c) == tree)
-}
-
-/// The leaves that a tree has reached, sorted by state.
-fn reached_by(roadmap: &Roadmap, leaves: &ReachedLeaves, tree: ComponentId) -> Vec<(StateId, LeafId)> {
-    let mut reached: Vec<(StateId, LeafId)> = members(roadmap, tree)
-        .flat_map(|c| &leaves.by_component[c.at()])
-        .filter_map(|&leaf| roadmap.nodes_on(leaf).first().map(|&n| (roadmap.node(n).state, leaf)))
-        .collect();
-    reached.sort_unstable();
-    reached.dedup();
-    reached
-}
-
-/// One of the leaves that a tree has reached: a state uniformly, then one of the leaves reached in it. States with few
-/// leaves are often the narrow ones (one leaf holds every solid grasp of an object), so leaves alone would starve them.
-fn leaf_of(reached: &[(StateId, LeafId)], rng: &mut impl rand::Rng) -> Option<LeafId> {
-    let states: Vec<_> = reached.chunk_by(|a, b| a.0 == b.0).collect();
-    states.choose(rng)?.choose(rng).map(|&(_, leaf)| leaf)
-}
-
-/// The node of a tree on a leaf that is nearest to q, objects aside.
-fn nearest_on(model: &PlanningModel, roadmap: &Roadmap, leaf: LeafId, tree: ComponentId, q: &[f64]) -> Option<NodeId> {
-    let here = |n: &NodeId| roadmap.component_of(*n) == tree;
-    model.nearest(roadmap, q, roadmap.nodes_on(leaf).iter().copied().filter(here), &model.robot_weights)
-}
-
-fn states_of(roadmap: &Roadmap, leaves: &ReachedLeaves, tree: ComponentId) -> Vec<StateId> {
-    let mut states: Vec<StateId> = members(roadmap, tree)
-        .flat_map(|c| &leaves.by_component[c.at()])
-        .filter_map(|&leaf| roadmap.nodes_on(leaf).first().map(|&n| roadmap.node(n).state))
-        .collect();
-    states.sort_unstable();
-    states.dedup();
-    states
-}
-
-fn nodes_in_state<'a>(
-    roadmap: &'a Roadmap,
-    leaves: &'a ReachedLeaves,
-    tree: ComponentId,
-    state: StateId,
-) -> impl Iterator<Item = NodeId> + 'a {
-    members(roadmap, tree)
-        .flat_map(|c| &leaves.by_component[c.at()])
-        .flat_map(|&leaf| roadmap.nodes_on(leaf).iter().copied())
-        .filter(move |&n| roadmap.node(n).state == state && roadmap.component_of(n) == tree)
 }

@@ -36,7 +36,8 @@ RESOLUTION = 1e-6
 COAL_ACCURACY = 2e-6
 """coal's distances are trusted to this (m); its GJK stops at 1e-6."""
 MESH_MARGIN = 0.02
-"""coal is asked whether meshes are farther apart than this (m) only by their boxes; intervals are halved instead."""
+"""coal is asked whether meshes are farther apart than the least distance allowed and this (m) only by their boxes;
+intervals are halved instead."""
 MEASURING_SLACK = 2e-3
 """How much farther than the smallest distance so far (m) a pair is asked to be, so as not to be asked at every knot."""
 CHUNK = 256
@@ -165,7 +166,7 @@ class Clearance:
 
     def _thresholds(self, segment: Segment) -> np.ndarray:
         """Smallest distance allowed for each pair: zero, or the file's margin unless the pair touches by grasp or
-        placement in this segment or one beside it."""
+        placement where the transition that the segment travels begins or ends."""
         thresholds = np.zeros(len(self.pairs))
         if not self.margins:
             return thresholds
@@ -181,12 +182,22 @@ class Clearance:
         """Body pairs in contact by an attachment: the held body with the holder's, and for a gripper with the bodies
         that hang directly on it (fingers)."""
         touching = set()
-        for neighbour in self.scene.path.segments[max(segment.index - 1, 0):segment.index + 2]:
+        for neighbour in self._of_one_transition(segment):
             for attachment in neighbour.attachments:
                 holder, held = (self.scene.link(link)[0] for link in attachment_links(self.scene, attachment))
                 bodies = [holder] + (self._children(holder) if attachment.is_grasp else [])
                 touching |= {frozenset((body, held)) for body in bodies}
         return touching
+
+    def _of_one_transition(self, segment: Segment) -> list[Segment]:
+        """The segments that travel one transition together with this one, and the ones before and after, which lie in
+        the states that it joins."""
+        segments, first, last = self.scene.path.segments, segment.index, segment.index
+        while segment.transition and first > 0 and segments[first - 1].transition == segment.transition:
+            first -= 1
+        while segment.transition and last + 1 < len(segments) and segments[last + 1].transition == segment.transition:
+            last += 1
+        return segments[max(first - 1, 0):last + 2]
 
     def _children(self, body: int) -> list[int]:
         member = self.scene.member_of_body(body)
@@ -256,7 +267,8 @@ class Clearance:
         undecided = []
         for entry in self._near(poses, samples, pairs, wanted):
             sample, pair = int(samples[entry]), int(pairs[entry])
-            if self.exact.surely_farther_than(placed[sample], *self._shapes_of(pair), float(wanted[entry])):
+            query = placed[sample], *self._shapes_of(pair), float(wanted[entry]), float(thresholds[pair])
+            if self.exact.surely_farther_than(*query):
                 continue
             parameter = float(clock.parameters(middle[used[sample]]))
             if self._test(motion, parameter, placed[sample], pair, thresholds[pair]):
@@ -449,11 +461,11 @@ class ExactQueries:
     def collide(self, placed: Placed, one: int, other: int) -> bool:
         return self._collide(placed, one, other, self.collision_request)
 
-    def surely_farther_than(self, placed: Placed, one: int, other: int, wanted: float) -> bool:
-        """Whether the distance is known to be more than `wanted`. Where that would take long (meshes and more than
-        `MESH_MARGIN`), only their boxes are asked: no is then no answer."""
+    def surely_farther_than(self, placed: Placed, one: int, other: int, wanted: float, threshold: float) -> bool:
+        """Whether the distance is known to be more than `wanted`. Where that would take long (meshes and `MESH_MARGIN`
+        more than the threshold), only their boxes are asked: no is then no answer."""
         meshes = self.meshes[one] or self.meshes[other]
-        if meshes and wanted > MESH_MARGIN:
+        if meshes and wanted > threshold + MESH_MARGIN:
             return self.box_distance(placed, one, other) > wanted
         return self.farther_than(placed, one, other, wanted)
 

@@ -34,7 +34,7 @@ def check_leaf(motion: SegmentMotion, report: Report) -> None:
     worlds = motion.body_poses(parameters)
     for attachment in segment.attachments:
         _note_idle_carrier(motion, attachment, report)
-        check = _check_grasp if attachment.is_grasp else _check_placement
+        check = _check_grasp if attachment.is_grasp else _check_rest if attachment.on else _check_placement
         check(motion, attachment, parameters, worlds, report)
     for constraint in segment.constraints:
         tolerance, errors = constraint_errors(motion, constraint, parameters, worlds, report)
@@ -151,6 +151,15 @@ def _check_placement(motion: SegmentMotion, attachment: Attachment, parameters, 
     judge(motion, parameters, "placement", str(attachment), errors, path.path_tolerance, report)
     frozen = frozen_errors(support_from_surface, [False] * 6, [True] * 6)
     judge(motion, parameters, "placement-constancy", str(attachment), frozen, path.path_tolerance, report)
+
+
+def _check_rest(motion: SegmentMotion, attachment: Attachment, parameters, worlds: Poses, report: Report) -> None:
+    """How it rests is said by a constraint; here that it stays."""
+    holder, held = attachment_links(motion.scene, attachment)
+    support_from_object = motion.frame_poses(worlds, holder).inverse() @ motion.frame_poses(worlds, held)
+    frozen = frozen_errors(support_from_object, [False] * 6, [True] * 6)
+    tolerance = motion.scene.path.path_tolerance
+    judge(motion, parameters, "placement-constancy", str(attachment), frozen, tolerance, report)
 
 
 def placement_errors(

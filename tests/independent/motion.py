@@ -62,7 +62,7 @@ class SegmentMotion:
         rows = self._rows(low, fraction)
         worlds = self._empty(len(parameters))
         for member in self.scene.members:
-            if not member.floats:
+            if not self.follows(member):
                 roots = self.root_poses(member, rows, low, fraction)
                 self._place(worlds, member, roots, self._in_root(member, rows))
         for carry in self.carries:
@@ -141,7 +141,7 @@ class SegmentMotion:
     def _find_carries(self) -> list[Carry]:
         """One carry per floating object, carriers before what they carry."""
         written = self.written_body_poses(np.array([0]))[0]
-        waiting = {member.index: self._carry(member, written) for member in self.scene.members if member.floats}
+        waiting = {member.index: self._carry(member, written) for member in self.scene.members if self.follows(member)}
         ordered = []
         while waiting:
             ready = [index for index, carry in waiting.items() if self._holder(carry) not in waiting]
@@ -150,6 +150,12 @@ class SegmentMotion:
                 raise InputError(f"{self._where()}: {names} carry each other")
             ordered += [waiting.pop(index) for index in ready]
         return ordered
+
+    def follows(self, member: Member) -> bool:
+        """Whether an object's root is no motion of its own: it has a carrier, or nothing holds it. One that is held
+        without a carrier (its handle leaves rotations free) moves as written."""
+        mine = [item for item in self.segment.attachments if item.object.partition("/")[0] == member.name]
+        return member.floats and (any(item.carrier for item in mine) or not any(item.is_grasp for item in mine))
 
     def _holder(self, carry: Carry) -> int | None:
         return None if carry.carrier is None else self.scene.member_of_body(carry.carrier).index
@@ -196,7 +202,7 @@ class SegmentMotion:
             values = member.joint_values(self.knots)
             for joint in member.part.joints:
                 steps[1:, self.joint_freedom(member, joint.index)] = np.abs(np.diff(values[:, joint.index]))
-            if member.root_columns and not member.floats:
+            if member.root_columns and not self.follows(member):
                 shift, turn = self.root_freedoms(member)
                 steps[1:, shift], steps[1:, turn] = self._root_steps(member)
         return np.cumsum(steps, axis=0)
@@ -213,7 +219,7 @@ class SegmentMotion:
         carriers, from the held link outwards."""
         edges = []
         for member in self.scene.members:
-            if not member.floats:
+            if not self.follows(member):
                 edges += [self._root_edge(member)] + self._joint_edges(member, 0)
         for carry in self.carries:
             offset = float(np.linalg.norm(carry.carrier_from_carried.translation)) if carry.carrier is not None else 0.0
@@ -268,8 +274,11 @@ class SegmentMotion:
 
 
 def attachment_links(scene: Scene, attachment: Attachment) -> tuple[str, str]:
-    """Links (`part/link`) that hold and are held: gripper and handle, or support and surface."""
+    """Links (`part/link`) that hold and are held: gripper and handle, support and surface, or what is rested on and the
+    object's root."""
     path = scene.path
+    if attachment.on:
+        return attachment.on, scene.root_link(attachment.object.partition("/")[0])
     documents = (
         [(path.grippers, attachment.gripper), (path.handles, attachment.handle)]
         if attachment.is_grasp

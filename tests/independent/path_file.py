@@ -61,7 +61,7 @@ class Surface:
 
 @dataclass(frozen=True)
 class Attachment:
-    """A grasp (`gripper`, `handle`) or a placement (`surface`, `support`) of `object`."""
+    """A grasp (`gripper`, `handle`) or a placement (`surface`, `support`, or `on` a link) of `object`."""
 
     object: str
     carrier: bool
@@ -69,13 +69,16 @@ class Attachment:
     handle: str | None = None
     surface: str | None = None
     support: str | None = None
+    on: str | None = None
 
     @property
     def is_grasp(self) -> bool:
         return self.gripper is not None
 
     def __str__(self) -> str:
-        return f"{self.gripper} > {self.handle}" if self.is_grasp else f"{self.surface} on {self.support}"
+        if self.is_grasp:
+            return f"{self.gripper} > {self.handle}"
+        return f"{self.object} on {self.on}" if self.on else f"{self.surface} on {self.support}"
 
 
 @dataclass(frozen=True)
@@ -373,7 +376,7 @@ def _optional_text(node: _Node) -> str:
 
 def _only_rests(node: _Node) -> bool:
     """Whether an attachment names nothing but its object, which then stays where it is."""
-    return not any(key in node.expect(dict, "an object") for key in ("gripper", "handle", "surface", "support"))
+    return not any(key in node.expect(dict, "an object") for key in ("gripper", "handle", "surface", "support", "on"))
 
 
 def _read_attachment(node: _Node) -> Attachment:
@@ -381,6 +384,8 @@ def _read_attachment(node: _Node) -> Attachment:
     name = node.get("object").text()
     if "gripper" in node.value:
         return Attachment(name, carrier, gripper=node.get("gripper").text(), handle=node.get("handle").text())
+    if "on" in node.value:
+        return Attachment(name, carrier, on=node.get("on").text())
     return Attachment(name, carrier, surface=node.get("surface").text(), support=node.get("support").text())
 
 

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """Prove a path file (`foliate.path/1`) right or wrong from the file and its models alone, with pinocchio and coal.
 
-    recheck.py PATH.json [--package-path DIR ...] [--step MM | --adaptive] [--json]
+    recheck.py PATH.json ... [--package-path DIR ...] [--step MM | --adaptive] [--json] [--results FILE.csv]
 
-Exit code 0: no violation found; 1: violations, each printed with segment, parameter (in knots), kind, subject and
-value; 2: the file, or a model that it names, cannot be read.
+A folder stands for the path files in it. With `--results` a row per file is kept, and a file that has one is not
+checked again. Exit code 0: no violation found; 1: violations, each printed with segment, parameter (in knots), kind,
+subject and value; 2: a file, or a model that it names, cannot be read.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ import pinocchio
 
 from clearance import Clearance
 from leaves import check_leaf
+from many import Results, Row, digest, expand
 from motion import SegmentMotion
 from packages import InputError, search_directories
 from path_file import read_path_file
@@ -66,14 +68,16 @@ def _compare_certificate(certificate: dict, report: Report) -> None:
 
 def _arguments(arguments: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
-    parser.add_argument("path", type=Path, help="the path file")
+    parser.add_argument("paths", type=Path, nargs="+", metavar="PATH.json", help="path files, or folders that hold them")
     parser.add_argument("--package-path", action="append", default=[], metavar="DIR",
                         help="folder that holds packages (repeatable)")
     how = parser.add_mutually_exclusive_group()
     how.add_argument("--step", type=float, metavar="MM",
                      help=f"no point moves farther than this between samples (default {DEFAULT_STEP_MM})")
     how.add_argument("--adaptive", action="store_true", help="certify the continuum instead of sampling")
-    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument("--json", action="store_true", help="print one JSON object per file")
+    parser.add_argument("--results", type=Path, metavar="FILE.csv",
+                        help="keep a row per file here, and skip the files that have one")
     parsed = parser.parse_args(arguments)
     if parsed.step is not None and not parsed.step > 0.0:
         parser.error("--step must be positive")
@@ -94,25 +98,58 @@ def _summary(file: Path, mode: str, seconds: float, report: Report) -> str:
     return "\n".join(lines + [f"{file}: {verdict} ({mode}, {seconds:.1f} s)"])
 
 
-def main(arguments: list[str] | None = None) -> int:
-    options = _arguments(arguments)
-    step_mm = None if options.adaptive else options.step or DEFAULT_STEP_MM
-    mode = "certified" if step_mm is None else f"sampled every {step_mm:g} mm"
+def _check_one(file: Path, options: argparse.Namespace, mode: str) -> Row:
+    """Checks a file and prints what was found."""
+    step = None if options.adaptive else (options.step or DEFAULT_STEP_MM) / 1000.0
     start = time.perf_counter()
+    sha256 = ""
     try:
-        report = recheck(options.path, options.package_path, None if step_mm is None else step_mm / 1000.0)
+        sha256 = digest(file)
+        report = recheck(file, options.package_path, step)
     except InputError as error:
         print(json.dumps({"ok": False, "error": str(error)}) if options.json else f"error: {error}",
-              file=sys.stdout if options.json else sys.stderr)
-        return 2
+              file=sys.stdout if options.json else sys.stderr, flush=True)
+        return Row(str(file), sha256, mode, "unreadable", 0, time.perf_counter() - start)
     seconds = time.perf_counter() - start
     if options.json:
         versions = {"pinocchio": pinocchio.__version__, "coal": coal.__version__, "numpy": numpy.__version__}
-        told = {"file": str(options.path), **report.to_json(), "mode": mode, "step_mm": step_mm, "seconds": seconds}
-        print(json.dumps({**told, "versions": versions}, indent=1))
+        told = {"file": str(file), **report.to_json(), "mode": mode, "step_mm": step and 1000.0 * step,
+                "seconds": seconds}
+        print(json.dumps({**told, "versions": versions}, indent=1), flush=True)
     else:
-        print(_summary(options.path, mode, seconds, report))
-    return 1 if report.violations else 0
+        print(_summary(file, mode, seconds, report), flush=True)
+    verdict = "violations" if report.violations else "proved"
+    return Row(str(file), sha256, mode, verdict, len(report.violations), round(seconds, 3))
+
+
+def _check_all(options: argparse.Namespace) -> list[str]:
+    """The verdict of every file, from this call or an earlier one."""
+    mode = "certified" if options.adaptive else f"sampled every {options.step or DEFAULT_STEP_MM:g} mm"
+    results = Results(options.results)
+    verdicts = []
+    for file in expand(options.paths):
+        known = results.verdict(digest(file), mode) if options.results and file.is_file() else None
+        if known is None:
+            row = _check_one(file, options, mode)
+            results.add(row)
+            known = row.verdict
+        verdicts.append(known)
+    return verdicts
+
+
+def main(arguments: list[str] | None = None) -> int:
+    options = _arguments(arguments)
+    try:
+        verdicts = _check_all(options)
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    if len(verdicts) > 1 and not options.json:
+        counts = (f"{verdicts.count(verdict)} {verdict}" for verdict in ("proved", "violations", "unreadable"))
+        print(f"{len(verdicts)} files: {', '.join(counts)}")
+    if "unreadable" in verdicts:
+        return 2
+    return 1 if "violations" in verdicts else 0
 
 
 if __name__ == "__main__":

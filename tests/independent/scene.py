@@ -119,6 +119,12 @@ class Scene:
             return member.first_body + member.part.joint_by_name[joint].index, Poses.identity()
         return self.link(name)
 
+    def root_link(self, part: str) -> str:
+        """The root link (`part/link`) of a part."""
+        if part not in self.by_name:
+            raise InputError(f"{self.path.file}: there is no part {part!r}")
+        return f"{part}/{self.by_name[part].part.root_link}"
+
     def member_of_body(self, body: int) -> Member:
         return next(member for member in reversed(self.members) if member.first_body <= body)
 

@@ -184,6 +184,32 @@ class GoodPaths(Case):
         self.assertTrue(told["ok"])
         self.assertEqual(told["step_mm"], 0.5)
 
+    def test_many_files_in_one_call_that_goes_on_where_it_was(self):
+        spoiled = story()
+        spoiled["segments"][0]["knots"][1][0] = 5.0
+        results = self.folder / "results.csv"
+        paths = self.folder / "paths"
+        paths.mkdir()
+        for name in ("arm.urdf", "arm.srdf", "cube.urdf", "table.urdf"):
+            (paths / name).write_text((self.folder / name).read_text())
+        (paths / "a.json").write_text(json.dumps(story()))
+        (paths / "b.json").write_text(json.dumps(spoiled))
+
+        def told() -> tuple[int, str]:
+            with redirect_stdout(io.StringIO()) as output:
+                code = recheck.main([str(paths), "--adaptive", "--results", str(results)])
+            return code, output.getvalue()
+
+        code, output = told()
+        self.assertEqual((code, "a.json: no violation" in output), (1, True))
+        self.assertIn("2 files: 1 proved, 1 violations, 0 unreadable", output)
+        rows = results.read_text().splitlines()
+        self.assertEqual((len(rows), rows[0]), (3, "file,sha256,mode,verdict,violations,seconds"))
+        self.assertEqual(told(), (1, "2 files: 1 proved, 1 violations, 0 unreadable\n"))
+        (paths / "b.json").write_text(json.dumps(story()) + "\n")
+        code, output = told()
+        self.assertEqual((code, "a.json" in output, "b.json" in output), (0, False, True))
+
     def test_a_joint_that_mimics_is_computed(self):
         follower = joint("tip", "lower", "finger", (0.5, 0.3, 0), extra='<mimic joint="elbow" multiplier="-1"/>')
         self.write("arm.urdf", ARM.replace("</robot>", link("finger", (0.01, 0.01, 0.01)) + follower + "</robot>"))
@@ -249,6 +275,16 @@ class Collisions(Case):
         self.assert_only(path, "margin")
         path["margins"] = [["cube/cube", "table/top", 0.01], ["arm/lower", "cube/cube", 0.05]]
         self.assert_only(path)
+
+    def test_margins_are_lifted_along_the_whole_transition_that_ends_the_touch(self):
+        path, cube = story(), cube_in_hand(0.1, 0)
+        path["margins"], path["certificate"] = [["arm/lower", "cube/cube", 0.05]], {"path_tolerance": 2e-4}
+        path["segments"][2]["knots"] = [knot(0.1, 0, cube), knot(0.1, -0.05, cube)]
+        further = {**path["segments"][2], "knots": [knot(0.1, -0.05, cube), knot(0.1, -0.6, cube)]}
+        path["segments"].append(further)
+        self.assert_only(path)
+        further["transition"] = "go on"
+        self.assert_only(path, "margin")
 
     def test_a_robot_turns_on_the_geodesic_into_a_post(self):
         self.write("bar.urdf", robot(link("bar", (1.0, 0.02, 0.02))))

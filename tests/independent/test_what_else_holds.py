@@ -233,6 +233,34 @@ class Objects(HoldsButNot):
         path["segments"][0]["knots"][1][2] += 1e-3
         self.assert_kinds(with_constraints(path, standing), "unattached-object-moved")
 
+    def test_what_rests_on_a_link_touches_it_and_stays(self):
+        start, path = cube_in_hand(0, 0), story()
+        path["margins"], path["certificate"] = [["cube/cube", "table/top", 0.01]], {"path_tolerance": 2e-4}
+        path["segments"] = [{"knots": [knot(0, -0.6, start), knot(0, -0.3, start)]}]
+        self.assert_kinds(path, "margin")
+        path["segments"][0]["attachments"] = [{"object": "cube", "on": "table/top", "carrier": True}]
+        self.assert_kinds(path)
+        path["segments"][0]["knots"][1][2] += 1e-3
+        self.assert_kinds(path, "placed-object-moved")
+
+    def test_what_is_held_by_a_point_moves_as_written(self):
+        path = story()
+        path["documents"]["handles"]["cube/handle"]["mask"] = POSITION
+
+        def turned(shoulder: float, turn: float) -> list[float]:
+            return knot(shoulder, 0, pose_about_z(*cube_in_hand(shoulder, 0)[:3], turn))
+
+        free = {"object": "cube", "gripper": "arm/hand", "handle": "cube/handle", "carrier": False}
+        path["segments"] = [{"attachments": [free], "knots": [turned(0, 0), turned(0.02, 0.5)]}]
+        self.assert_kinds(path)
+        torn = copy.deepcopy(path)
+        torn["segments"][0]["knots"][1][2] += 1e-3
+        self.assert_kinds(torn, "grasp")
+        path["segments"][0]["knots"][1] = turned(0.1, 0.5)
+        self.assert_kinds(path, "grasp")
+        path["segments"][0]["attachments"] = []
+        self.assert_kinds(path, "unattached-object-moved")
+
     def tray(self) -> dict:
         """The story's arm carries a tray on which the cube stands."""
         self.write("tray.urdf", robot(link("tray", (0.08, 0.08, 0.02))))

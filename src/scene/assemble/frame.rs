@@ -49,7 +49,8 @@ fn on_link(link: LinkIndex, link_from_frame: &Pose, robot: &Robot) -> ReadFrame 
     ReadFrame { frame: Frame::on_link(robot, link, link_from_frame), part }
 }
 
-fn link(item: &Item<'_>, robot: &Robot) -> Result<LinkIndex, SceneError> {
+/// A link by its name.
+pub(super) fn link(item: &Item<'_>, robot: &Robot) -> Result<LinkIndex, SceneError> {
     let name = item.string()?;
     let known = || robot.links.iter().map(|l| l.name.as_str());
     robot

@@ -1,6 +1,7 @@
 //! `[graph]`: who may hold what, where things may lie.
 
 use super::constraint::{self, Context};
+use super::frame;
 use super::locked::{Locks, scalar_joint, within};
 use super::part::one_of;
 use super::written;
@@ -184,20 +185,33 @@ fn object(name: &str, item: &Item<'_>, robot: &Robot, objects: &mut [ObjectOptio
         if robot.parts[object.part.at()].root == RootJoint::Fixed {
             return Err(item.error("an object with a fixed root lies nowhere"));
         }
-        object.plane = Some(plane(&item)?);
+        object.plane = Some(plane(&item, robot)?);
     }
     keys.finish()
 }
 
-/// `{ pose = …, frame = … }`: the plane in the world, and the frame of the object's root link that lies in it at rest.
-fn plane(item: &Item<'_>) -> Result<RestingPlane, SceneError> {
+/// `{ pose = …, frame = …, on = "part/link" }`: the plane in the world, the frame of the object's root link that lies in it at
+/// rest, and whose top the plane is.
+fn plane(item: &Item<'_>, robot: &Robot) -> Result<RestingPlane, SceneError> {
     let mut keys = item.keys()?;
     let plane = RestingPlane {
         world_from_plane: keys.required("pose")?.pose()?,
         object_from_frame: keys.optional("frame").map_or(Ok(Pose::identity()), |i| i.pose())?,
+        on: keys.optional("on").map(|i| still_link(&i, robot)).transpose()?,
     };
     keys.finish()?;
     Ok(plane)
+}
+
+/// A link that is fixed in the world, as a plane is.
+fn still_link(item: &Item<'_>, robot: &Robot) -> Result<LinkIndex, SceneError> {
+    let link = frame::link(item, robot)?;
+    match robot.links[link.at()].joint {
+        None => Ok(link),
+        Some(_) => Err(item
+            .error(format!("`{}` moves", quoted(&robot.links[link.at()].name)))
+            .hint("a plane stands still; what objects lie on and moves along has surfaces")),
+    }
 }
 
 /// `grasps = { "robot/gripper" = ["object/handle", …] }`.

@@ -21,7 +21,13 @@ impl Scheduler for Mrrt {
         let mut schedule = empty_schedule();
         schedule.add_systems((
             (sampling::reset_candidates, sampling::sample_configurations).chain().in_set(SearchSet::Sample),
-            (selection::gather_weights, aiming::measure_leaves, selection::select_nodes, selection::select_transitions)
+            (
+                selection::gather_weights,
+                aiming::measure_leaves,
+                aiming::choose_leaves,
+                selection::select_nodes,
+                selection::select_transitions,
+            )
                 .chain()
                 .in_set(SearchSet::Select),
             rendezvous::draw_leaves.in_set(SearchSet::Rendezvous),
