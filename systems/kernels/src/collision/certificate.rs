@@ -47,7 +47,7 @@ impl Default for CertificateSettings {
 
 /// Hulls that are this share of what an interval takes apart leave the pair to its halves; below it, the meshes themselves
 /// are asked.
-const HULL_SHARE: f64 = 0.25;
+const HULL_SHARE: f64 = 0.05;
 
 /// What is proved about a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -16,7 +16,8 @@ use glam::DVec3;
 /// `a` along which the solids are at least that far apart.
 ///
 /// Negative infinity where a mesh has no triangles or numbers that are not finite: its hull says nothing.
-pub(super) fn hull_distance(a: &Solid, X_WA: &Pose, b: &Solid, X_WB: &Pose, ask: Ask, hint: &mut DVec3) -> f64 {
+#[must_use]
+pub fn hull_distance(a: &Solid, X_WA: &Pose, b: &Solid, X_WB: &Pose, ask: Ask, hint: &mut DVec3) -> f64 {
     if !(has_hull(a) && has_hull(b) && X_WA.is_finite() && X_WB.is_finite()) {
         return f64::NEG_INFINITY;
     }
