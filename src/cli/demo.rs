@@ -46,7 +46,7 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
         report.nodes,
         report.leaves,
         path.segments.len(),
-        story::tell(planner.model(), path),
+        story::tell(&solution.model, path),
         certificate.min_clearance * 1e6,
         certificate.max_residual,
     ));

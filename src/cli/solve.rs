@@ -132,7 +132,7 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     if let (Some(out), Some(_)) = (&arguments.out, &solution.path) {
         write(out, &scene, &planner, &solution, &arguments.search)?;
     }
-    let loaded = Loaded { scene: &scene, planner: &planner, load_time };
+    let loaded = Loaded { scene: &scene, load_time };
     if arguments.json {
         print_json(&summary::json(&loaded, &arguments.search, &solution))?;
     } else {

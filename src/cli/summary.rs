@@ -4,15 +4,14 @@ use super::solve::SearchArguments;
 use super::story;
 use foliate::components::outcome::{Rejection, SearchOutcome};
 use foliate::scene::Scene;
-use foliate::{FunnelRow, GoalReport, Planner, Solution, StateRow};
+use foliate::{FunnelRow, GoalReport, Solution, StateRow};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::time::Duration;
 
-/// A scene that is ready to be searched.
+/// A scene that was searched.
 pub(crate) struct Loaded<'a> {
     pub scene: &'a Scene,
-    pub planner: &'a Planner,
     /// Reading, graph building and tables.
     pub load_time: Duration,
 }
@@ -57,7 +56,7 @@ pub(crate) fn text(loaded: &Loaded<'_>, solution: &Solution) -> String {
             c.max_residual, c.path_tolerance, c.min_clearance
         );
         let _ = writeln!(out, "  what happens:");
-        out.push_str(&story::tell(loaded.planner.model(), path));
+        out.push_str(&story::tell(&solution.model, path));
     }
     if !report.funnel.is_empty() {
         out.push_str(&funnel(&report.funnel, solution.outcome == SearchOutcome::Solved));
