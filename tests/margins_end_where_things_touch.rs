@@ -3,10 +3,10 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on says so")]
 
 use foliate::Planner;
+use foliate::components::Pose;
 use foliate::components::outcome::SearchOutcome;
 use foliate::components::path::Attachment;
 use foliate::components::problem::{Margin, Problem};
-use foliate::components::Pose;
 use foliate::components::roadmap::NodeId;
 use foliate::components::robot::{LinkIndex, PartKind};
 use foliate::components::sample_problems::swap_with_crossed_foliations;

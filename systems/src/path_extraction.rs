@@ -3,7 +3,7 @@
 use crate::model::PlanningModel;
 use foliate_components::configuration::{Group, quaternion, wrap};
 use foliate_components::graph::{StateId, TransitionId};
-use foliate_components::leaf::LeafIndex;
+use foliate_components::leaf::{LeafId, LeafIndex};
 use foliate_components::path::{Certificate, ManipulationPath, Segment};
 use foliate_components::roadmap::{EdgeId, Motion, NodeId, Roadmap};
 use std::cmp::Ordering;
@@ -27,9 +27,12 @@ pub fn extract_path(
     let mut at = start;
     for edge in edges {
         let row = roadmap.edge(edge);
-        let forward = row.from == at;
+        let (forward, left) = (row.from == at, at);
         at = if forward { row.to } else { row.from };
         let motions = roadmap.motions_of(edge);
+        let first = if forward { motions.first() } else { motions.last() };
+        let next = first.map(|motion| leaves.leaf(motion.leaf).state);
+        path.segments.extend(passed_through(model, leaves, path.segments.last(), roadmap.node(left).leaf, next));
         let mut add = |motion: &Motion| {
             certificate.min_clearance = certificate.min_clearance.min(motion.clearance);
             let segment = segment(model, leaves, motion, forward);
@@ -75,6 +78,27 @@ fn segment(model: &PlanningModel, leaves: &LeafIndex, motion: &Motion, forward: 
     let transition = in_direction(model, motion.transition, forward);
     let (attachments, constraints) = (model.attachments(leaf, leaves), model.demands(leaf, leaves));
     Segment { transition, state: leaf.state, attachments, constraints, knots }
+}
+
+/// A node's own state, where no motion beside it lies in it: what is grasped on arrival and let go at once is grasped, and
+/// whoever proves the path has to know it. Stands still.
+fn passed_through(
+    model: &PlanningModel,
+    leaves: &LeafIndex,
+    before: Option<&Segment>,
+    leaf: LeafId,
+    next: Option<StateId>,
+) -> Option<Segment> {
+    let (before, leaf) = (before?, leaves.leaf(leaf));
+    let knot = before.knots.last()?;
+    let passed = leaf.state != before.state && next.is_some_and(|next| next != leaf.state);
+    passed.then(|| Segment {
+        transition: before.transition,
+        state: leaf.state,
+        attachments: model.attachments(leaf, leaves),
+        constraints: model.demands(leaf, leaves),
+        knots: vec![knot.clone(), knot.clone()],
+    })
 }
 
 /// The transition that a motion travels when it is traversed `forward` or backwards.
