@@ -5,7 +5,7 @@ use foliate::components::graph::{ConstraintGraph, StateId, TransitionKind};
 use foliate::components::problem::Problem;
 use foliate::diagram;
 use foliate::scene::{PackagePath, load_scene};
-use foliate::systems::graph_building::{GraphError, MOST_STATES, build_constraint_graph};
+use foliate::systems::graph::building::{GraphError, MOST_STATES, build_constraint_graph};
 use foliate::systems::model::{Model, PlanningModel};
 use foliate::systems::settings::SearchSettings;
 use std::fmt::Write;

@@ -5,7 +5,7 @@
 //! in its carrier; one per further constraint of the state that has parameters (a second hand's grasp, a door that stays
 //! where it was left, a foot that stands); one per drawn target of a crossed transition.
 
-use crate::graph_building::led_to;
+use crate::graph::building::led_to;
 use crate::model::{Model, solid_grasp};
 use foliate_components::Pose;
 use foliate_components::candidate::LegParameter;

@@ -1,7 +1,7 @@
 //! What a leaf demands besides its attachments, for output: whoever proves a path again has to know it.
 
+use crate::graph::resting::Resting;
 use crate::model::Model;
-use crate::resting::Resting;
 use foliate_components::Pose;
 use foliate_components::graph::{ConstraintId, ConstraintKind};
 use foliate_components::leaf::{Leaf, LeafIndex};

@@ -1,9 +1,9 @@
 //! Which state a configuration lies in, on which leaf, and whether it may be a start or a goal.
 
-use crate::graph_cases::Case;
-use crate::graph_growth::Growth;
+use crate::graph::cases::Case;
+use crate::graph::growth::Growth;
+use crate::graph::resting::relative_pose_residual;
 use crate::model::{Model, PlanningModel, hanging};
-use crate::resting::relative_pose_residual;
 use crate::settings::SearchSettings;
 use foliate_components::Pose;
 use foliate_components::constraint::{Constraint, Grasp};

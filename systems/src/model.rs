@@ -4,12 +4,12 @@
 //! compiled when it is first asked for, so that a graph with thousands of states starts at once. Where the graph is lazy,
 //! every search lets a model of its own grow, which shares all but the graph with the one it started from.
 
-use crate::carriers::{Carriers, grasp_of, is_beyond, is_rigid, root_of};
 use crate::constraint_programs::{LegProgram, parameter_in};
-use crate::graph_building::GraphError;
-use crate::graph_cases::Case;
-use crate::graph_growth::Growth;
-use crate::resting::{Resting, RestingPlace};
+use crate::graph::building::GraphError;
+use crate::graph::carriers::{Carriers, grasp_of, is_beyond, is_rigid, root_of};
+use crate::graph::cases::Case;
+use crate::graph::growth::Growth;
+use crate::graph::resting::{Resting, RestingPlace};
 use bevy_ecs::prelude::Resource;
 use foliate_components::Pose;
 use foliate_components::candidate::PlannedLeg;
@@ -159,13 +159,13 @@ pub enum ModelError {
 }
 
 impl Model {
-    /// Builds graph and tables. A graph of more than [`MOST_STATES`](crate::graph_building::MOST_STATES) states is lazy: it
+    /// Builds graph and tables. A graph of more than [`MOST_STATES`](crate::graph::building::MOST_STATES) states is lazy: it
     /// has no state yet.
     ///
     /// # Errors
     /// See [`ModelError`].
     pub fn new(problem: Problem) -> Result<Self, ModelError> {
-        match crate::graph_building::build_constraint_graph(&problem) {
+        match crate::graph::building::build_constraint_graph(&problem) {
             Ok(graph) => Self::with_graph(problem, graph),
             Err(GraphError::TooManyStates { .. }) => Self::growing(problem),
             Err(other) => Err(other.into()),

@@ -5,7 +5,7 @@
 
 use crate::constraint_programs::{LegProgram, parameter_in};
 use crate::events::StopSignal;
-use crate::graph_building::led_to;
+use crate::graph::building::led_to;
 use crate::membership::{parameter_of, residual};
 use crate::model::PlanningModel;
 use crate::random::{Purpose, stream};

@@ -52,7 +52,7 @@ impl Search {
         world.init_resource::<NewNodes>();
         world.init_resource::<Connections>();
         world.init_resource::<ReachedLeaves>();
-        world.init_resource::<crate::aiming::Aims>();
+        world.init_resource::<crate::guidance::aiming::Aims>();
         world.init_resource::<TransitionWeights>();
         world.init_resource::<StepCounter>();
         world.init_resource::<Roots>();

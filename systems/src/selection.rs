@@ -1,6 +1,6 @@
 //! Set Select: the node to extend, then a transition by weight (P1 §III-A steps 2-4, P0 Alg. 1 lines 5-6).
 
-use crate::aiming::Aims;
+use crate::guidance::aiming::Aims;
 use crate::model::PlanningModel;
 use crate::random::{Purpose, stream};
 use crate::schedule::StepCounter;

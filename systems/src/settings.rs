@@ -6,7 +6,7 @@ use bevy_ecs::prelude::Resource;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Selection {
     /// As `LeafFirst` for some candidates; the others ([`SearchSettings::guided_probability`]) take a leaf that is few grasps
-    /// from what another tree has reached, and a transition that leads towards it ([`crate::aiming`]).
+    /// from what another tree has reached, and a transition that leads towards it ([`crate::guidance::aiming`]).
     #[default]
     Guided,
     /// A tree, then one of the states it has reached, one of the leaves in it, and the node of that leaf nearest to q_rand;

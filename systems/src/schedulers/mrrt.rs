@@ -1,10 +1,10 @@
 //! `mrrt`: Manipulation RRT, the papers' algorithm (P0 Alg. 1, P1 §III), batched.
 
 use super::Scheduler;
+use crate::guidance::aiming;
 use crate::schedule::{SearchSet, empty_schedule};
 use crate::{
-    aiming, commit, conclusion, connection, feedback, goals, projection, rendezvous, sampling, selection, steering,
-    validation,
+    commit, conclusion, connection, feedback, goals, projection, rendezvous, sampling, selection, steering, validation,
 };
 use bevy_ecs::prelude::{IntoScheduleConfigs, Schedule, World};
 

@@ -1,6 +1,6 @@
 //! Set Select, the guided half: a leaf that is few grasps from what another tree has reached, and the leaf to aim at.
 
-use crate::grasp_distance::GraspDistance;
+use crate::guidance::grasp_distance::GraspDistance;
 use crate::model::PlanningModel;
 use crate::random::{Purpose, stream};
 use crate::schedule::StepCounter;

@@ -1,9 +1,9 @@
 //! What tells the states of a constraint graph apart, and what each of them demands; asked of the problem's documents, so
 //! that a state need not exist to be known.
 
-use crate::carriers::{Chain, grasp_of, is_beyond, root_of};
-use crate::graph_building::GraphError;
-use crate::resting::carrying_bodies;
+use crate::graph::building::GraphError;
+use crate::graph::carriers::{Chain, grasp_of, is_beyond, root_of};
+use crate::graph::resting::carrying_bodies;
 use foliate_components::constraint::Grasp;
 use foliate_components::graph::ConstraintKind;
 use foliate_components::problem::{GraphOptions, JointRest, Problem};

@@ -7,10 +7,12 @@
 //! goal wants it in the air) is never tried again. The others are tried in turn, from random configurations. In a lazy graph
 //! these are the start's state, then its neighbours, then theirs, breadth first, as long as nothing is found.
 
+pub(crate) mod programs;
+
 use crate::commit;
 use crate::conclusion::Roots;
 use crate::events::StopSignal;
-use crate::goal_programs::{GoalProgram, validate};
+use crate::goals::programs::{GoalProgram, validate};
 use crate::membership::{self, Feasible};
 use crate::model::{Model, PlanningModel};
 use crate::random::{Purpose, stream};

@@ -5,8 +5,8 @@
 //! parallel systems, in the order of the candidates, so ids do not depend on threads. Names, constraints, weights and
 //! transitions are those of the whole graph; only ids follow the search.
 
-use crate::graph_building::{Builder, Census, GraphError, check};
-use crate::graph_cases::{Case, Cases, Documents, grasp_sets, handles};
+use crate::graph::building::{Builder, Census, GraphError, check};
+use crate::graph::cases::{Case, Cases, Documents, grasp_sets, handles};
 use foliate_components::constraint::Grasp;
 use foliate_components::graph::{ConstraintGraph, ConstraintKind, StateId};
 use foliate_components::problem::Problem;

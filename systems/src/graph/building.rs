@@ -15,9 +15,9 @@
 //! Legs 01 and 12 lie in the state without the grasp, 23 in the state with it. HPP's last leg of either direction (34, 10)
 //! has no length, because the waypoint already satisfies the target: it is left out.
 
-use crate::carriers::root_of;
-use crate::graph_cases::{Case, Cases, Documents, Grasps, grasp_sets, handles};
-use crate::resting::carrying_bodies;
+use crate::graph::carriers::root_of;
+use crate::graph::cases::{Case, Cases, Documents, Grasps, grasp_sets, handles};
+use crate::graph::resting::carrying_bodies;
 use foliate_components::graph::{
     ConstraintGraph, ConstraintId, ConstraintKind, GraphConstraint, Leg, State, StateId, Transition, TransitionId,
     TransitionKind,
