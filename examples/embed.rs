@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let listener = std::thread::spawn(move || {
         events.iter().take_while(|event| !matches!(event, SearchEvent::Solved { .. })).count()
     });
-    let Solution { outcome, path, report } = planner.solve_on(2)?;
+    let Solution { outcome, path, report, .. } = planner.solve_on(2)?;
     drop(planner); // closes the channel
 
     println!("{} after {} candidates, {} nodes", outcome.name(), report.candidates, report.nodes);

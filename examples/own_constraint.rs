@@ -65,7 +65,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let robot = problem.robot.clone();
     let planner = Planner::new(problem)?.seed(7).time_limit(Duration::from_secs(60));
-    let Solution { outcome, path, report } = planner.solve_on(2)?;
+    let Solution { outcome, path, report, .. } = planner.solve_on(2)?;
     println!("{} after {} candidates, {} nodes", outcome.name(), report.candidates, report.nodes);
     let path = path.ok_or("no path")?;
 

@@ -37,6 +37,9 @@ pub struct Solution {
     pub path: Option<ManipulationPath>,
     /// What the search did.
     pub report: Report,
+    /// The model whose graph the path's ids are of: the planner's own, or, where its graph is lazy, as far as this search has
+    /// made it grow.
+    pub model: PlanningModel,
 }
 
 /// What a search did. Wall times are of this run; everything else depends on problem, settings and seed alone.
@@ -210,7 +213,8 @@ impl Planner {
         let solve_time = started.elapsed();
         let mut report = self.report(&mut search, path.as_ref());
         report.solve_time = solve_time;
-        Solution { outcome, path, report }
+        let model = search.model().clone();
+        Solution { outcome, path, report, model }
     }
 
     /// Solves on `threads` threads of its own; the answer is the same for any number.
@@ -225,12 +229,13 @@ impl Planner {
     fn report(&self, search: &mut Search, path: Option<&ManipulationPath>) -> Report {
         let counter = search.counter();
         let funnel = search.statistics().into_iter().filter(|(_, s)| s.attempts > 0);
-        let funnel = funnel.map(|(id, statistics)| self.funnel_row(id, statistics)).collect();
+        let model = search.model().clone();
+        let funnel = funnel.map(|(id, statistics)| funnel_row(&model, id, statistics)).collect();
         let states = search.states().into_iter().filter(|(_, s)| *s != StateStatistics::default());
-        let name = |state: StateId| self.model.graph.state(state).name.clone();
+        let name = |state: StateId| model.graph.state(state).name.clone();
         let states = states.map(|(id, statistics)| StateRow { state: name(id), statistics }).collect();
         let statistics = search.goal_statistics().clone();
-        let blocking_parts = self.part_names(&statistics.blocking_parts(&self.model.problem.robot));
+        let blocking_parts = part_names(&model, &statistics.blocking_parts(&model.problem.robot));
         let roadmap = search.roadmap();
         Report {
             solve_time: Duration::ZERO,
@@ -247,24 +252,23 @@ impl Planner {
             goals: GoalReport { statistics, blocking_parts },
         }
     }
+}
 
-    fn funnel_row(&self, transition: TransitionId, statistics: TransitionStatistics) -> FunnelRow {
-        let shape = |s: foliate_components::robot::ShapeIndex| self.model.problem.robot.shapes[s.at()].name.clone();
-        let mut blocked_by: Vec<_> =
-            statistics.blocked_by.iter().map(|(&(a, b), &n)| (shape(a), shape(b), n)).collect();
-        blocked_by.sort_by(|x, y| y.2.cmp(&x.2).then_with(|| x.cmp(y)));
-        FunnelRow {
-            transition: self.model.graph.transition(transition).name.clone(),
-            success_rate: statistics.success_rate(Prior::default()),
-            projection_rate: statistics.projection_rate(Prior::default()),
-            blocking_parts: self.part_names(&statistics.blocking_parts(&self.model.problem.robot)),
-            statistics,
-            blocked_by,
-        }
+fn funnel_row(model: &PlanningModel, transition: TransitionId, statistics: TransitionStatistics) -> FunnelRow {
+    let shape = |s: foliate_components::robot::ShapeIndex| model.problem.robot.shapes[s.at()].name.clone();
+    let mut blocked_by: Vec<_> = statistics.blocked_by.iter().map(|(&(a, b), &n)| (shape(a), shape(b), n)).collect();
+    blocked_by.sort_by(|x, y| y.2.cmp(&x.2).then_with(|| x.cmp(y)));
+    FunnelRow {
+        transition: model.graph.transition(transition).name.clone(),
+        success_rate: statistics.success_rate(Prior::default()),
+        projection_rate: statistics.projection_rate(Prior::default()),
+        blocking_parts: part_names(model, &statistics.blocking_parts(&model.problem.robot)),
+        statistics,
+        blocked_by,
     }
+}
 
-    fn part_names(&self, pairs: &[BlockingParts]) -> Vec<(String, String, u64)> {
-        let name = |part: PartIndex| self.model.problem.robot.parts[part.0 as usize].name.clone();
-        pairs.iter().map(|pair| (name(pair.first), name(pair.second), pair.count)).collect()
-    }
+fn part_names(model: &PlanningModel, pairs: &[BlockingParts]) -> Vec<(String, String, u64)> {
+    let name = |part: PartIndex| model.problem.robot.parts[part.0 as usize].name.clone();
+    pairs.iter().map(|pair| (name(pair.first), name(pair.second), pair.count)).collect()
 }

@@ -211,7 +211,7 @@ impl Batch {
         let models = save::model_names(scene, &file)?;
         let context = PathContext {
             problem: &entry.model().problem,
-            graph: &entry.model().graph,
+            graph: &solution.model.graph,
             models: &models,
             seed,
             scheduler: self.scheduler.name(),

@@ -1,10 +1,15 @@
 //! `foliate graph`: the constraint graph of a scene as text, DOT or Mermaid.
 
 use super::{Ending, Refusal, print};
-use foliate::components::graph::{ConstraintGraph, TransitionKind};
+use foliate::components::graph::{ConstraintGraph, StateId, TransitionKind};
+use foliate::components::problem::Problem;
 use foliate::diagram;
 use foliate::scene::{PackagePath, load_scene};
+use foliate::systems::graph_building::{GraphError, MOST_STATES, build_constraint_graph};
+use foliate::systems::model::{Model, PlanningModel};
+use foliate::systems::settings::SearchSettings;
 use std::fmt::Write;
+use std::sync::Arc;
 
 /// Shows the constraint graph of a scene
 #[derive(clap::Args)]
@@ -21,8 +26,7 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
     let scene = load_scene(&arguments.scene, packages)?;
-    let graph =
-        foliate::systems::graph_building::build_constraint_graph(&scene.problem).map_err(|e| Refusal(e.to_string()))?;
+    let graph = shown(scene.problem)?;
     print(&match (arguments.dot, arguments.mermaid) {
         (true, _) => diagram::dot(&graph),
         (_, true) => diagram::mermaid(&graph),
@@ -31,11 +35,36 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     Ok(Ending::Done)
 }
 
+/// The whole graph; of one that is too large, what surrounds the start.
+fn shown(problem: Problem) -> Result<ConstraintGraph, Refusal> {
+    match build_constraint_graph(&problem) {
+        Ok(graph) => return Ok(graph),
+        Err(GraphError::TooManyStates { .. }) => {}
+        Err(other) => return Err(Refusal(other.to_string())),
+    }
+    let start = problem.start.clone();
+    let mut model = PlanningModel(Arc::new(Model::growing(problem).map_err(|e| Refusal(e.to_string()))?));
+    let tolerance = SearchSettings::default().membership_tolerance;
+    let state = model.reach(&start, tolerance).ok_or_else(|| {
+        Refusal(format!(
+            "the graph has more than {MOST_STATES} states, and the start lies in none, so that none is shown"
+        ))
+    })?;
+    model.expand(state);
+    Ok(model.graph.clone())
+}
+
 /// States with their constraints, and the transitions that leave each.
 fn listing(graph: &ConstraintGraph) -> String {
     let count = |number: usize, what: &str| format!("{number} {what}{}", if number == 1 { "" } else { "s" });
     let (states, transitions) = (count(graph.states.len(), "state"), count(graph.transitions.len(), "transition"));
     let mut out = format!("{states}, {transitions}\n");
+    if graph.lazy {
+        out = format!(
+            "more than {MOST_STATES} states: the graph grows while it is searched; these are the start's state and its \
+             neighbours\n{out}"
+        );
+    }
     for (index, state) in graph.states.iter().enumerate() {
         let names = |ids: &[foliate::components::graph::ConstraintId]| {
             ids.iter().map(|&c| graph.constraint(c).name.clone()).collect::<Vec<_>>().join(", ")
@@ -44,7 +73,10 @@ fn listing(graph: &ConstraintGraph) -> String {
         let or = |names: String, nothing: &str| if names.is_empty() { nothing.to_owned() } else { names };
         let _ = writeln!(out, "  holds: {}", or(names(&state.manifold), "nothing"));
         let _ = writeln!(out, "  leaves by: {}", or(names(&state.foliation), "nothing, it is one leaf"));
-        for (_, t) in graph.leaving(foliate::components::graph::StateId(index as u32)) {
+        if !graph.is_expanded(StateId(index as u32)) {
+            let _ = writeln!(out, "  not expanded yet");
+        }
+        for (_, t) in graph.leaving(StateId(index as u32)) {
             let kind = match t.kind {
                 TransitionKind::Loop => "loop   ",
                 TransitionKind::Regular => "regular",

@@ -210,7 +210,7 @@ pub(crate) fn write(
     let models = save::model_names(scene, out).map_err(|e| Refusal(e.to_string()))?;
     let context = PathContext {
         problem: &planner.model().problem,
-        graph: &planner.model().graph,
+        graph: &solution.model.graph,
         models: &models,
         seed: arguments.seed,
         scheduler: &arguments.scheduler,

@@ -20,7 +20,7 @@ pub(crate) struct Loaded<'a> {
 /// The summary for people.
 pub(crate) fn text(loaded: &Loaded<'_>, solution: &Solution) -> String {
     let report = &solution.report;
-    let graph = &loaded.planner.model().graph;
+    let graph = &solution.model.graph;
     let mut out = String::new();
     let _ = writeln!(
         out,
@@ -32,12 +32,13 @@ pub(crate) fn text(loaded: &Loaded<'_>, solution: &Solution) -> String {
     );
     let _ = writeln!(
         out,
-        "  {} steps, {} candidates, {} nodes, {} edges, {} leaves; graph of {} states, {} transitions",
+        "  {} steps, {} candidates, {} nodes, {} edges, {} leaves; {} of {} states, {} transitions",
         report.steps,
         report.candidates,
         report.nodes,
         report.edges,
         report.leaves,
+        if graph.lazy { "as much as was needed of the graph:" } else { "graph" },
         graph.states.len(),
         graph.transitions.len()
     );

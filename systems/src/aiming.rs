@@ -112,9 +112,7 @@ pub fn measure_leaves(
     mut aims: ResMut<'_, Aims>,
 ) {
     let aims = &mut *aims;
-    if aims.distance.states() != model.graph.states.len() {
-        aims.distance = GraspDistance::new(&model.graph);
-    }
+    aims.distance.grow(&model.graph);
     let trees = reached.by_component.len();
     aims.known.resize(trees, 0);
     aims.tries.resize(leaves.leaves().len(), 0);

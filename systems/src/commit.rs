@@ -69,6 +69,14 @@ pub fn commit_connections(world: &mut World) {
     }
 }
 
+/// Makes the transitions that leave a state come into being, in the model of this search alone, and their entities.
+pub(crate) fn expand(world: &mut World, state: StateId) {
+    if !world.resource::<PlanningModel>().graph.is_expanded(state) {
+        world.resource_mut::<PlanningModel>().expand(state);
+        spawn_graph(world);
+    }
+}
+
 /// Adds a root node: a start or a goal. Its parameters must be interned already.
 pub fn add_root(world: &mut World, q: &[f64], leaf: Leaf) -> NodeId {
     let leaf_id = intern_leaf(world, leaf);
@@ -165,6 +173,7 @@ fn intern_leaf(world: &mut World, leaf: Leaf) -> LeafId {
 
 fn add_node(world: &mut World, q: &[f64], leaf: LeafId, component: Option<ComponentId>) -> NodeId {
     let state: StateId = world.resource::<LeafIndex>().leaf(leaf).state;
+    expand(world, state);
     let mut roadmap = world.resource_mut::<Roadmap>();
     let node = roadmap.add_node(q, state, leaf, component);
     let component = roadmap.node(node).component;
@@ -205,19 +214,27 @@ fn add_edge(world: &mut World, from: NodeId, to: NodeId, along: TransitionId, mo
 }
 
 /// Spawns what exists before the first step: transitions with weight and statistics, states with theirs, and the pool of
-/// candidates.
-pub fn spawn_graph_and_candidates(world: &mut World, model: &PlanningModel, candidates: usize) {
-    let transitions = (0u32..)
-        .zip(&model.graph.transitions)
-        .map(|(id, t)| {
-            let weight = crate::selection::Weight(t.weight);
-            world.spawn((TransitionId(id), weight, TransitionStatistics::default())).id()
-        })
-        .collect();
-    let states = (0..model.graph.states.len() as u32)
-        .map(|id| world.spawn((StateId(id), StateStatistics::default())).id())
-        .collect();
+/// candidates. The model must be a resource already.
+pub fn spawn_graph_and_candidates(world: &mut World, candidates: usize) {
+    world.init_resource::<EntityTable>();
+    spawn_graph(world);
     let candidates =
         (0..candidates as u32).map(|index| world.spawn(Candidate { index, ..Candidate::default() }).id()).collect();
-    world.insert_resource(EntityTable { transitions, states, leaves: Vec::new(), candidates });
+    world.resource_mut::<EntityTable>().candidates = candidates;
+}
+
+/// Spawns the entities of what has come into being in the graph since this was last done.
+pub(crate) fn spawn_graph(world: &mut World) {
+    world.resource_scope(|world, model: Mut<'_, PlanningModel>| {
+        world.resource_scope(|world, mut table: Mut<'_, EntityTable>| {
+            let first = table.transitions.len();
+            for (id, transition) in (first as u32..).zip(&model.graph.transitions[first..]) {
+                let weight = crate::selection::Weight(transition.weight);
+                table.transitions.push(world.spawn((TransitionId(id), weight, TransitionStatistics::default())).id());
+            }
+            for id in table.states.len()..model.graph.states.len() {
+                table.states.push(world.spawn((StateId(id as u32), StateStatistics::default())).id());
+            }
+        });
+    });
 }

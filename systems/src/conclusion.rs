@@ -7,8 +7,9 @@ use crate::schedule::StepCounter;
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Query, Res, ResMut, Resource};
 use foliate_components::candidate::Candidate;
+use foliate_components::graph::TransitionId;
 use foliate_components::leaf::LeafIndex;
-use foliate_components::outcome::SearchOutcome;
+use foliate_components::outcome::{SearchOutcome, TransitionStatistics};
 use foliate_components::roadmap::{NodeId, Roadmap};
 
 /// The roots of the trees that are to meet.
@@ -43,6 +44,7 @@ pub fn conclude(
     roots: Res<'_, Roots>,
     roadmap: Res<'_, Roadmap>,
     goals: Res<'_, GoalSampler>,
+    transitions: Query<'_, '_, (&TransitionId, &TransitionStatistics)>,
     mut ending: ResMut<'_, Ending>,
 ) {
     let solved = roots.reached_goal(&roadmap).is_some();
@@ -54,7 +56,9 @@ pub fn conclude(
         Some(SearchOutcome::Timeout)
     } else if solved {
         Some(SearchOutcome::Solved)
-    } else if roadmap.nodes().len() >= settings.max_nodes || roadmap.bytes() >= settings.max_bytes {
+    } else if roadmap.nodes().len() >= settings.max_nodes
+        || roadmap.bytes() + grown(&model, &transitions) >= settings.max_bytes
+    {
         Some(SearchOutcome::MemoryLimit)
     } else if let Some(why) = no_goal(&roots, &goals, &model, &settings) {
         Some(SearchOutcome::InfeasibleGoal(why))
@@ -63,6 +67,15 @@ pub fn conclude(
     } else {
         None
     };
+}
+
+/// About how many bytes the search has made a lazy graph and its tables grow by.
+fn grown(model: &PlanningModel, transitions: &Query<'_, '_, (&TransitionId, &TransitionStatistics)>) -> u64 {
+    if !model.graph.lazy {
+        return 0;
+    }
+    let tried = transitions.iter().filter(|(_, statistics)| statistics.attempts > 0);
+    model.graph.bytes() + tried.map(|(&id, _)| model.bytes_to_try(id)).sum::<u64>()
 }
 
 /// Why there is no goal and none will be found.

@@ -15,6 +15,7 @@ use foliate_components::roadmap::{ComponentId, Motion, NodeId, Roadmap};
 use foliate_kernels::collision::CollisionScratch;
 use foliate_kernels::projection::MotionScratch;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A motion that would join two trees.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,7 +75,8 @@ fn neighbours(model: &PlanningModel, roadmap: &Roadmap, node: NodeId, count: usi
     others.into_iter().map(|(_, _, node)| node).collect()
 }
 
-/// Steers and certifies every proposal; whole or not at all.
+/// Steers and certifies the proposals; whole or not at all. Of those that would join the same two trees all behind the
+/// first that is certified are left out: its edge makes them needless.
 pub fn certify_connections(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
@@ -84,11 +86,49 @@ pub fn certify_connections(
     mut connections: ResMut<'_, Connections>,
 ) {
     let scratch = || (CollisionScratch::new(), MotionScratch::default());
-    connections.0.par_iter_mut().for_each_init(scratch, |scratch, connection| {
-        if !stop.is_raised() {
+    let bridges = Bridges::new(&connections.0, &roadmap);
+    connections.0.par_iter_mut().enumerate().for_each_init(scratch, |scratch, (index, connection)| {
+        if !stop.is_raised() && !bridges.is_needless(index) {
             connection.certified = connect(&model, &settings, &roadmap, &leaves, connection, scratch);
+            if connection.certified.is_some() {
+                bridges.build(index);
+            }
         }
     });
+    // What other threads have certified behind the first is no part of the answer.
+    let needless = connections.0.iter_mut().enumerate().filter(|&(index, _)| bridges.is_needless(index));
+    needless.for_each(|(_, connection)| connection.certified = None);
+}
+
+/// For every two trees the first proposal that has joined them. It is the same whatever the threads do: a proposal is left
+/// out only where one in front of it was certified.
+struct Bridges {
+    /// By proposal: which two trees, as an index into `first`.
+    trees: Vec<usize>,
+    first: Vec<AtomicUsize>,
+}
+
+impl Bridges {
+    fn new(proposals: &[Connection], roadmap: &Roadmap) -> Self {
+        let joined = |proposal: &Connection| {
+            let (a, b) = (roadmap.component_of(proposal.from), roadmap.component_of(proposal.to));
+            (a.min(b), a.max(b))
+        };
+        let joined: Vec<_> = proposals.iter().map(joined).collect();
+        let mut pairs = joined.clone();
+        pairs.sort_unstable();
+        pairs.dedup();
+        let trees = joined.iter().map(|pair| pairs.partition_point(|p| p < pair)).collect();
+        Self { trees, first: pairs.iter().map(|_| AtomicUsize::new(usize::MAX)).collect() }
+    }
+
+    fn is_needless(&self, proposal: usize) -> bool {
+        self.first[self.trees[proposal]].load(Ordering::Relaxed) < proposal
+    }
+
+    fn build(&self, proposal: usize) {
+        self.first[self.trees[proposal]].fetch_min(proposal, Ordering::Relaxed);
+    }
 }
 
 fn connect(

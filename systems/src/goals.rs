@@ -4,7 +4,8 @@
 //! demands, and that objects which neither moves stay where the start has them. Nobody follows anybody by decree: a held
 //! object whose pose the goal leaves free is eliminated and follows the hand, one whose pose the goal names makes the hand
 //! follow. A state whose program contradicts itself whatever the free joints do (it wants the object on the table, the
-//! goal wants it in the air) is never tried again. The others are tried in turn, from random configurations.
+//! goal wants it in the air) is never tried again. The others are tried in turn, from random configurations. In a lazy graph
+//! these are the start's state, then its neighbours, then theirs, breadth first, as long as nothing is found.
 
 use crate::commit;
 use crate::conclusion::Roots;
@@ -41,6 +42,12 @@ const BATCH: usize = 16;
 /// Every how many tries in a state objects on supports may stand elsewhere than in the start.
 const MOVED_EVERY: u32 = 4;
 
+/// Tries in a state of a lazy graph, all in vain, before its neighbours are tried too.
+const PATIENCE: u32 = 8;
+
+/// States of a lazy graph in which a goal is looked for at most.
+const MOST_SITES: usize = 1024;
+
 /// Contradictions that a message lists.
 const MOST_TOLD: usize = 3;
 
@@ -64,6 +71,8 @@ struct Region {
     /// Why it cannot be sampled at all.
     malformed: Option<String>,
     sites: Vec<Site>,
+    /// Sites from the front whose neighbours are sites too; all of them, where the graph is whole.
+    widened: usize,
     /// The site whose turn it is.
     turn: usize,
     /// Tries so far, those in states that turned out to contradict the goal not counted.
@@ -87,6 +96,8 @@ struct Site {
 /// How a try ended.
 enum Try {
     Found(Feasible),
+    /// In a state of a lazy graph that has not come into being.
+    Unreached(Vec<f64>),
     ProjectionFailed,
     Collides(ShapeIndex, ShapeIndex),
     Refused,
@@ -135,14 +146,19 @@ impl GoalSampler {
     }
 
     /// The first tries, before the first step.
-    pub fn draw_first(&mut self, model: &PlanningModel, settings: &SearchSettings, stop: &StopSignal) -> Vec<Feasible> {
+    pub fn draw_first(
+        &mut self,
+        model: &mut PlanningModel,
+        settings: &SearchSettings,
+        stop: &StopSignal,
+    ) -> Vec<Feasible> {
         self.draw(model, settings, stop, FIRST_TRIES)
     }
 
     /// At most [`SearchSettings::goal_samples`] configurations of every goal, found in at most `tries` tries.
     fn draw(
         &mut self,
-        model: &PlanningModel,
+        model: &mut PlanningModel,
         settings: &SearchSettings,
         stop: &StopSignal,
         tries: u32,
@@ -177,6 +193,7 @@ impl GoalSampler {
             region.sites.iter().filter_map(Site::contradiction).map(String::as_str).collect();
         let mut words = match region.is_possible() {
             true => format!("{name}: no configuration in {} tries", region.tries),
+            false if model.graph.lazy => format!("{name} contradicts every state near the start"),
             false => format!("{name} contradicts every state"),
         };
         if !contradictions.is_empty() {
@@ -203,19 +220,45 @@ impl GoalSampler {
 
 impl Region {
     fn new(model: &Model, number: usize, goal: &PartialGoal) -> Self {
-        let site = |state| Site { state, tries: 0, standing: OnceLock::new(), moved: OnceLock::new() };
         let malformed = validate(model, goal).err();
-        let sites = (0..model.graph.states.len() as u32).map(|state| site(StateId(state))).collect();
-        Self { number, goal: goal.clone(), malformed, sites, turn: 0, tries: 0, numbered: 0, known: Vec::new() }
+        let sites: Vec<_> = (0..model.graph.states.len() as u32).map(|state| Site::new(StateId(state))).collect();
+        let widened = if model.graph.lazy { 0 } else { sites.len() };
+        Self {
+            number,
+            goal: goal.clone(),
+            malformed,
+            sites,
+            widened,
+            turn: 0,
+            tries: 0,
+            numbered: 0,
+            known: Vec::new(),
+        }
     }
 
     fn is_possible(&self) -> bool {
-        self.malformed.is_none() && self.sites.iter().any(Site::is_possible)
+        self.malformed.is_none() && (self.can_be_widened() || self.sites.iter().any(Site::is_possible))
+    }
+
+    fn can_be_widened(&self) -> bool {
+        self.widened < self.sites.len() && self.sites.len() < MOST_SITES
+    }
+
+    /// Adds the neighbours of the next state to the sites.
+    fn widen(&mut self, model: &mut PlanningModel) {
+        let state = self.sites[self.widened].state;
+        self.widened += 1;
+        model.expand(state);
+        for (_, transition) in model.graph.leaving(state) {
+            if self.sites.len() < MOST_SITES && self.sites.iter().all(|site| site.state != transition.to) {
+                self.sites.push(Site::new(transition.to));
+            }
+        }
     }
 
     fn draw(
         &mut self,
-        model: &PlanningModel,
+        model: &mut PlanningModel,
         settings: &SearchSettings,
         stop: &StopSignal,
         start: &[f64],
@@ -225,15 +268,31 @@ impl Region {
         let last = self.tries.saturating_add(tries).min(settings.goal_tries);
         let mut found: Vec<Feasible> = Vec::new();
         while found.len() < settings.goal_samples && self.tries < last && self.is_possible() && !stop.is_raised() {
+            let patient = |site: &Site| site.is_possible() && site.tries < PATIENCE;
+            if found.is_empty() && self.can_be_widened() && !self.sites.iter().any(patient) {
+                self.widen(model);
+                continue;
+            }
+            if !self.sites.iter().any(Site::is_possible) {
+                break;
+            }
             let batch = self.next_batch(BATCH.min((last - self.tries) as usize));
+            let here = &*model;
             let ends: Vec<Try> = batch
                 .par_iter()
                 .map_init(TryScratch::default, |scratch, &(site, round, number)| {
                     let stream = (self.number, number);
-                    self.attempt(model, settings, stop, start, (&self.sites[site], round), stream, scratch)
+                    self.attempt(here, settings, stop, start, (&self.sites[site], round), stream, scratch)
                 })
                 .collect();
             for end in ends {
+                let end = match end {
+                    Try::Unreached(q) => {
+                        model.reach(&q, settings.membership_tolerance);
+                        judge(model, settings, &q, &mut TryScratch::default())
+                    }
+                    end => end,
+                };
                 if !matches!(end, Try::Contradicted | Try::Stopped) {
                     self.tries += 1;
                     statistics.tries += 1;
@@ -246,7 +305,7 @@ impl Region {
                     }
                     Try::ProjectionFailed => statistics.projection_failed += 1,
                     Try::Collides(a, b) => *statistics.blocked_by.entry((a, b)).or_default() += 1,
-                    Try::Refused => statistics.refused += 1,
+                    Try::Refused | Try::Unreached(_) => statistics.refused += 1,
                     Try::Found(_) | Try::Contradicted | Try::Stopped => {}
                 }
             }
@@ -309,14 +368,18 @@ impl Region {
         if !project(&program.program, &mut q, &[], &solve, &mut scratch.newton).is_converged() {
             return Try::ProjectionFailed;
         }
-        match membership::feasible(model, settings, &q) {
-            Ok(goal) => Try::Found(goal),
-            Err(_) => what_collides(model, settings, &q, scratch),
+        if membership::is_unreached(model, &q, settings.membership_tolerance) {
+            return Try::Unreached(q);
         }
+        judge(model, settings, &q, scratch)
     }
 }
 
 impl Site {
+    fn new(state: StateId) -> Self {
+        Self { state, tries: 0, standing: OnceLock::new(), moved: OnceLock::new() }
+    }
+
     /// Whether it is not known to contradict the goal.
     fn is_possible(&self) -> bool {
         self.contradiction().is_none()
@@ -333,6 +396,14 @@ struct TryScratch {
     newton: Scratch,
     collision: Option<CollisionScratch>,
     X_WJ: Vec<Pose>,
+}
+
+/// Whether a configuration may be a goal.
+fn judge(model: &PlanningModel, settings: &SearchSettings, q: &[f64], scratch: &mut TryScratch) -> Try {
+    match membership::feasible(model, settings, q) {
+        Ok(goal) => Try::Found(goal),
+        Err(_) => what_collides(model, settings, q, scratch),
+    }
 }
 
 /// The pair that collides in a configuration that may be no goal, or that it is refused for another reason.
@@ -357,6 +428,7 @@ fn what_collides(model: &Model, settings: &SearchSettings, q: &[f64], scratch: &
 
 /// Makes a start or a goal the root of a tree.
 pub(crate) fn plant(world: &mut World, root: Feasible) -> NodeId {
+    commit::spawn_graph(world);
     let tolerance = world.resource::<SearchSettings>().projection_tolerance;
     let mut index = world.resource_mut::<LeafIndex>();
     let parameters = root.parameters.into_iter().map(|p| index.intern_parameter(p, tolerance)).collect();
@@ -369,12 +441,15 @@ pub fn draw_more_goals(world: &mut World) {
     world.resource_scope(|world, mut sampler: Mut<'_, GoalSampler>| {
         let step = world.resource::<StepCounter>().step;
         let goals = world.resource::<Roots>().goals.len();
-        let settings = world.resource::<SearchSettings>();
-        if sampler.regions.is_empty() || !sampler.is_due(settings, step, goals) {
+        let settings = world.resource::<SearchSettings>().clone();
+        if sampler.regions.is_empty() || !sampler.is_due(&settings, step, goals) {
             return;
         }
-        let (model, stop) = (world.resource::<PlanningModel>(), world.resource::<StopSignal>());
-        for goal in sampler.draw(model, settings, stop, LATER_TRIES) {
+        let found = world.resource_scope(|world, mut model: Mut<'_, PlanningModel>| {
+            sampler.draw(&mut model, &settings, world.resource::<StopSignal>(), LATER_TRIES)
+        });
+        commit::spawn_graph(world);
+        for goal in found {
             plant_goal(world, goal);
         }
     });

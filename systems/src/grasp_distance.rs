@@ -5,6 +5,9 @@
 //! table, in the left hand, in both, …). The distance between two leaves is the sum over the subjects of the shortest ways
 //! in these graphs: an estimate that forgets that hands are needed twice and that things are in each other's way, as the
 //! relaxed plans of task planners do. It costs nanoseconds and tells which of a thousand leaves are worth extending.
+//!
+//! The small graphs grow with the constraint graph: of a lazy one they hold what has come into being, and what leads nowhere
+//! yet is far.
 
 use foliate_components::graph::{ConstraintGraph, ConstraintId, ConstraintKind, StateId, Transition, TransitionKind};
 use foliate_components::leaf::{Leaf, ParameterId};
@@ -17,14 +20,29 @@ const FAR: u8 = 16;
 #[derive(Clone, Debug, Default)]
 pub struct GraspDistance {
     subjects: Vec<Subject>,
+    numbers: HashMap<Of, usize>,
+    /// By constraint: the number of its subject.
+    subject_of: Vec<usize>,
     /// By state and subject: what the state says of it, as a number of [`Subject::situations`].
     situations: Vec<Vec<usize>>,
+    /// How many transitions are known.
+    transitions: usize,
+}
+
+/// What constraints are about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Of {
+    Object(u32),
+    Joint(u32),
+    Stance,
 }
 
 /// The graph as one subject sees it.
 #[derive(Clone, Debug, Default)]
 struct Subject {
     situations: Vec<Situation>,
+    /// By situation: those that one change leads to.
+    next: Vec<Vec<usize>>,
     /// Changes from one situation to another, row by row.
     changes: Vec<u8>,
     /// For each constraint with values: changes from one situation to another through one that lacks it, row by row.
@@ -44,32 +62,58 @@ impl GraspDistance {
     #[must_use]
     pub fn new(graph: &ConstraintGraph) -> Self {
         let mut distances = Self::default();
-        let subject_of = subjects(graph);
-        let count = subject_of.iter().max().map_or(0, |most| most + 1);
-        distances.subjects.resize_with(count, Subject::default);
-        for state in &graph.states {
-            let situations = (0..count).map(|subject| {
-                let constraints: Vec<_> =
-                    state.manifold.iter().copied().filter(|c| subject_of[c.at()] == subject).collect();
-                distances.subjects[subject].number(graph, constraints)
-            });
-            let situations = situations.collect();
-            distances.situations.push(situations);
-        }
-        for (number, subject) in distances.subjects.iter_mut().enumerate() {
-            let ends = graph
-                .transitions
-                .iter()
-                .map(|t| (distances.situations[t.from.at()][number], distances.situations[t.to.at()][number]));
-            subject.measure(ends);
-        }
+        distances.grow(graph);
         distances
     }
 
-    /// How many states it knows.
-    #[must_use]
-    pub fn states(&self) -> usize {
-        self.situations.len()
+    /// Reads what has come into being in the graph since it was last read.
+    pub fn grow(&mut self, graph: &ConstraintGraph) {
+        if self.situations.len() == graph.states.len() && self.transitions == graph.transitions.len() {
+            return;
+        }
+        self.number_constraints(graph);
+        let count = self.subjects.len();
+        let mut has_grown = vec![false; count];
+        for state in &graph.states[self.situations.len()..] {
+            let situations = (0..count).map(|subject| {
+                let constraints: Vec<_> =
+                    state.manifold.iter().copied().filter(|c| self.subject_of[c.at()] == subject).collect();
+                let known = self.subjects[subject].situations.len();
+                let number = self.subjects[subject].number(graph, constraints);
+                has_grown[subject] |= number == known;
+                number
+            });
+            let situations = situations.collect();
+            self.situations.push(situations);
+        }
+        for transition in &graph.transitions[self.transitions..] {
+            let (from, to) = (&self.situations[transition.from.at()], &self.situations[transition.to.at()]);
+            for (number, (&a, &b)) in from.iter().zip(to).enumerate() {
+                has_grown[number] |= self.subjects[number].lead(a, b);
+            }
+        }
+        self.transitions = graph.transitions.len();
+        for (subject, _) in self.subjects.iter_mut().zip(has_grown).filter(|(_, has_grown)| *has_grown) {
+            subject.measure();
+        }
+    }
+
+    /// Gives new constraints their subjects; the states that are known say nothing of new subjects.
+    fn number_constraints(&mut self, graph: &ConstraintGraph) {
+        for constraint in &graph.constraints[self.subject_of.len()..] {
+            let next = self.numbers.len();
+            let number = *self.numbers.entry(Of::constraint(graph, constraint.kind)).or_insert(next);
+            self.subject_of.push(number);
+        }
+        for _ in self.subjects.len()..self.numbers.len() {
+            let mut subject = Subject::default();
+            if !self.situations.is_empty() {
+                subject.number(graph, Vec::new());
+                subject.measure();
+            }
+            self.subjects.push(subject);
+        }
+        self.situations.iter_mut().for_each(|row| row.resize(self.subjects.len(), 0));
     }
 
     /// Changes of grasp from one leaf to another.
@@ -103,34 +147,20 @@ fn value(graph: &ConstraintGraph, leaf: &Leaf, constraint: ConstraintId) -> Opti
     foliation.iter().position(|&c| c == constraint).map(|i| leaf.parameters[i])
 }
 
-/// By constraint: the number of its subject.
-fn subjects(graph: &ConstraintGraph) -> Vec<usize> {
-    #[derive(PartialEq, Eq, Hash)]
-    enum Of {
-        Object(u32),
-        Joint(u32),
-        Stance,
-    }
-    let mut numbers: HashMap<Of, usize> = HashMap::new();
-    let constraints = graph.constraints.iter().map(|constraint| match constraint.kind {
-        ConstraintKind::Grasp { handle, .. } | ConstraintKind::Pregrasp { handle, .. } => {
-            let object = graph.objects.iter().position(|o| o.handles.contains(&handle));
-            Of::Object(object.map_or(u32::MAX, |o| o as u32))
+impl Of {
+    fn constraint(graph: &ConstraintGraph, kind: ConstraintKind) -> Self {
+        match kind {
+            ConstraintKind::Grasp { handle, .. } | ConstraintKind::Pregrasp { handle, .. } => {
+                let object = graph.objects.iter().position(|o| o.handles.contains(&handle));
+                Self::Object(object.map_or(u32::MAX, |o| o as u32))
+            }
+            ConstraintKind::Placement { object, .. }
+            | ConstraintKind::Preplacement { object, .. }
+            | ConstraintKind::Rest { object } => Self::Object(object),
+            ConstraintKind::JointRest { joint } => Self::Joint(joint),
+            ConstraintKind::Given { .. } => Self::Stance,
         }
-        ConstraintKind::Placement { object, .. }
-        | ConstraintKind::Preplacement { object, .. }
-        | ConstraintKind::Rest { object } => Of::Object(object),
-        ConstraintKind::JointRest { joint } => Of::Joint(joint),
-        ConstraintKind::Given { .. } => Of::Stance,
-    });
-    let mut next = 0;
-    let mut number = |of| {
-        *numbers.entry(of).or_insert_with(|| {
-            next += 1;
-            next - 1
-        })
-    };
-    constraints.map(&mut number).collect()
+    }
 }
 
 impl Subject {
@@ -140,7 +170,17 @@ impl Subject {
         }
         let foliating = constraints.iter().copied().filter(|&c| graph.constraint(c).foliates).collect();
         self.situations.push(Situation { constraints, foliating });
+        self.next.push(Vec::new());
         self.situations.len() - 1
+    }
+
+    /// Hears that a transition leads from one situation to another; true where that is news.
+    fn lead(&mut self, from: usize, to: usize) -> bool {
+        let is_news = from != to && !self.next[from].contains(&to);
+        if is_news {
+            self.next[from].push(to);
+        }
+        is_news
     }
 
     /// Changes from one situation to another. Where both have a constraint with another value, the way leads through a
@@ -157,15 +197,9 @@ impl Subject {
     }
 
     /// Shortest ways between all situations.
-    fn measure(&mut self, ends: impl Iterator<Item = (usize, usize)>) {
+    fn measure(&mut self) {
         let count = self.situations.len();
-        let mut next = vec![Vec::new(); count];
-        for (from, to) in ends.filter(|(from, to)| from != to) {
-            if !next[from].contains(&to) {
-                next[from].push(to);
-            }
-        }
-        self.changes = (0..count).flat_map(|from| ways(&next, from)).collect();
+        self.changes = (0..count).flat_map(|from| ways(&self.next, from)).collect();
         let mut foliating: Vec<ConstraintId> = self.situations.iter().flat_map(|s| s.foliating.clone()).collect();
         foliating.sort_unstable();
         foliating.dedup();

@@ -19,6 +19,8 @@ pub mod feedback;
 pub(crate) mod goal_programs;
 pub mod goals;
 pub mod graph_building;
+mod graph_cases;
+mod graph_growth;
 pub mod grasp_distance;
 pub mod membership;
 pub mod model;

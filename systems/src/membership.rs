@@ -1,10 +1,12 @@
 //! Which state a configuration lies in, on which leaf, and whether it may be a start or a goal.
 
+use crate::graph_cases::Case;
+use crate::graph_growth::Growth;
 use crate::model::{Model, PlanningModel, hanging};
 use crate::resting::relative_pose_residual;
 use crate::settings::SearchSettings;
 use foliate_components::Pose;
-use foliate_components::constraint::Constraint;
+use foliate_components::constraint::{Constraint, Grasp};
 use foliate_components::graph::{ConstraintId, ConstraintKind, State, StateId};
 use foliate_components::leaf::Parameter;
 use foliate_components::robot::Robot;
@@ -58,9 +60,24 @@ pub fn feasible(model: &PlanningModel, settings: &SearchSettings, q: &[f64]) -> 
     Ok(Feasible { q: locked, state, parameters })
 }
 
-/// The state of a configuration `q` with bodies at `X_WJ`: the first, by falling priority, whose manifold it is on.
+/// As [`feasible`], after the configuration's state has come into being where the graph is lazy.
+///
+/// # Errors
+/// As [`feasible`].
+pub fn reach_feasible(model: &mut PlanningModel, settings: &SearchSettings, q: &[f64]) -> Result<Feasible, String> {
+    if model.graph.lazy {
+        model.reach(q, settings.membership_tolerance);
+    }
+    feasible(model, settings, q)
+}
+
+/// The state of a configuration `q` with bodies at `X_WJ`: the first, by falling priority, whose manifold it is on. In a lazy
+/// graph only where the state has come into being ([`PlanningModel::reach`]).
 #[must_use]
 pub fn state_of(model: &Model, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> Option<StateId> {
+    if let Some(growth) = model.growth() {
+        return growth.known(&case_of(model, growth, q, X_WJ, tolerance)?);
+    }
     let count = model.graph.constraints.len() as u32;
     let holds: Vec<bool> = (0..count).map(|c| residual(model, ConstraintId(c), q, X_WJ) <= tolerance).collect();
     let mut order: Vec<_> = (0..model.graph.states.len() as u32).map(StateId).collect();
@@ -68,13 +85,58 @@ pub fn state_of(model: &Model, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> Opti
     order.into_iter().find(|&s| model.graph.state(s).manifold.iter().all(|&c| holds[c.at()]))
 }
 
+fn case_of(model: &Model, growth: &Growth, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> Option<Case> {
+    growth.case_where(&model.problem, |kind| residual_of(model, growth_grasp(growth, kind), kind, q, X_WJ) <= tolerance)
+}
+
+fn growth_grasp(growth: &Growth, kind: ConstraintKind) -> Option<&Grasp> {
+    match kind {
+        ConstraintKind::Grasp { gripper, handle } | ConstraintKind::Pregrasp { gripper, handle } => {
+            growth.grasp(gripper, handle)
+        }
+        _ => None,
+    }
+}
+
+/// The state of a configuration, locked joints at their values; `None` where it is malformed too.
+pub(crate) fn state_at(model: &Model, q: &[f64], tolerance: f64) -> Option<StateId> {
+    let (q, X_WJ) = posed(model, q)?;
+    state_of(model, &q, &X_WJ, tolerance)
+}
+
+/// Likewise what its state would be in a lazy graph, whether that has come into being or not.
+pub(crate) fn case_at(model: &Model, q: &[f64], tolerance: f64) -> Option<Case> {
+    let (q, X_WJ) = posed(model, q)?;
+    case_of(model, model.growth()?, &q, &X_WJ, tolerance)
+}
+
+/// Whether a configuration lies in a state that may come into being and has not.
+pub(crate) fn is_unreached(model: &Model, q: &[f64], tolerance: f64) -> bool {
+    let Some(growth) = model.growth() else { return false };
+    case_at(model, q, tolerance).is_some_and(|case| growth.known(&case).is_none())
+}
+
+fn posed(model: &Model, q: &[f64]) -> Option<(Vec<f64>, Vec<Pose>)> {
+    if q.len() != model.problem.robot.space.size() || q.iter().any(|x| !x.is_finite()) {
+        return None;
+    }
+    let mut q = q.to_vec();
+    model.lock(&mut q);
+    let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
+    model.kinematics.forward(&q, &mut X_WJ);
+    Some((q, X_WJ))
+}
+
 /// The largest row of a constraint's error, metres and radians.
 #[must_use]
 pub fn residual(model: &Model, constraint: ConstraintId, q: &[f64], X_WJ: &[Pose]) -> f64 {
-    let kind = model.graph.constraint(constraint).kind;
+    residual_of(model, model.grasp(constraint), model.graph.constraint(constraint).kind, q, X_WJ)
+}
+
+fn residual_of(model: &Model, grasp: Option<&Grasp>, kind: ConstraintKind, q: &[f64], X_WJ: &[Pose]) -> f64 {
     match kind {
         ConstraintKind::Grasp { .. } | ConstraintKind::Pregrasp { .. } => {
-            let Some(grasp) = model.grasp(constraint) else { return f64::INFINITY };
+            let Some(grasp) = grasp else { return f64::INFINITY };
             let pregrasp = matches!(kind, ConstraintKind::Pregrasp { .. });
             let relative = if pregrasp { grasp.pregrasp() } else { grasp.constraint() };
             relative_pose_residual(&relative, X_WJ)
@@ -87,7 +149,7 @@ pub fn residual(model: &Model, constraint: ConstraintId, q: &[f64], X_WJ: &[Pose
         // It stays wherever it is: no rows.
         ConstraintKind::Rest { .. } => 0.0,
         ConstraintKind::JointRest { .. } | ConstraintKind::Given { .. } => {
-            let given = model.constraint(constraint);
+            let given = model.constraint_of(kind);
             given.map_or(f64::INFINITY, |given| constraints::residual(&model.problem.robot, &given, q, X_WJ))
         }
     }
@@ -130,6 +192,15 @@ pub fn parameter_of(model: &Model, constraint: ConstraintId, q: &[f64], X_WJ: &[
 /// The constraint that keeps a configuration out of the least demanding state, for messages: of several such, out of the
 /// one that it is nearest to.
 fn why_no_state(model: &Model, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> String {
+    if let Some(growth) = model.growth() {
+        let residual = |kind| residual_of(model, growth_grasp(growth, kind), kind, q, X_WJ);
+        return match growth.worst_when_free(&model.problem, residual) {
+            Some((constraint, state, r)) if r > tolerance => {
+                format!("`{constraint}` of state `{state}` is off by {r:.3e}")
+            }
+            _ => "no state is allowed in which its grasps hold".into(),
+        };
+    }
     let Some(least) = model.graph.states.iter().map(|s| s.priority).min() else { return "no state is allowed".into() };
     let worst = |state: &'_ State| {
         let all = state.manifold.iter().map(|&c| (c, residual(model, c, q, X_WJ)));

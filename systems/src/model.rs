@@ -1,16 +1,20 @@
 //! What stays the same during searches: the problem, its constraint graph, and the tables compiled from them.
 //!
 //! One model serves any number of searches on any number of threads. What belongs to single states and transitions is
-//! compiled when it is first asked for, so that a graph with thousands of states starts at once.
+//! compiled when it is first asked for, so that a graph with thousands of states starts at once. Where the graph is lazy,
+//! every search lets a model of its own grow, which shares all but the graph with the one it started from.
 
 use crate::carriers::{Carriers, grasp_of, is_beyond, is_rigid, root_of};
 use crate::constraint_programs::{LegProgram, parameter_in};
+use crate::graph_building::GraphError;
+use crate::graph_cases::Case;
+use crate::graph_growth::Growth;
 use crate::resting::{Resting, RestingPlace};
 use bevy_ecs::prelude::Resource;
 use foliate_components::Pose;
 use foliate_components::candidate::PlannedLeg;
 use foliate_components::constraint::{Constraint, Grasp, Locked, LockedValue};
-use foliate_components::graph::{ConstraintGraph, ConstraintId, ConstraintKind, StateId, TransitionId};
+use foliate_components::graph::{ConstraintGraph, ConstraintId, ConstraintKind, StateId, Transition, TransitionId};
 use foliate_components::leaf::{Leaf, LeafIndex, Parameter};
 use foliate_components::path::Attachment;
 use foliate_components::pose::{log_so3, pose_to_array};
@@ -37,13 +41,54 @@ impl Deref for PlanningModel {
     }
 }
 
+impl PlanningModel {
+    /// Makes the transitions that leave a state come into being, and the states that they lead to. Who shares the model
+    /// keeps what it had.
+    pub fn expand(&mut self, state: StateId) {
+        if !self.graph.is_expanded(state) {
+            Arc::make_mut(&mut self.0).expand(state);
+        }
+    }
+
+    /// Makes the state of a configuration come into being, where the graph is lazy and the configuration has the right
+    /// length and finite numbers; `None` where it lies in no state.
+    pub fn reach(&mut self, q: &[f64], tolerance: f64) -> Option<StateId> {
+        if !self.graph.lazy {
+            return crate::membership::state_at(self, q, tolerance);
+        }
+        let case = crate::membership::case_at(self, q, tolerance)?;
+        let known = self.growth.as_ref().and_then(|growth| growth.known(&case));
+        known.or_else(|| Arc::make_mut(&mut self.0).reach(case))
+    }
+}
+
 /// See the module.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Model {
+    tables: Arc<ProblemTables>,
+    /// The constraint graph.
+    pub graph: ConstraintGraph,
+    /// What the graph grows from, where it is lazy.
+    growth: Option<Growth>,
+    /// By constraint.
+    grasps: Vec<Option<Grasp>>,
+    states: Vec<Arc<StateTables>>,
+    transitions: Vec<Arc<TransitionTables>>,
+}
+
+impl Deref for Model {
+    type Target = ProblemTables;
+
+    fn deref(&self) -> &ProblemTables {
+        &self.tables
+    }
+}
+
+/// What a problem says whatever of its graph is there.
+#[derive(Debug)]
+pub struct ProblemTables {
     /// The problem.
     pub problem: Problem,
-    /// Its constraint graph.
-    pub graph: ConstraintGraph,
     /// Forward kinematics.
     pub kinematics: Kinematics,
     /// Solids and pairs.
@@ -53,20 +98,35 @@ pub struct Model {
     /// The same, with zeros for the movable objects, which are determined by leaf and robot.
     pub robot_weights: Vec<f64>,
     objects: Vec<ObjectModel>,
-    grasps: Vec<Option<Grasp>>,
     /// Values that the locked joints keep, by configuration index.
     locked: Vec<(usize, f64)>,
-    legs: Vec<Vec<OnceLock<Compiled>>>,
-    interiors: Vec<OnceLock<Compiled>>,
-    carriers: Vec<OnceLock<Carriers>>,
-    state_pairs: Vec<OnceLock<PairSet>>,
-    /// By transition and leg: pairs of its motions, where there are margins.
-    leg_pairs: Vec<Vec<OnceLock<PairSet>>>,
     /// Every pair, for verdicts.
     all_pairs: PairSet,
-    /// Every pair, with the margins of a state and of a transition, where there are margins.
-    state_verdicts: Vec<OnceLock<PairSet>>,
-    transition_verdicts: Vec<OnceLock<PairSet>>,
+}
+
+/// What is compiled of a state.
+#[derive(Debug, Default)]
+struct StateTables {
+    interior: OnceLock<Compiled>,
+    carriers: OnceLock<Carriers>,
+    pairs: OnceLock<PairSet>,
+    /// Every pair, with the margins of the state, where there are margins.
+    verdict: OnceLock<PairSet>,
+}
+
+/// What is compiled of a transition.
+#[derive(Debug, Default)]
+struct TransitionTables {
+    legs: Vec<LegTables>,
+    /// Every pair, with the margins of the transition, where there are margins.
+    verdict: OnceLock<PairSet>,
+}
+
+#[derive(Debug, Default)]
+struct LegTables {
+    program: OnceLock<Compiled>,
+    /// Pairs of its motions, where there are margins.
+    pairs: OnceLock<PairSet>,
 }
 
 type Compiled = Result<LegProgram, CompileError>;
@@ -93,26 +153,45 @@ impl ObjectModel {
 #[allow(missing_docs, reason = "the messages are the documentation")]
 pub enum ModelError {
     #[error(transparent)]
-    Graph(#[from] crate::graph_building::GraphError),
+    Graph(#[from] GraphError),
     #[error("{0}")]
     Document(String),
 }
 
 impl Model {
-    /// Builds graph and tables.
+    /// Builds graph and tables. A graph of more than [`MOST_STATES`](crate::graph_building::MOST_STATES) states is lazy: it
+    /// has no state yet.
     ///
     /// # Errors
     /// See [`ModelError`].
     pub fn new(problem: Problem) -> Result<Self, ModelError> {
-        let graph = crate::graph_building::build_constraint_graph(&problem)?;
-        Self::with_graph(problem, graph)
+        match crate::graph_building::build_constraint_graph(&problem) {
+            Ok(graph) => Self::with_graph(problem, graph),
+            Err(GraphError::TooManyStates { .. }) => Self::growing(problem),
+            Err(other) => Err(other.into()),
+        }
     }
 
-    /// Builds the tables of a problem whose graph is given, by hand say.
+    /// Builds the tables of a problem whose graph is to grow, however small it is.
+    ///
+    /// # Errors
+    /// See [`ModelError`].
+    pub fn growing(problem: Problem) -> Result<Self, ModelError> {
+        let (graph, growth) = Growth::new(&problem)?;
+        Self::assemble(problem, graph, Some(growth))
+    }
+
+    /// Builds the tables of a problem whose graph is given, by hand say. The graph is taken as whole.
     ///
     /// # Errors
     /// Documents that make no constraint.
-    pub fn with_graph(problem: Problem, graph: ConstraintGraph) -> Result<Self, ModelError> {
+    pub fn with_graph(problem: Problem, mut graph: ConstraintGraph) -> Result<Self, ModelError> {
+        graph.lazy = false;
+        graph.index();
+        Self::assemble(problem, graph, None)
+    }
+
+    fn assemble(problem: Problem, graph: ConstraintGraph, growth: Option<Growth>) -> Result<Self, ModelError> {
         let robot = &problem.robot;
         crate::sampling::bounded_roots(robot).map_err(ModelError::Document)?;
         let objects = object_models(&problem, &graph)?;
@@ -128,42 +207,55 @@ impl Model {
                 _ => Ok(None),
             })
             .collect::<Result<_, _>>()?;
-        let locked_joints = locked_joints(&problem);
-        let rule = PairRule {
-            ignored: &problem.ignored_pairs,
-            margins: &problem.margins,
-            locked: &locked_joints,
-            // The problem names them.
-            ignore_neighbours_without_srdf: false,
-        };
-        let collision = CollisionScene::new(robot, &rule);
-        let weights = coordinate_weights(robot);
-        let mut robot_weights = weights.clone();
-        for object in &objects {
-            let Some(root) = object.root else { continue };
-            if let Source::Coordinates { v, .. } = robot.joints[root.at()].source {
-                robot_weights[v..v + 6].fill(0.0);
+        let tables = Arc::new(ProblemTables::new(problem, objects));
+        let mut model = Self { tables, graph, growth, grasps, states: Vec::new(), transitions: Vec::new() };
+        model.catch_up();
+        Ok(model)
+    }
+
+    /// Gives tables to what has come into being.
+    fn catch_up(&mut self) {
+        let growth = self.growth.as_ref();
+        let grasp = |kind| match kind {
+            ConstraintKind::Grasp { gripper, handle } | ConstraintKind::Pregrasp { gripper, handle } => {
+                growth.and_then(|growth| growth.grasp(gripper, handle)).cloned()
             }
-        }
-        Ok(Self {
-            kinematics: Kinematics::new(robot),
-            weights,
-            robot_weights,
-            grasps,
-            locked: locked_coordinates(&problem),
-            legs: graph.transitions.iter().map(|t| t.legs.iter().map(|_| OnceLock::new()).collect()).collect(),
-            interiors: graph.states.iter().map(|_| OnceLock::new()).collect(),
-            carriers: graph.states.iter().map(|_| OnceLock::new()).collect(),
-            state_pairs: graph.states.iter().map(|_| OnceLock::new()).collect(),
-            leg_pairs: graph.transitions.iter().map(|t| t.legs.iter().map(|_| OnceLock::new()).collect()).collect(),
-            state_verdicts: graph.states.iter().map(|_| OnceLock::new()).collect(),
-            transition_verdicts: graph.transitions.iter().map(|_| OnceLock::new()).collect(),
-            all_pairs: PairSet::new(&collision, &[], &[]),
-            collision,
-            objects,
-            graph,
-            problem,
-        })
+            _ => None,
+        };
+        self.grasps.extend(self.graph.constraints[self.grasps.len()..].iter().map(|c| grasp(c.kind)));
+        self.states.resize_with(self.graph.states.len(), Arc::default);
+        let tables = |t: &Transition| {
+            let legs = t.legs.iter().map(|_| LegTables::default()).collect();
+            Arc::new(TransitionTables { legs, verdict: OnceLock::new() })
+        };
+        self.transitions.extend(self.graph.transitions[self.transitions.len()..].iter().map(tables));
+    }
+
+    /// See [`PlanningModel::expand`].
+    pub fn expand(&mut self, state: StateId) {
+        let Some(growth) = &mut self.growth else { return };
+        growth.expand(&self.tables.problem, &mut self.graph, state);
+        self.catch_up();
+    }
+
+    fn reach(&mut self, case: Case) -> Option<StateId> {
+        let state = self.growth.as_mut()?.reach(&self.tables.problem, &mut self.graph, case);
+        self.catch_up();
+        state
+    }
+
+    /// At most about so many bytes do the programs and pair sets take that are compiled when a transition is first tried
+    /// (measured on eight arms and ten boxes: 100 bytes per velocity coordinate and leg, 30 per pair of shapes). What was tried decides,
+    /// not what this process has compiled, so that budgets do not depend on other searches.
+    #[must_use]
+    pub fn bytes_to_try(&self, transition: TransitionId) -> u64 {
+        let legs = self.graph.transition(transition).legs.len();
+        (legs * 100 * self.problem.robot.space.dimension() + 30 * self.collision.pairs().len()) as u64
+    }
+
+    /// What the graph grows from, where it is lazy.
+    pub(crate) fn growth(&self) -> Option<&Growth> {
+        self.growth.as_ref()
     }
 
     /// Sets the locked joints of a configuration to their values.
@@ -190,7 +282,10 @@ impl Model {
     /// # Errors
     /// What a graph that was built by hand may ask for and no program can say.
     pub fn leg_program(&self, transition: TransitionId, leg: usize) -> Result<&LegProgram, &CompileError> {
-        self.legs[transition.at()][leg].get_or_init(|| LegProgram::of_leg(self, transition, leg)).as_ref()
+        self.transitions[transition.at()].legs[leg]
+            .program
+            .get_or_init(|| LegProgram::of_leg(self, transition, leg))
+            .as_ref()
     }
 
     /// The program of motions within a state.
@@ -198,40 +293,27 @@ impl Model {
     /// # Errors
     /// As [`Self::leg_program`].
     pub fn interior_program(&self, state: StateId) -> Result<&LegProgram, &CompileError> {
-        self.interiors[state.at()].get_or_init(|| LegProgram::of_state(self, state)).as_ref()
+        self.states[state.at()].interior.get_or_init(|| LegProgram::of_state(self, state)).as_ref()
     }
 
     /// A constraint of the problem's own, or a joint's rest, as kernels know it; parameter rows name slot 0.
     #[must_use]
     pub fn constraint(&self, constraint: ConstraintId) -> Option<Constraint> {
-        let options = &self.problem.graph;
-        match self.graph.constraint(constraint).kind {
-            ConstraintKind::Given { constraint } => {
-                options.constraints.get(constraint as usize).map(|given| given.constraint.clone())
-            }
-            ConstraintKind::JointRest { joint } => options.resting_joints.get(joint as usize).map(|resting| {
-                let value = match resting.rest {
-                    JointRest::Stays => LockedValue::Argument(0),
-                    JointRest::At(value) => LockedValue::Fixed(value),
-                };
-                Constraint::Locked(Locked { joint: resting.joint, value })
-            }),
-            _ => None,
-        }
+        self.constraint_of(self.graph.constraint(constraint).kind)
     }
 
     /// The pairs of shapes on motions of a transition that lie in `state`. Which pairs move depends on who carries whom,
     /// which the state decides; margins are lifted from what touches at either end of the transition.
     #[must_use]
     pub fn pairs(&self, transition: TransitionId, state: StateId, carriages: &[Carriage]) -> &PairSet {
-        let shared = || self.state_pairs[state.at()].get_or_init(|| PairSet::new(&self.collision, carriages, &[]));
+        let shared = || self.states[state.at()].pairs.get_or_init(|| PairSet::new(&self.collision, carriages, &[]));
         if self.problem.margins.is_empty() {
             return shared();
         }
         let ends = self.graph.transition(transition);
         // Motions that only enter the target come after the last leg; they stand still, and margins do not matter.
         let Some(leg) = ends.legs.iter().position(|leg| leg.state == state) else { return shared() };
-        self.leg_pairs[transition.at()][leg].get_or_init(|| {
+        self.transitions[transition.at()].legs[leg].pairs.get_or_init(|| {
             let touching = self.touching_along(transition);
             PairSet::new(&self.collision, carriages, &touching)
         })
@@ -298,7 +380,7 @@ impl Model {
         let verdict = || PairSet::new(&self.collision, &[], &self.touching(state));
         let pairs = match self.problem.margins.is_empty() {
             true => &self.all_pairs,
-            false => self.state_verdicts[state.at()].get_or_init(verdict),
+            false => self.states[state.at()].verdict.get_or_init(verdict),
         };
         first_collision(&self.collision, X_WJ, pairs, guard, scratch)
     }
@@ -316,7 +398,7 @@ impl Model {
         let verdict = || PairSet::new(&self.collision, &[], &self.touching_along(transition));
         let pairs = match self.problem.margins.is_empty() {
             true => &self.all_pairs,
-            false => self.transition_verdicts[transition.at()].get_or_init(verdict),
+            false => self.transitions[transition.at()].verdict.get_or_init(verdict),
         };
         first_collision(&self.collision, X_WJ, pairs, guard, scratch)
     }
@@ -339,7 +421,7 @@ impl Model {
     /// What carries each object in a state.
     #[must_use]
     pub fn carriers(&self, state: StateId) -> &Carriers {
-        self.carriers[state.at()].get_or_init(|| {
+        self.states[state.at()].carriers.get_or_init(|| {
             let manifold = &self.graph.state(state).manifold;
             Carriers::of_manifold(&self.problem.robot, &self.graph, manifold, |constraint| self.grasp(constraint))
         })
@@ -549,6 +631,58 @@ impl Model {
         let space = &self.problem.robot.space;
         let knots: Vec<&[f64]> = knots.chunks_exact(space.size()).collect();
         knots.windows(2).map(|pair| space.distance(pair[0], pair[1], &self.weights)).sum()
+    }
+}
+
+impl ProblemTables {
+    fn new(problem: Problem, objects: Vec<ObjectModel>) -> Self {
+        let robot = &problem.robot;
+        let locked_joints = locked_joints(&problem);
+        let rule = PairRule {
+            ignored: &problem.ignored_pairs,
+            margins: &problem.margins,
+            locked: &locked_joints,
+            // The problem names them.
+            ignore_neighbours_without_srdf: false,
+        };
+        let collision = CollisionScene::new(robot, &rule);
+        let weights = coordinate_weights(robot);
+        let mut robot_weights = weights.clone();
+        for object in &objects {
+            let Some(root) = object.root else { continue };
+            if let Source::Coordinates { v, .. } = robot.joints[root.at()].source {
+                robot_weights[v..v + 6].fill(0.0);
+            }
+        }
+        Self {
+            kinematics: Kinematics::new(robot),
+            weights,
+            robot_weights,
+            locked: locked_coordinates(&problem),
+            all_pairs: PairSet::new(&collision, &[], &[]),
+            collision,
+            objects,
+            problem,
+        }
+    }
+
+    /// A constraint of the problem's own, or a joint's rest, as kernels know it; parameter rows name slot 0.
+    #[must_use]
+    pub fn constraint_of(&self, kind: ConstraintKind) -> Option<Constraint> {
+        let options = &self.problem.graph;
+        match kind {
+            ConstraintKind::Given { constraint } => {
+                options.constraints.get(constraint as usize).map(|given| given.constraint.clone())
+            }
+            ConstraintKind::JointRest { joint } => options.resting_joints.get(joint as usize).map(|resting| {
+                let value = match resting.rest {
+                    JointRest::Stays => LockedValue::Argument(0),
+                    JointRest::At(value) => LockedValue::Fixed(value),
+                };
+                Constraint::Locked(Locked { joint: resting.joint, value })
+            }),
+            _ => None,
+        }
     }
 }
 

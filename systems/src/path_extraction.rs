@@ -53,6 +53,21 @@ pub fn extract_path(
     Some(path)
 }
 
+/// The states that motions of the path were to reach and that it leaves instead, since it travels them backwards.
+pub(crate) fn reached_backwards(model: &PlanningModel, roadmap: &Roadmap, start: NodeId, goal: NodeId) -> Vec<StateId> {
+    let mut at = start;
+    let mut states = Vec::new();
+    for edge in shortest_route(model, roadmap, start, goal).unwrap_or_default() {
+        let row = roadmap.edge(edge);
+        let forward = row.from == at;
+        at = if forward { row.to } else { row.from };
+        if !forward {
+            states.extend(roadmap.motions_of(edge).iter().map(|m| model.graph.transition(m.transition).to));
+        }
+    }
+    states
+}
+
 fn segment(model: &PlanningModel, leaves: &LeafIndex, motion: &Motion, forward: bool) -> Segment {
     let size = model.problem.robot.space.size();
     let mut knots: Vec<Vec<f64>> = motion.knots.chunks_exact(size).map(<[f64]>::to_vec).collect();

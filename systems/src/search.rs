@@ -5,14 +5,14 @@ use crate::conclusion::{Ending, Roots};
 use crate::connection::Connections;
 use crate::events::{EventSink, StopSignal};
 use crate::goals::{GoalSampler, plant};
-use crate::membership;
+use crate::membership::{self, Feasible};
 use crate::model::PlanningModel;
-use crate::path_extraction::extract_path;
+use crate::path_extraction::{extract_path, reached_backwards};
 use crate::schedule::StepCounter;
 use crate::schedulers::Scheduler;
 use crate::selection::{ReachedLeaves, TransitionWeights};
 use crate::settings::SearchSettings;
-use bevy_ecs::prelude::{Schedule, World};
+use bevy_ecs::prelude::{Mut, Schedule, World};
 use foliate_components::candidate::CandidateArena;
 use foliate_components::graph::{StateId, TransitionId};
 use foliate_components::leaf::LeafIndex;
@@ -21,7 +21,7 @@ use foliate_components::path::ManipulationPath;
 use foliate_components::problem::Goal;
 use foliate_components::roadmap::Roadmap;
 
-/// A search under way. It owns its world; the model is shared.
+/// A search under way. It owns its world; the model is shared, but for a lazy graph, of which every search has its own.
 pub struct Search {
     world: World,
     schedule: Schedule,
@@ -44,7 +44,8 @@ impl Search {
         let mut world = World::new();
         let size = model.problem.robot.space.size();
         let candidates = settings.candidates.clamp(1, 4096);
-        commit::spawn_graph_and_candidates(&mut world, model, candidates);
+        world.insert_resource(model.clone());
+        commit::spawn_graph_and_candidates(&mut world, candidates);
         world.insert_resource(CandidateArena::new(candidates, size));
         world.insert_resource(Roadmap::new(size));
         world.init_resource::<LeafIndex>();
@@ -57,11 +58,10 @@ impl Search {
         world.init_resource::<Roots>();
         world.init_resource::<Ending>();
         world.init_resource::<GoalSampler>();
-        world.insert_resource(model.clone());
         world.insert_resource(settings);
         world.insert_resource(stop);
         world.insert_resource(events);
-        let ending = plant_roots(&mut world, model).err();
+        let ending = plant_roots(&mut world).err();
         let schedule = scheduler.schedule(&mut world);
         Self { world, schedule, ending }
     }
@@ -71,6 +71,9 @@ impl Search {
         if self.ending.is_none() {
             self.schedule.run(&mut self.world);
             self.ending = self.world.resource::<Ending>().0.clone();
+            if self.ending == Some(SearchOutcome::Solved) {
+                self.expand_backwards();
+            }
         }
         self.ending.as_ref()
     }
@@ -86,6 +89,24 @@ impl Search {
         }
     }
 
+    /// Makes the transitions come into being that the path travels backwards, so that it can name them.
+    fn expand_backwards(&mut self) {
+        let (model, roadmap) = (self.world.resource::<PlanningModel>(), self.roadmap());
+        let roots = self.world.resource::<Roots>();
+        let ends = roots.start.zip(roots.reached_goal(roadmap));
+        let Some((start, goal)) = ends.filter(|_| model.graph.lazy) else { return };
+        for state in reached_backwards(model, roadmap, start, goal) {
+            commit::expand(&mut self.world, state);
+        }
+    }
+
+    /// The model of this search: ids of transitions and states in paths and statistics are those of its graph. Of a lazy
+    /// graph it has what this search has reached.
+    #[must_use]
+    pub fn model(&self) -> &PlanningModel {
+        self.world.resource::<PlanningModel>()
+    }
+
     /// The path, once the search is solved.
     #[must_use]
     pub fn path(&self) -> Option<ManipulationPath> {
@@ -97,7 +118,7 @@ impl Search {
         let tolerance = self.world.resource::<SearchSettings>().path_tolerance;
         let goal = roots.reached_goal(roadmap)?;
         let leaves = self.world.resource::<LeafIndex>();
-        extract_path(self.world.resource::<PlanningModel>(), roadmap, leaves, tolerance, roots.start?, goal)
+        extract_path(self.model(), roadmap, leaves, tolerance, roots.start?, goal)
     }
 
     /// The world: roadmap, leaves and statistics, for queries.
@@ -150,29 +171,51 @@ impl Search {
 
 /// Makes start and goals the roots of trees. A goal that leaves something free and of which no configuration was found yet
 /// is looked for again during the search.
-fn plant_roots(world: &mut World, model: &PlanningModel) -> Result<(), SearchOutcome> {
+fn plant_roots(world: &mut World) -> Result<(), SearchOutcome> {
     let settings = world.resource::<SearchSettings>().clone();
-    let start = membership::feasible(model, &settings, &model.problem.start).map_err(SearchOutcome::InfeasibleStart)?;
-    let mut sampler = GoalSampler::new(model, &settings, &start.q);
+    let found = world.resource_scope(|world, mut model: Mut<'_, PlanningModel>| {
+        find_roots(&mut model, &settings, world.resource::<StopSignal>())
+    })?;
+    world.insert_resource(found.sampler);
+    if let Some(why) = found.hopeless {
+        return Err(SearchOutcome::InfeasibleGoal(why));
+    }
+    let start = plant(world, found.start);
+    let goals = found.goals.into_iter().map(|goal| plant(world, goal)).collect();
+    world.insert_resource(Roots { start: Some(start), goals });
+    Ok(())
+}
+
+/// Where trees begin.
+struct FoundRoots {
+    start: Feasible,
+    goals: Vec<Feasible>,
+    sampler: GoalSampler,
+    /// Why there is no goal and will be none.
+    hopeless: Option<String>,
+}
+
+fn find_roots(
+    model: &mut PlanningModel,
+    settings: &SearchSettings,
+    stop: &StopSignal,
+) -> Result<FoundRoots, SearchOutcome> {
+    let q = model.problem.start.clone();
+    let start = membership::reach_feasible(model, settings, &q).map_err(SearchOutcome::InfeasibleStart)?;
+    let mut sampler = GoalSampler::new(model, settings, &start.q);
     let mut goals = Vec::new();
     let mut complaint = String::from("the problem names no goal");
-    for goal in &model.problem.goals {
+    for goal in model.problem.goals.clone() {
         if let Goal::Configuration(q) = goal {
-            match membership::feasible(model, &settings, q) {
+            match membership::reach_feasible(model, settings, &q) {
                 Ok(goal) => goals.push(goal),
                 Err(why) => complaint = why,
             }
         }
     }
-    goals.extend(sampler.draw_first(model, &settings, world.resource::<StopSignal>()));
-    let given_up = sampler.given_up(model, &settings);
+    goals.extend(sampler.draw_first(model, settings, stop));
+    let given_up = sampler.given_up(model, settings);
     let hopeless = goals.is_empty() && (sampler.is_empty() || given_up.is_some());
-    world.insert_resource(sampler);
-    if hopeless {
-        return Err(SearchOutcome::InfeasibleGoal(given_up.unwrap_or(complaint)));
-    }
-    let start = plant(world, start);
-    let goals = goals.into_iter().map(|goal| plant(world, goal)).collect();
-    world.insert_resource(Roots { start: Some(start), goals });
-    Ok(())
+    let hopeless = hopeless.then(|| given_up.unwrap_or(complaint));
+    Ok(FoundRoots { start, goals, sampler, hopeless })
 }

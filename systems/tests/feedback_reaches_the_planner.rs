@@ -90,13 +90,15 @@ fn without_an_interval_there_is_one_report() {
 fn the_object_in_the_way_is_named() {
     // The goal of box0 is close beside box1: whoever sets it down there meets box1.
     let model = model(boxes_on_a_table(&[(0.6, 0.2), (0.62, -0.2)], &[(0.6, -0.13), (0.62, -0.2)]).unwrap());
-    let settings = SearchSettings { max_steps: 150, ..seeded(4) };
-    let (_, mut search) = search(&model, &Mrrt, settings, 1);
     let robot = &model.problem.robot;
     let box1 = robot.part("box1").unwrap();
     let names_box1 = |transition: TransitionId| model.graph.transition(transition).name.contains("box1");
-    let met = search.statistics().into_iter().any(|(id, s)| {
-        !names_box1(id) && s.blocking_parts(robot).iter().any(|pair| pair.first == box1 || pair.second == box1)
+    // Now and then a search is lucky at once and meets nothing.
+    let met = (1..=5).any(|seed| {
+        let (_, mut search) = search(&model, &Mrrt, SearchSettings { max_steps: 150, ..seeded(seed) }, 1);
+        search.statistics().into_iter().any(|(id, s)| {
+            !names_box1(id) && s.blocking_parts(robot).iter().any(|pair| pair.first == box1 || pair.second == box1)
+        })
     });
     assert!(met, "no transition of the other box has met box1");
 }

@@ -35,3 +35,13 @@ pub struct State {
     /// the first counts: the problem's own states in the order in which they are written.
     pub priority: u32,
 }
+
+impl State {
+    /// About how many bytes it takes.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        let ids = self.manifold.len() + self.foliation.len();
+        (size_of::<Self>() + self.name.len() + size_of_val(self.grasps.as_slice()) + ids * size_of::<ConstraintId>())
+            as u64
+    }
+}

@@ -44,7 +44,7 @@ pub struct Transition {
     /// Foliating constraints of `to` that `from` does not have: the rows whose values are new at arrival, and that a
     /// crossed transition draws.
     pub adds: Vec<ConstraintId>,
-    /// The transition whose motions are these, reversed.
+    /// The transition whose motions are these, reversed; none while the state that it would leave is not expanded.
     pub reverse: Option<super::TransitionId>,
 }
 
@@ -61,4 +61,15 @@ pub struct Leg {
     pub drawn: Vec<ConstraintId>,
     /// Whether the projection starts from the leg's own start instead of a random configuration.
     pub short: bool,
+}
+
+impl Transition {
+    /// About how many bytes it takes.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        let ids = |ids: &[ConstraintId]| size_of_val(ids);
+        let leg = |leg: &Leg| size_of::<Leg>() + leg.name.len() + ids(&leg.target) + ids(&leg.drawn);
+        let legs: usize = self.legs.iter().map(leg).sum();
+        (size_of::<Self>() + self.name.len() + legs + ids(&self.adds)) as u64
+    }
 }

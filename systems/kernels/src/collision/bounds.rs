@@ -2,7 +2,6 @@
 
 use super::convex::{Convex, Core};
 use super::distance::{Solid, between_segments};
-use super::mesh_tree::MeshTree;
 use foliate_components::Pose;
 use glam::DVec3;
 
@@ -58,8 +57,7 @@ impl Ball {
             Solid::Mesh(mesh) => {
                 let start = mesh.nodes.first().map_or(DVec3::ZERO, |n| n.center);
                 // Where the centre should be, the extreme points in some directions tell; the radius is then exact.
-                let extreme = extreme_points(mesh);
-                let center = Self::around(start, |from| farthest_of(&extreme, from)).center;
+                let center = Self::around(start, |from| farthest_of(&mesh.hull.points, from)).center;
                 Self { center, radius: farthest(solid, center).distance(center) * SLACK }
             }
         }
@@ -143,19 +141,6 @@ pub(super) fn farthest(solid: &Solid, from: DVec3) -> DVec3 {
 fn farthest_of(points: &[DVec3], from: DVec3) -> DVec3 {
     let by_distance = |a: &&DVec3, b: &&DVec3| a.distance_squared(from).total_cmp(&b.distance_squared(from));
     points.iter().max_by(by_distance).copied().unwrap_or(from)
-}
-
-/// The vertices that lie farthest in each of 98 directions.
-fn extreme_points(mesh: &MeshTree) -> Vec<DVec3> {
-    let range = || -2..=2_i32;
-    let directions = range().flat_map(|x| range().flat_map(move |y| range().map(move |z| (x, y, z))));
-    directions
-        .filter(|&(x, y, z)| x.abs().max(y.abs()).max(z.abs()) == 2)
-        .filter_map(|(x, y, z)| {
-            let d = DVec3::new(f64::from(x), f64::from(y), f64::from(z));
-            mesh.triangles.as_flattened().iter().max_by(|a, b| a.dot(d).total_cmp(&b.dot(d))).copied()
-        })
-        .collect()
 }
 
 fn corners(h: DVec3) -> [DVec3; 8] {

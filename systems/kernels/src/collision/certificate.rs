@@ -10,7 +10,7 @@ use super::distance::Ask;
 use super::pairs::{ActiveGroup, PairSet};
 use super::scene::{CollisionScene, PairId};
 use super::scratch::{CollisionScratch, place_balls, solid_balls};
-use super::verdict::{Contact, pair_clearance};
+use super::verdict::{Contact, exact_clearance, hull_clearance, pair_clearance, rough_clearance};
 use crate::kinematics::{Carriage, Kinematics};
 use glam::DVec3;
 
@@ -44,6 +44,10 @@ impl Default for CertificateSettings {
         }
     }
 }
+
+/// Hulls that are this share of what an interval takes apart leave the pair to its halves; below it, the meshes themselves
+/// are asked.
+const HULL_SHARE: f64 = 0.05;
 
 /// What is proved about a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -343,7 +347,10 @@ impl<'a> Proof<'a> {
         let keep = self.pairs.margins[id.at()] + self.settings.clearance_guard;
         let needed = keep + closer;
         // Where the directional bound is no help, only a collision at the sample still matters.
-        let directional = self.scene.is_convex(id) && scratch.bound.is_fine();
+        if !self.scene.is_convex(id) {
+            return self.look_at_meshes(id, active, closer, scratch);
+        }
+        let directional = scratch.bound.is_fine();
         let ask = if directional {
             Ask { relative: 0.05, ..Ask::exact(needed) }
         } else {
@@ -363,9 +370,60 @@ impl<'a> Proof<'a> {
                 return Outcome::Certified;
             }
         }
-        let contact = Contact { pair: id, clearance: found };
+        self.undecided(id, found, keep, closer)
+    }
+
+    /// As [`Self::look_at_pair`] where one is a mesh: its hull is asked first, and where hulls are apart a direction is known.
+    fn look_at_meshes(
+        &mut self,
+        id: PairId,
+        active: &ActiveGroup,
+        closer: f64,
+        scratch: &mut CollisionScratch,
+    ) -> Outcome {
+        let keep = self.pairs.margins[id.at()] + self.settings.clearance_guard;
+        let needed = keep + closer;
+        let rough = rough_clearance(self.scene, id, &scratch.X_WJ, needed);
+        if rough >= needed {
+            self.min_clearance = self.min_clearance.min(rough - closer);
+            return Outcome::Certified;
+        }
+        let fine = scratch.bound.is_fine();
+        let ask = if fine {
+            Ask { relative: 0.05, ..Ask::exact(needed) }
+        } else {
+            Ask { floor: keep, relative: 0.05, ..Ask::exact(needed) }
+        };
+        let apart = hull_clearance(self.scene, id, &scratch.X_WJ, ask, &mut scratch.hull_hints[id.at()]);
+        if apart >= needed {
+            self.min_clearance = self.min_clearance.min(apart - closer);
+            return Outcome::Certified;
+        }
+        if fine && apart >= keep {
+            let (n, balls) = (scratch.hull_hints[id.at()], solid_balls(self.scene, id, &scratch.X_WJ));
+            let along = scratch.bound.approach_along(self.scene, self.pairs, active, balls, n);
+            if n != DVec3::ZERO && apart >= keep + along {
+                self.min_clearance = self.min_clearance.min(apart - along);
+                return Outcome::Certified;
+            }
+        }
+        if apart - keep >= HULL_SHARE * closer && 2.0 * closer > self.settings.resolution {
+            return Outcome::Open;
+        }
+        let ask = Ask { floor: keep, ..Ask::exact(needed) };
+        let found = exact_clearance(self.scene, id, &scratch.X_WJ, ask, &mut scratch.hints[id.at()]);
+        if found >= needed {
+            self.min_clearance = self.min_clearance.min(found - closer);
+            return Outcome::Certified;
+        }
+        self.undecided(id, found, keep, closer)
+    }
+
+    /// What becomes of a pair that is not certified.
+    fn undecided(&self, pair: PairId, clearance: f64, keep: f64, closer: f64) -> Outcome {
+        let contact = Contact { pair, clearance };
         // Compared so that NaN collides.
-        let keeps = found >= keep;
+        let keeps = clearance >= keep;
         match (keeps, 2.0 * closer > self.settings.resolution) {
             (false, _) => Outcome::Collides(contact),
             (true, true) => Outcome::Open,

@@ -75,6 +75,19 @@ impl Relative {
 /// (zero for none); it is updated.
 pub(super) fn core_distance(a: &Core, b: &Core, X_AB: &Relative, radii: f64, ask: Ask, hint: &mut DVec3) -> f64 {
     let farthest_against = |v: DVec3| a.support(-v) - X_AB.point(b.support(X_AB.direction_back(v)));
+    walk(farthest_against, || first_direction(a, b, X_AB), radii, ask, hint)
+}
+
+/// As [`core_distance`] for any two convex sets: `farthest_against` gives the point of A − B that lies farthest against a
+/// direction, `first` a direction to begin with and whether it is a point of A − B.
+#[inline(always)]
+pub(super) fn walk(
+    farthest_against: impl Fn(DVec3) -> DVec3,
+    first: impl FnOnce() -> (DVec3, bool),
+    radii: f64,
+    ask: Ask,
+    hint: &mut DVec3,
+) -> f64 {
     // What is returned has lost `ROUNDING` and still has to be at least `needed`.
     let enough = ask.needed + radii + 2.0 * ROUNDING;
     let floor = ask.floor + radii + 2.0 * ROUNDING;
@@ -86,7 +99,7 @@ pub(super) fn core_distance(a: &Core, b: &Core, X_AB: &Relative, radii: f64, ask
             return lower - radii - ROUNDING;
         }
     }
-    let (mut v, mut on_difference) = first_direction(a, b, X_AB);
+    let (mut v, mut on_difference) = first();
     let mut simplex: Option<Simplex> = None;
     for _ in 0..MAX_STEPS {
         let length = v.length();

@@ -49,12 +49,15 @@ pub(super) fn mesh_convex_distance(
             slab.turn_to(*hint, |n| convex.core.support(X_MC.direction_back(n)), X_MC);
             continue;
         }
-        let children = [index + 1, node.next];
-        let bounds = children.map(|child| probe.distance_squared(&mesh.nodes[child as usize]));
-        let nearer = usize::from(bounds[1] < bounds[0]);
-        for child in [1 - nearer, nearer] {
-            stack[depth] = (children[child], bounds[child]);
-            depth += 1;
+        let [first, second] = [index + 1, node.next];
+        let first = (first, probe.distance_squared(&mesh.nodes[first as usize]));
+        let second = (second, probe.distance_squared(&mesh.nodes[second as usize]));
+        let (nearer, farther) = if second.1 < first.1 { (second, first) } else { (first, second) };
+        for child in [farther, nearer] {
+            if !beyond(child.1, least.value + convex.radius) {
+                stack[depth] = child;
+                depth += 1;
+            }
         }
     }
     least.value - ROUNDING
@@ -67,6 +70,7 @@ pub(super) fn mesh_mesh_distance(a: &MeshTree, b: &MeshTree, X_AB: &Relative, as
         return f64::INFINITY;
     }
     let turned = X_AB.rotation.abs();
+    let turned = [turned, turned.transpose()];
     let bound = |i: u32, j: u32| box_distance_squared(&a.nodes[i as usize], &b.nodes[j as usize], X_AB, &turned);
     let mut least = Least::new(&ask);
     let mut slabs = Slabs::default();
@@ -92,12 +96,15 @@ pub(super) fn mesh_mesh_distance(a: &MeshTree, b: &MeshTree, X_AB: &Relative, as
         // Open the larger one.
         let open_a =
             !node_a.is_leaf() && (node_b.is_leaf() || node_a.half.length_squared() >= node_b.half.length_squared());
-        let pairs = if open_a { [(i + 1, j), (node_a.next, j)] } else { [(i, j + 1), (i, node_b.next)] };
-        let bounds = pairs.map(|(i, j)| bound(i, j));
-        let nearer = usize::from(bounds[1] < bounds[0]);
-        for child in [1 - nearer, nearer] {
-            stack[depth] = (pairs[child].0, pairs[child].1, bounds[child]);
-            depth += 1;
+        let [first, second] = if open_a { [(i + 1, j), (node_a.next, j)] } else { [(i, j + 1), (i, node_b.next)] };
+        let first = (first.0, first.1, bound(first.0, first.1));
+        let second = (second.0, second.1, bound(second.0, second.1));
+        let (nearer, farther) = if second.2 < first.2 { (second, first) } else { (first, second) };
+        for child in [farther, nearer] {
+            if !beyond(child.2, least.value) {
+                stack[depth] = child;
+                depth += 1;
+            }
         }
     }
     least.value - ROUNDING
@@ -161,7 +168,7 @@ fn leaf<'a>(mesh: &'a MeshTree, node: &Node) -> &'a [[DVec3; 3]] {
 fn meet_leaves(a: &[[DVec3; 3]], b: &[[DVec3; 3]], X_AB: &Relative, ask: &Ask, least: &mut Least, hint: &mut DVec3) {
     let here = Relative { rotation: DMat3::IDENTITY, translation: DVec3::ZERO };
     for q in b {
-        let q = Core::Triangle(q.map(|p| X_AB.point(p)));
+        let q = Core::Triangle([X_AB.point(q[0]), X_AB.point(q[1]), X_AB.point(q[2])]);
         for p in a {
             let ask = least.ask(ask);
             least.lower(core_distance(&Core::Triangle(*p), &q, &here, 0.0, ask, hint));
@@ -241,11 +248,13 @@ impl<'a> Probe<'a> {
     }
 }
 
-/// At most the squared distance of two boxes: the larger of the gaps along either's axes.
-fn box_distance_squared(a: &Node, b: &Node, X_AB: &Relative, turned: &DMat3) -> f64 {
+/// At most the squared distance of two boxes: the larger of the gaps along either's axes. `turned` are the rotation between
+/// them without signs and its transpose.
+#[inline(always)]
+fn box_distance_squared(a: &Node, b: &Node, X_AB: &Relative, turned: &[DMat3; 2]) -> f64 {
     let apart = X_AB.point(b.center) - a.center;
-    let along_a = (apart.abs() - a.half - *turned * b.half).max(DVec3::ZERO).length_squared();
+    let along_a = (apart.abs() - a.half - turned[0] * b.half).max(DVec3::ZERO).length_squared();
     let apart = X_AB.direction_back(apart);
-    let along_b = (apart.abs() - b.half - turned.transpose() * a.half).max(DVec3::ZERO).length_squared();
+    let along_b = (apart.abs() - b.half - turned[1] * a.half).max(DVec3::ZERO).length_squared();
     along_a.max(along_b)
 }

@@ -3,6 +3,7 @@
 //! parry's mesh distance is three orders of magnitude too slow for a planner and its meshes are hollow
 //! (reference/rust.md §4), so this is ours: axis-aligned boxes in the mesh's frame, median splits, f64 throughout.
 
+use super::hull::Hull;
 use foliate_components::robot::shape::Mesh;
 use glam::DVec3;
 
@@ -18,6 +19,8 @@ pub struct MeshTree {
     /// One vertex of each connected component: where none of them is inside a solid whose surface the mesh does not
     /// touch, nothing of the mesh is.
     pub(super) witnesses: Vec<DVec3>,
+    /// Few points around it.
+    pub(super) hull: Hull,
     closed: bool,
 }
 
@@ -49,6 +52,9 @@ impl MeshTree {
             tree.split(&mut triangles);
         }
         tree.triangles = triangles;
+        if tree.nodes.first().is_some_and(|root| root.half.is_finite()) {
+            tree.hull = Hull::new(&mesh.vertices, extreme_points(&mesh.vertices));
+        }
         tree
     }
 
@@ -214,6 +220,19 @@ fn bounds(triangles: &[[DVec3; 3]]) -> (DVec3, DVec3) {
         (low, high) = (low.min(*p), high.max(*p));
     }
     ((low + high) * 0.5, (high - low) * (0.5 * (1.0 + 1e-15)))
+}
+
+/// The vertices that lie farthest in each of 98 directions.
+fn extreme_points(vertices: &[DVec3]) -> Vec<DVec3> {
+    let range = || -2..=2_i32;
+    let directions = range().flat_map(|x| range().flat_map(move |y| range().map(move |z| (x, y, z))));
+    directions
+        .filter(|&(x, y, z)| x.abs().max(y.abs()).max(z.abs()) == 2)
+        .filter_map(|(x, y, z)| {
+            let d = DVec3::new(f64::from(x), f64::from(y), f64::from(z));
+            vertices.iter().max_by(|a, b| a.dot(d).total_cmp(&b.dot(d))).copied()
+        })
+        .collect()
 }
 
 fn longest_axis(half: DVec3) -> usize {

@@ -11,6 +11,7 @@ pub mod certificate;
 pub mod convex;
 pub mod distance;
 mod gjk;
+pub mod hull;
 mod mesh_distance;
 pub mod mesh_tree;
 mod pair_rule;

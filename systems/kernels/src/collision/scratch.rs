@@ -22,6 +22,8 @@ pub struct CollisionScratch {
     pub(super) polyline: PolylineScratch,
     /// By pair: the direction that separated it last, within one query.
     pub(super) hints: Vec<DVec3>,
+    /// By pair: the direction that set the hulls of its solids apart, within one query.
+    pub(super) hull_hints: Vec<DVec3>,
 }
 
 impl CollisionScratch {
@@ -34,6 +36,8 @@ impl CollisionScratch {
     pub(super) fn forget_hints(&mut self, scene: &CollisionScene) {
         self.hints.clear();
         self.hints.resize(scene.pairs.len(), DVec3::ZERO);
+        self.hull_hints.clear();
+        self.hull_hints.resize(scene.pairs.len(), DVec3::ZERO);
     }
 }
 

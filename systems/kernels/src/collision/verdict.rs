@@ -2,6 +2,7 @@
 
 use super::bounds::Ball;
 use super::distance::{Ask, Solid, clearance};
+use super::hull::hull_distance;
 use super::mesh_tree::MeshTree;
 use super::pairs::{ActiveGroup, PairSet};
 use super::scene::{CollisionScene, Pair, PairId, SceneSolid};
@@ -96,19 +97,40 @@ pub fn min_clearance(
 /// If `X_WJ` is shorter than the number of bodies.
 #[must_use]
 pub fn pair_clearance(scene: &CollisionScene, id: PairId, X_WJ: &[Pose], ask: Ask, hint: &mut DVec3) -> f64 {
+    let rough = rough_clearance(scene, id, X_WJ, ask.needed);
+    if rough >= ask.needed {
+        return rough;
+    }
+    exact_clearance(scene, id, X_WJ, ask, hint)
+}
+
+/// As [`pair_clearance`], with nothing asked first.
+pub(super) fn exact_clearance(scene: &CollisionScene, id: PairId, X_WJ: &[Pose], ask: Ask, hint: &mut DVec3) -> f64 {
+    let Pair { first, second, .. } = scene.pairs[id.at()];
+    let (a, b) = (&scene.solids[first.at()], &scene.solids[second.at()]);
+    let (X_WA, X_WB) = (body_pose(a, X_WJ), body_pose(b, X_WJ));
+    clearance(&a.solid, &(X_WA * a.X_JS), &b.solid, &(X_WB * b.X_JS), ask, hint)
+}
+
+/// As [`pair_clearance`], of the hulls of the two shapes: at most what it gives.
+pub(super) fn hull_clearance(scene: &CollisionScene, id: PairId, X_WJ: &[Pose], ask: Ask, hint: &mut DVec3) -> f64 {
+    let Pair { first, second, .. } = scene.pairs[id.at()];
+    let (a, b) = (&scene.solids[first.at()], &scene.solids[second.at()]);
+    let (X_WA, X_WB) = (body_pose(a, X_WJ), body_pose(b, X_WJ));
+    hull_distance(&a.solid, &(X_WA * a.X_JS), &b.solid, &(X_WB * b.X_JS), ask, hint)
+}
+
+/// At most the clearance of a pair, by balls and, where these are not `needed` apart, by capsules.
+pub(super) fn rough_clearance(scene: &CollisionScene, id: PairId, X_WJ: &[Pose], needed: f64) -> f64 {
     let Pair { first, second, .. } = scene.pairs[id.at()];
     let (a, b) = (&scene.solids[first.at()], &scene.solids[second.at()]);
     let (X_WA, X_WB) = (body_pose(a, X_WJ), body_pose(b, X_WJ));
     let between = X_WA.transform_point(a.ball.center).distance(X_WB.transform_point(b.ball.center));
     let balls = between - a.ball.radius - b.ball.radius;
-    if balls >= ask.needed {
+    if balls >= needed {
         return balls;
     }
-    let capsules = a.capsule.moved(&X_WA).distance(&b.capsule.moved(&X_WB));
-    if capsules >= ask.needed {
-        return capsules;
-    }
-    clearance(&a.solid, &(X_WA * a.X_JS), &b.solid, &(X_WB * b.X_JS), ask, hint)
+    a.capsule.moved(&X_WA).distance(&b.capsule.moved(&X_WB))
 }
 
 /// Whether one solid of a pair, whose surfaces are apart, lies inside the other: a closed mesh around it.

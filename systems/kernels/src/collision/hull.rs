@@ -1,0 +1,139 @@
+//! The convex hull of a mesh, as far as directions see it, and the distance of two hulls: cheap to know, and never more
+//! than the distance of what is in them.
+//!
+//! Two links of a robot that are neighbours of neighbours are as a rule set apart by a plane. To find one takes a dozen
+//! supports; to prove the same by the triangles takes hundreds of boxes.
+
+use super::distance::Solid;
+use super::gjk::{Ask, Relative, walk};
+use super::simplex::{Closest, Simplex};
+use foliate_components::Pose;
+use glam::DVec3;
+
+/// A lower bound of the distance of the hulls of two solids, metres: at least `ask.needed`, or within `ask`'s tolerances of
+/// the hulls' distance; not positive where the hulls (may) overlap. Poses and `hint` as for
+/// [`clearance`](super::distance::clearance): where the result is positive, `hint` is afterwards the unit vector from `b` to
+/// `a` along which the solids are at least that far apart.
+///
+/// Negative infinity where a mesh has no triangles or numbers that are not finite: its hull says nothing.
+#[must_use]
+pub fn hull_distance(a: &Solid, X_WA: &Pose, b: &Solid, X_WB: &Pose, ask: Ask, hint: &mut DVec3) -> f64 {
+    if !(has_hull(a) && has_hull(b) && X_WA.is_finite() && X_WB.is_finite()) {
+        return f64::NEG_INFINITY;
+    }
+    let X_AB = Relative::between(X_WA, X_WB);
+    let farthest_against = |v: DVec3| support(a, -v) - X_AB.point(support(b, X_AB.direction_back(v)));
+    let first = || {
+        let between = middle(a) - X_AB.point(middle(b));
+        (if between.length_squared() > 1e-20 { between } else { DVec3::X }, false)
+    };
+    let mut local = X_WA.rotation.conjugate() * *hint;
+    let found = walk(farthest_against, first, radius(a) + radius(b), ask, &mut local);
+    *hint = (X_WA.rotation * local).normalize_or_zero();
+    found
+}
+
+fn has_hull(solid: &Solid) -> bool {
+    match solid {
+        Solid::Convex(_) => true,
+        Solid::Mesh(mesh) => !mesh.hull.points.is_empty(),
+    }
+}
+
+fn radius(solid: &Solid) -> f64 {
+    match solid {
+        Solid::Convex(convex) => convex.radius,
+        Solid::Mesh(mesh) => mesh.hull.slack,
+    }
+}
+
+fn middle(solid: &Solid) -> DVec3 {
+    match solid {
+        Solid::Convex(convex) => convex.core.center(),
+        Solid::Mesh(mesh) => mesh.hull.middle,
+    }
+}
+
+fn support(solid: &Solid, d: DVec3) -> DVec3 {
+    match solid {
+        Solid::Convex(convex) => convex.core.support(d),
+        Solid::Mesh(mesh) => farthest_along(&mesh.hull.points, d),
+    }
+}
+
+/// Few points, and how far beyond their convex hull a mesh reaches at most.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Hull {
+    /// Vertices of the mesh; none where it has no triangles or numbers that are not finite.
+    pub points: Vec<DVec3>,
+    /// Metres.
+    pub slack: f64,
+    /// Somewhere in the middle of the points.
+    pub middle: DVec3,
+}
+
+/// With more points every direction would cost more than closer hulls save.
+const MOST_POINTS: usize = 128;
+/// Vertices that are farther than this share of the mesh's size beyond the hull become points of it.
+const FAR: f64 = 0.003;
+/// Rounding of coordinates up to some tens of metres, with room to spare; metres.
+const ROUNDING: f64 = 1e-9;
+
+impl Hull {
+    /// Of `vertices`, beginning with the `extreme` among them.
+    pub(super) fn new(vertices: &[DVec3], extreme: Vec<DVec3>) -> Self {
+        let mut points: Vec<DVec3> = Vec::with_capacity(MOST_POINTS);
+        for point in extreme {
+            if !points.contains(&point) {
+                points.push(point);
+            }
+        }
+        if points.is_empty() || !vertices.iter().all(|v| v.is_finite()) {
+            return Self::default();
+        }
+        let size = points.iter().map(|p| p.distance(points[0])).fold(0.0, f64::max);
+        let mut slack: f64 = 0.0;
+        for &vertex in vertices {
+            let far = beyond(&points, vertex, slack);
+            if far > FAR * size && points.len() < MOST_POINTS {
+                points.push(vertex);
+            } else {
+                slack = slack.max(far);
+            }
+        }
+        let middle = points.iter().sum::<DVec3>() / points.len() as f64;
+        Self { points, slack: slack + ROUNDING, middle }
+    }
+}
+
+/// A point that lies farthest in direction `d`.
+#[inline]
+fn farthest_along(points: &[DVec3], d: DVec3) -> DVec3 {
+    let (mut best, mut found) = (f64::NEG_INFINITY, DVec3::NAN);
+    for point in points {
+        let along = d.dot(*point);
+        if along > best {
+            (best, found) = (along, *point);
+        }
+    }
+    found
+}
+
+/// At least the distance of `vertex` from the convex hull of `points`; nearly that where it is more than `enough`.
+fn beyond(points: &[DVec3], vertex: DVec3, enough: f64) -> f64 {
+    let mut closest = points[0] - vertex;
+    let mut simplex = Simplex::of(closest);
+    // Whatever the walk does, `closest` is a point of the hull, seen from the vertex.
+    for _ in 0..32 {
+        let length = closest.length();
+        let w = farthest_along(points, -closest) - vertex;
+        if length <= enough || length * length - closest.dot(w) <= 1e-3 * length * length || !simplex.add(w) {
+            break;
+        }
+        match simplex.reduce() {
+            Closest::Outside(point) => closest = point,
+            Closest::Inside => return 0.0,
+        }
+    }
+    closest.length()
+}
