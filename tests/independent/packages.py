@@ -12,13 +12,27 @@ class InputError(Exception):
 
 
 def search_directories(given: list[str] | None = None) -> list[Path]:
-    """Folders that hold packages, first match wins: those given, then the environment, then installed wheels."""
+    """Folders that hold packages, first match wins: those given, then the environment, then the cache that
+    `foliate models --install` fills, then installed wheels."""
     folders = [Path(folder) for folder in given or []]
     for variable, below in (("FOLIATE_PACKAGE_PATH", ""), ("ROS_PACKAGE_PATH", ""), ("AMENT_PREFIX_PATH", "share")):
         entries = os.environ.get(variable, "").split(os.pathsep)
         folders += [Path(entry) / below for entry in entries if entry]
+    folders += _model_cache()
     folders += [Path(entry) / "cmeel.prefix" / "share" for entry in sys.path if entry]
     return [folder for folder in folders if folder.is_dir()]
+
+
+def _model_cache() -> list[Path]:
+    """`FOLIATE_MODEL_CACHE`, or `foliate/models` in the user's cache directory; none where there is no home."""
+    if given := os.environ.get("FOLIATE_MODEL_CACHE"):
+        return [Path(given)]
+    cache = Path(os.environ.get("XDG_CACHE_HOME", ""))
+    if not cache.is_absolute():
+        if not (home := os.environ.get("HOME")):
+            return []
+        cache = Path(home) / ("Library/Caches" if sys.platform == "darwin" else ".cache")
+    return [cache / "foliate" / "models"]
 
 
 def resolve(url: str, folders: list[Path], beside: Path) -> Path:
