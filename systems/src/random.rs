@@ -32,3 +32,29 @@ pub fn stream(seed: u64, purpose: Purpose, step: u64, candidate: u32) -> ChaCha8
     rng.set_stream(u64::from(candidate));
     rng
 }
+
+/// Draws in proportion to the weights by `u` ∈ [0, 1); nothing where none is positive.
+#[must_use]
+pub fn draw<T: Copy>(choices: &[(T, f64)], u: f64) -> Option<T> {
+    let mut left = u * choices.iter().map(|&(_, weight)| weight).sum::<f64>();
+    let drawn = choices.iter().find(|&&(_, weight)| {
+        left -= weight;
+        left < 0.0
+    });
+    // Rounding may leave a rest behind the last one.
+    drawn.or_else(|| choices.iter().rfind(|&&(_, weight)| weight > 0.0)).map(|&(choice, _)| choice)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::draw;
+
+    #[test]
+    fn what_has_no_weight_is_never_drawn() {
+        let choices = [('a', 0.0), ('b', 1.0), ('c', 0.0), ('d', 3.0), ('e', 0.0)];
+        let drawn = [0.0, 0.24, 0.26, 0.99, 1.0].map(|u| draw(&choices, u));
+        assert_eq!(drawn, ['b', 'b', 'd', 'd', 'd'].map(Some));
+        assert_eq!(draw(&[('a', 0.0)], 0.5), None);
+        assert_eq!(draw::<char>(&[], 0.5), None);
+    }
+}

@@ -7,13 +7,13 @@
 //! those, the draw goes by how often each was reached. A guided candidate takes the leaf that it aims at.
 
 use crate::model::PlanningModel;
-use crate::random::{Purpose, stream};
+use crate::random::{Purpose, draw, stream};
 use crate::schedule::StepCounter;
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Query, Res};
 use foliate_components::candidate::Candidate;
 use foliate_components::graph::{ConstraintId, StateId, TransitionKind};
-use foliate_components::leaf::{Leaf, LeafId, LeafIndex, ParameterId};
+use foliate_components::leaf::{Leaf, LeafId, LeafIndex};
 use foliate_components::outcome::Rejection;
 use foliate_components::roadmap::{ComponentId, Roadmap, Visits};
 use rand::RngExt;
@@ -53,7 +53,7 @@ pub fn draw_leaves(
             return;
         }
         let mut rng = stream(settings.seed, Purpose::Rendezvous, step.step, candidate.index);
-        let draw = Draw {
+        let choice = Draw {
             model: &model,
             roadmap: &roadmap,
             source: leaves.leaf(roadmap.node(near).leaf),
@@ -64,9 +64,9 @@ pub fn draw_leaves(
             return;
         }
         let u = rng.random();
-        let drawn = draw.leaf(by_state[transition.to.at()].iter(), u).or_else(|| {
+        let drawn = choice.leaf(by_state[transition.to.at()].iter(), u).or_else(|| {
             let elsewhere = by_state.iter().flatten().filter(|(_, r)| has_rows(r.leaf, &transition.adds));
-            draw.leaf(elsewhere, u)
+            choice.leaf(elsewhere, u)
         });
         match drawn {
             Some(leaf) => candidate.drawn = Some(leaf),
@@ -93,13 +93,7 @@ impl Draw<'_> {
         if choices.is_empty() {
             choices = weigh(false);
         }
-        let mut left = u * choices.iter().map(|&(_, w)| w).sum::<f64>();
-        let last = choices.last().map(|&(leaf, _)| leaf);
-        let leaf = choices.iter().find(|&&(_, w)| {
-            left -= w;
-            left < 0.0
-        });
-        leaf.map(|&(leaf, _)| leaf).or(last)
+        draw(&choices, u)
     }
 
     /// How often trees other than the candidate's have reached a leaf.
@@ -112,15 +106,10 @@ impl Draw<'_> {
         foliation(self.model, target.state)
             .iter()
             .zip(&target.parameters)
-            .all(|(&constraint, &value)| value_of(self.model, self.source, constraint).is_none_or(|own| own == value))
+            .all(|(&constraint, &value)| self.model.graph.value(self.source, constraint).is_none_or(|own| own == value))
     }
 }
 
 fn foliation(model: &PlanningModel, state: StateId) -> &[ConstraintId] {
     &model.graph.state(state).foliation
-}
-
-/// The value that a leaf gives a constraint, where the constraint foliates its state.
-fn value_of(model: &PlanningModel, leaf: &Leaf, constraint: ConstraintId) -> Option<ParameterId> {
-    foliation(model, leaf.state).iter().position(|&c| c == constraint).map(|i| leaf.parameters[i])
 }

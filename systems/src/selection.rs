@@ -2,7 +2,7 @@
 
 use crate::guidance::aiming::Aims;
 use crate::model::PlanningModel;
-use crate::random::{Purpose, stream};
+use crate::random::{Purpose, draw, stream};
 use crate::schedule::StepCounter;
 use crate::settings::{SearchSettings, Selection};
 use bevy_ecs::prelude::{Component, Query, Res, ResMut, Resource};
@@ -163,13 +163,8 @@ pub fn select_transitions(
             (id, weights.0[id.at()] * preference)
         };
         let choices: Vec<_> = model.graph.leaving(row.state).map(weigh).collect();
-        let mut left = rng.random::<f64>() * choices.iter().map(|&(_, w)| w).sum::<f64>();
-        let drawn = choices.iter().find(|&&(_, w)| {
-            left -= w;
-            left < 0.0
-        });
-        match drawn {
-            Some(&(transition, _)) => candidate.transition = Some(transition),
+        match draw(&choices, rng.random()) {
+            Some(transition) => candidate.transition = Some(transition),
             None => candidate.reject(Rejection::NoTransition),
         }
     }

@@ -13,6 +13,7 @@ pub use constraint::{ConstraintId, ConstraintKind, GraphConstraint};
 pub use state::{State, StateId};
 pub use transition::{Leg, Transition, TransitionId, TransitionKind};
 
+use crate::leaf::{Leaf, ParameterId};
 use crate::problem::ObjectOptions;
 use std::ops::Range;
 
@@ -130,6 +131,13 @@ impl ConstraintGraph {
     #[must_use]
     pub fn loop_of(&self, state: StateId) -> Option<TransitionId> {
         self.leaving(state).find(|(_, t)| t.kind == TransitionKind::Loop).map(|(id, _)| id)
+    }
+
+    /// The value that a leaf gives a constraint, where the constraint foliates its state.
+    #[must_use]
+    pub fn value(&self, leaf: &Leaf, constraint: ConstraintId) -> Option<ParameterId> {
+        let position = self.state(leaf.state).foliation.iter().position(|&c| c == constraint)?;
+        leaf.parameters.get(position).copied()
     }
 
     /// The transition of that name.

@@ -2,7 +2,7 @@
 
 use crate::guidance::grasp_distance::GraspDistance;
 use crate::model::PlanningModel;
-use crate::random::{Purpose, stream};
+use crate::random::{Purpose, draw, stream};
 use crate::schedule::StepCounter;
 use crate::selection::{Explored, ReachedLeaves};
 use crate::settings::{SearchSettings, Selection};
@@ -42,25 +42,19 @@ impl Aims {
         others.filter(|&(c, _)| roadmap.component(c) != tree).map(|(_, &d)| d).min().unwrap_or(0)
     }
 
-    /// Chooses a leaf of a tree, `reached` sorted by state: a state by its nearest leaf, then a leaf in it.
-    fn leaf(
-        &self,
-        roadmap: &Roadmap,
-        reached: &[(StateId, LeafId)],
-        tree: ComponentId,
-        rng: &mut impl Rng,
-    ) -> Option<LeafId> {
-        let far = |leaf: LeafId| f64::from(self.to_others(roadmap, leaf, tree));
-        let tried = |leaf: LeafId| f64::from(self.tries[leaf.at()]);
-        let weigh = |leaves: &[(StateId, LeafId)]| {
-            let near = leaves.iter().map(|&(_, leaf)| far(leaf)).fold(f64::INFINITY, f64::min);
-            let tries: f64 = leaves.iter().map(|&(_, leaf)| tried(leaf)).sum();
-            FOCUS.powf(-near) / (1.0 + tries / STATE_PATIENCE)
+    /// Weighs what a tree has reached, `reached` sorted by state: states by their nearest leaves, then the leaves in each.
+    fn weigh(&self, roadmap: &Roadmap, reached: &[(StateId, LeafId)], tree: ComponentId) -> WeightedLeaves {
+        let weigh_state = |leaves: &[(StateId, LeafId)]| {
+            let far = |&(_, leaf): &(StateId, LeafId)| f64::from(self.to_others(roadmap, leaf, tree));
+            let tried = |&(_, leaf): &(StateId, LeafId)| f64::from(self.tries[leaf.at()]);
+            let near = leaves.iter().map(far).fold(f64::INFINITY, f64::min);
+            let tries: f64 = leaves.iter().map(tried).sum();
+            let weigh = |leaf| (leaf, FOCUS.powf(-far(leaf)) / (1.0 + tried(leaf) / LEAF_PATIENCE));
+            let leaves = leaves.iter().map(weigh).map(|(&(_, leaf), weight)| (leaf, weight)).collect();
+            (leaves, FOCUS.powf(-near) / (1.0 + tries / STATE_PATIENCE))
         };
-        let states: Vec<_> = reached.chunk_by(|a, b| a.0 == b.0).map(|leaves| (leaves, weigh(leaves))).collect();
-        let leaves = draw(&states, rng)?;
-        let weigh = |leaf| FOCUS.powf(-far(leaf)) / (1.0 + tried(leaf) / LEAF_PATIENCE);
-        draw(&leaves.iter().map(|&(_, leaf)| (leaf, weigh(leaf))).collect::<Vec<_>>(), rng)
+        let (states, weights): (Vec<_>, Vec<_>) = reached.chunk_by(|a, b| a.0 == b.0).map(weigh_state).unzip();
+        WeightedLeaves { weights: (0..).zip(weights).collect(), states }
     }
 
     /// Chooses what to aim at from `leaf`: among the leaves that other trees have reached, near ones first.
@@ -78,7 +72,7 @@ impl Aims {
             let far = self.distance.between(graph, from, explored.leaves.leaf(to));
             (to, FOCUS.powi(-2 * i32::from(far)))
         };
-        draw(&others.flat_map(|(_, list)| list).map(weigh).collect::<Vec<_>>(), rng)
+        draw(&others.flat_map(|(_, list)| list).map(weigh).collect::<Vec<_>>(), rng.random())
     }
 
     /// How much likelier a transition gets by what it leads to.
@@ -94,14 +88,19 @@ impl Aims {
     }
 }
 
-/// Draws in proportion to the weights.
-fn draw<T: Copy>(choices: &[(T, f64)], rng: &mut impl Rng) -> Option<T> {
-    let mut left = rng.random::<f64>() * choices.iter().map(|&(_, w)| w).sum::<f64>();
-    let drawn = choices.iter().find(|&&(_, w)| {
-        left -= w;
-        left < 0.0
-    });
-    drawn.or(choices.last()).map(|&(choice, _)| choice)
+/// The leaves that a tree has reached, with their weights.
+struct WeightedLeaves {
+    /// Numbers of states and their weights.
+    weights: Vec<(usize, f64)>,
+    /// By state: its leaves and their weights.
+    states: Vec<Vec<(LeafId, f64)>>,
+}
+
+impl WeightedLeaves {
+    fn choose(&self, rng: &mut impl Rng) -> Option<LeafId> {
+        let state = draw(&self.weights, rng.random())?;
+        draw(&self.states[state], rng.random())
+    }
 }
 
 /// Measures the leaves that the last step has reached, each against all others.
@@ -145,7 +144,8 @@ pub fn choose_leaves(
     if settings.selection != Selection::Guided {
         return;
     }
-    let trees = explored.leaves_by_tree();
+    let weigh = |(tree, leaves): (ComponentId, Vec<_>)| (tree, aims.weigh(&explored.roadmap, &leaves, tree));
+    let trees: Vec<_> = explored.leaves_by_tree().into_iter().map(weigh).collect();
     let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive()).collect();
     pool.par_iter_mut().for_each(|candidate| {
         let mut rng = stream(settings.seed, Purpose::Aim, step.step, candidate.index);
@@ -153,7 +153,7 @@ pub fn choose_leaves(
             return;
         }
         let Some((tree, leaves)) = trees.choose(&mut rng) else { return };
-        let Some(leaf) = aims.leaf(&explored.roadmap, leaves, *tree, &mut rng) else { return };
+        let Some(leaf) = leaves.choose(&mut rng) else { return };
         candidate.component = Some(*tree);
         candidate.leaf = Some(leaf);
         candidate.aim = aims.aim(&model.graph, &explored, (leaf, *tree), &mut rng);

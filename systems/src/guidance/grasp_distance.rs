@@ -10,7 +10,7 @@
 //! yet is far.
 
 use foliate_components::graph::{ConstraintGraph, ConstraintId, ConstraintKind, StateId, Transition, TransitionKind};
-use foliate_components::leaf::{Leaf, ParameterId};
+use foliate_components::leaf::Leaf;
 use std::collections::HashMap;
 
 /// Farther than this is as far.
@@ -119,7 +119,7 @@ impl GraspDistance {
     /// Changes of grasp from one leaf to another.
     #[must_use]
     pub fn between(&self, graph: &ConstraintGraph, from: &Leaf, to: &Leaf) -> u16 {
-        self.sum(to, from.state, |c| value(graph, from, c) == value(graph, to, c))
+        self.sum(to, from.state, |c| graph.value(from, c) == graph.value(to, c))
     }
 
     /// Changes of grasp from where a transition leads to a leaf, where a crossed one takes the values of that leaf as far
@@ -127,8 +127,8 @@ impl GraspDistance {
     #[must_use]
     pub fn after(&self, graph: &ConstraintGraph, from: &Leaf, transition: &Transition, to: &Leaf) -> u16 {
         let crossed = transition.kind == TransitionKind::Crossed;
-        self.sum(to, transition.to, |c| match value(graph, from, c) {
-            Some(kept) => Some(kept) == value(graph, to, c),
+        self.sum(to, transition.to, |c| match graph.value(from, c) {
+            Some(kept) => Some(kept) == graph.value(to, c),
             None => crossed,
         })
     }
@@ -139,12 +139,6 @@ impl GraspDistance {
         let steps = self.subjects.iter().zip(ends).map(|(subject, (&a, &b))| subject.steps(a, b, &same));
         steps.map(u16::from).sum()
     }
-}
-
-/// The value that a leaf gives a constraint.
-fn value(graph: &ConstraintGraph, leaf: &Leaf, constraint: ConstraintId) -> Option<ParameterId> {
-    let foliation = &graph.state(leaf.state).foliation;
-    foliation.iter().position(|&c| c == constraint).map(|i| leaf.parameters[i])
 }
 
 impl Of {
