@@ -1,7 +1,8 @@
 //! Which instructions the lanes use: found once, or forced by name.
 
+use super::scalar::Portable;
 use super::vector::Isa;
-use fearless_simd::{Fallback, Level as Detected, Simd};
+use fearless_simd::{Level as Detected, Simd};
 
 /// A set of instructions for the lanes that this machine has. Results are equal bit for bit only at one level.
 #[derive(Clone, Copy, Debug)]
@@ -9,7 +10,7 @@ pub struct Level(Kind);
 
 #[derive(Clone, Copy, Debug)]
 enum Kind {
-    Scalar(Fallback),
+    Scalar,
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     Avx2(fearless_simd::x86::Avx2),
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
@@ -46,10 +47,10 @@ impl Level {
         Self::available().first().copied().unwrap_or_else(Self::scalar)
     }
 
-    /// One number at a time, on every machine.
+    /// One lane after another, on every machine.
     #[must_use]
     pub fn scalar() -> Self {
-        Self(Kind::Scalar(Fallback::new()))
+        Self(Kind::Scalar)
     }
 
     /// All that this machine has, best first; `scalar` is the last.
@@ -88,7 +89,7 @@ impl Level {
     #[must_use]
     pub fn name(self) -> &'static str {
         match self.0 {
-            Kind::Scalar(_) => "scalar",
+            Kind::Scalar => "scalar",
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             Kind::Avx2(_) => "avx2",
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
@@ -104,7 +105,7 @@ impl Level {
     #[inline]
     pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
         match self.0 {
-            Kind::Scalar(isa) => with(isa, kernel),
+            Kind::Scalar => kernel.run(Portable),
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             Kind::Avx2(isa) => with(isa, kernel),
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]

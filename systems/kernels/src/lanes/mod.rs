@@ -44,6 +44,7 @@
 
 mod geometry;
 mod level;
+mod scalar;
 mod trigonometry;
 mod vector;
 
