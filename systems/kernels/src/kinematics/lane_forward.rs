@@ -235,6 +235,18 @@ impl LaneStep {
         Self { parent, mounting, translation: DVec3::ZERO, moving: Moving::Placed(given) }
     }
 
+    /// The coordinates that move it.
+    pub(crate) fn coordinates(&self) -> std::ops::Range<usize> {
+        match self.moving {
+            Moving::TurnX(c) | Moving::TurnY(c) | Moving::TurnZ(c) | Moving::Turn(c, _) | Moving::Slide(c, _) => {
+                c.q..c.q + 1
+            }
+            Moving::Planar(q) => q..q + 3,
+            Moving::FreeFlyer(q) => q..q + 7,
+            Moving::Placed(_) => 0..0,
+        }
+    }
+
     #[inline(always)]
     fn mounted_on_world<V: Lanes>(&self, isa: V::Isa) -> Transform<V> {
         let rotation = match &self.mounting {
