@@ -3,10 +3,10 @@
 use super::summary::{self, Loaded};
 use super::{Ending, Refusal, print, print_json, say};
 use foliate::components::outcome::SearchOutcome;
+use foliate::kernels::lanes::Level;
 use foliate::path_file::{PathContext, save, write_path};
 use foliate::scene::{PackagePath, Scene, load_scene};
 use foliate::systems::events::SearchEvent;
-use foliate::kernels::lanes::Level;
 use foliate::systems::settings::{SearchSettings, Selection};
 use foliate::{Planner, Solution};
 use indicatif::{ProgressBar, ProgressStyle};

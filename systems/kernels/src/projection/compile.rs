@@ -325,8 +325,10 @@ impl Compiler<'_> {
         let objects: Vec<_> = self.carriages.iter().map(|c| c.object).collect();
         let bodies = self.bodies(&blocks, &checks, &objects, &active);
         let moves = self.moves(&active);
+        let lanes = LaneProgram::new(self.robot, &bodies, &blocks, &moves, active.len());
         ConstraintProgram {
-            lanes: LaneProgram::new(self.robot, &bodies, &blocks, &moves, active.len()),
+            hand: lanes.as_ref().and_then(|lanes| lanes.hand(&bodies.moving_bodies(), self.robot)),
+            lanes,
             moves,
             written: objects.iter().filter_map(|&object| self.write_back(object)).collect(),
             arguments: self.arguments(),

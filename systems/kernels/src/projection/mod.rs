@@ -20,6 +20,7 @@ mod newton;
 mod point_rates;
 mod program;
 mod scratch;
+mod seeds;
 
 pub use batch::{Job, project_batch};
 pub use carriage::{CarriageTemplate, Relation};
@@ -29,3 +30,4 @@ pub use motion::{MotionEnd, MotionScratch, MotionSettings, project_motion};
 pub use newton::{Outcome, Settings, project};
 pub use program::{ConstraintProgram, Deviation};
 pub use scratch::Scratch;
+pub use seeds::{SEEDS, SeedTable, SeedTarget};

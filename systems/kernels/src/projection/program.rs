@@ -6,6 +6,7 @@ use super::carriage::CarriageTemplate;
 use super::hessian_bound::ResidualBound;
 use super::lane_program::LaneProgram;
 use super::scratch::Scratch;
+use super::seeds::Hand;
 use crate::constraints::placement;
 use crate::kinematics::Carriage;
 use foliate_components::Pose;
@@ -43,6 +44,8 @@ pub struct ConstraintProgram {
     pub(super) bound: ResidualBound,
     /// The same for lanes, where every part has a form for them.
     pub(super) lanes: Option<LaneProgram>,
+    /// What seeds are looked up for.
+    pub(super) hand: Option<Hand>,
 }
 
 /// How active variables move a configuration.
