@@ -161,7 +161,22 @@ impl ConstraintProgram {
             bodies::run(steps, q, &scratch.carriages, &mut scratch.X_WJ);
         }
         let checks = self.failed_check(q, arguments, 0.0, scratch).1;
-        Some(checks.max(self.evaluate(q, arguments, scratch)))
+        Some(checks.max(self.measure(q, arguments, scratch)))
+    }
+
+    /// Values of the implicit rows at the current poses; returns the largest absolute value.
+    fn measure(&self, q: &[f64], arguments: &[Pose], scratch: &mut Scratch) -> f64 {
+        let Scratch { X_WJ, decoded, memory, values, .. } = scratch;
+        for block in &self.blocks {
+            block.linearise(Inputs { q, arguments, decoded, X_WJ }, memory, values, &mut [], 0);
+        }
+        largest(&values[..self.rows()])
+    }
+
+    /// Whether every row is one and the same smooth function everywhere: with a placement that does not keep to its leaf's
+    /// polygons another pair may be in contact elsewhere.
+    pub(super) fn is_smooth(&self) -> bool {
+        !self.blocks.iter().any(|block| matches!(&block.kind, Kind::Contact(contact) if contact.part.slot().is_none()))
     }
 
     /// Whether sizes fit and every number is finite.
