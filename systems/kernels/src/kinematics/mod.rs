@@ -5,5 +5,5 @@ mod jacobian;
 mod weighted_points;
 
 pub use forward::{Carriage, Kinematics, Placement};
-pub use jacobian::{AttachmentTree, Column, geometric_jacobian};
+pub use jacobian::{AttachmentTree, Column, Standing, geometric_jacobian};
 pub use weighted_points::{MomentColumn, PointNode, PointTree, WeightedPoint};

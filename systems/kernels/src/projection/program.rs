@@ -40,6 +40,20 @@ pub struct ConstraintProgram {
     pub(super) arguments: usize,
     pub(super) size: usize,
     pub(super) bound: ResidualBound,
+    /// The same with a free-flying robot's root eliminated, where a foot of it stands in the world: what is solved. Rows
+    /// and bounds are those of the robot as written, for that is what moves.
+    pub(super) standing: Option<Box<ConstraintProgram>>,
+    /// The root that a foot puts in its place; only in a program that is another one's `standing`.
+    pub(super) root: Option<StandingRoot>,
+}
+
+/// An eliminated root.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct StandingRoot {
+    pub write: WriteBack,
+    /// Bounds of its position in its joint frame.
+    pub lower: DVec3,
+    pub upper: DVec3,
 }
 
 /// How active variables move a configuration.
@@ -94,6 +108,19 @@ impl ConstraintProgram {
     #[must_use]
     pub fn rows(&self) -> usize {
         self.blocks.iter().map(|block| block.rows).sum()
+    }
+
+    /// Variables and rows of the Newton problem that a solve works on: without the root of a robot that stands on a foot,
+    /// and without the foot's rows.
+    #[must_use]
+    pub fn equations(&self) -> (usize, usize) {
+        let solved = self.solved();
+        (solved.active.len(), solved.rows())
+    }
+
+    /// The program in the form in which it is solved.
+    pub(super) fn solved(&self) -> &Self {
+        self.standing.as_deref().unwrap_or(self)
     }
 
     /// Number of constraints that no variable touches.
@@ -241,6 +268,40 @@ impl ConstraintProgram {
         for write in &self.written {
             write.write(&scratch.X_WJ, q);
         }
+        if let Some(root) = &self.root {
+            root.write(&scratch.X_WJ, q);
+        }
+    }
+
+    /// Whether a root that a foot has put in its place is within its bounds.
+    pub(super) fn root_is_within(&self, q: &[f64]) -> bool {
+        self.root.is_none_or(|root| root.is_within(q))
+    }
+}
+
+/// What a root may be outside of its bounds by for want of digits, metres.
+const ROUNDING: f64 = 1e-9;
+
+impl StandingRoot {
+    /// Writes the root with the sign of the quaternion that it had, so that a motion's knots have no jumps of sign.
+    fn write(&self, X_WJ: &[Pose], q: &mut [f64]) {
+        let i = self.write.coordinate;
+        let before = foliate_components::configuration::quaternion(q, i);
+        self.write.write(X_WJ, q);
+        let turn = foliate_components::configuration::quaternion(q, i).normalize();
+        let turn = if turn.dot(before) < 0.0 { -turn } else { turn };
+        q[i + 3..i + 7].copy_from_slice(&[turn.x, turn.y, turn.z, turn.w]);
+        for k in 0..3 {
+            let within = q[i + k].max(self.lower[k]).min(self.upper[k]);
+            if (within - q[i + k]).abs() <= ROUNDING {
+                q[i + k] = within;
+            }
+        }
+    }
+
+    fn is_within(&self, q: &[f64]) -> bool {
+        let i = self.write.coordinate;
+        (0..3).all(|k| (self.lower[k]..=self.upper[k]).contains(&q[i + k]))
     }
 }
 
