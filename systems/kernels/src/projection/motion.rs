@@ -71,6 +71,8 @@ pub struct MotionScratch {
     probe: Vec<f64>,
     /// Lengths of the last two steps' straight ways; infinite before there were any.
     strides: [f64; 2],
+    /// The bound of the last step.
+    bound: f64,
     /// What the rows did half-way through the last step, as a share of the bound.
     bend: f64,
 }
@@ -122,11 +124,33 @@ pub fn project_motion(
     MotionEnd::TooManyKnots
 }
 
+/// How many strides away the goal is not looked for.
+const SIGHT: f64 = 3.0;
+
+/// What a step has to bring nearer to the goal, as a share of its straight way; below it is not worth its knot.
+const LEAST_PROGRESS: f64 = 0.02;
+
+/// How often a shorter step is tried where one leads away: the leaf may only have been bent.
+const PATIENCE: u32 = 3;
+
+/// Below this share what was learnt of the leaf's direction leads astray: it is dropped.
+const POOR_PROGRESS: f64 = 0.3;
+
 /// The share of what is promising that is tried.
 const SAFETY: f64 = 0.8;
 
 /// How much longer than the last one a stride may be tried.
 const LARGEST_GROWTH: f64 = 2.0;
+
+/// How a step went.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Step {
+    Taken,
+    /// It is on the leaf, but hardly nearer to the goal.
+    LeadsAway,
+    /// It was not found, or cannot be certified.
+    Lost,
+}
 
 /// A motion under way: `scratch.current` is the last knot, `scratch.poses` its bodies.
 struct Walk<'a> {
@@ -153,6 +177,7 @@ impl Walk<'_> {
             zeros.resize(dimension, 0.0);
         }
         s.strides = [f64::INFINITY; 2];
+        s.bound = 0.0;
         s.bend = FIRST_BEND;
     }
 
@@ -170,6 +195,9 @@ impl Walk<'_> {
     fn goal_in_sight(&mut self) -> bool {
         let s = &mut *self.scratch;
         self.space.difference(&s.current, &s.goal, &mut s.chord);
+        if self.length(false) > SIGHT * self.scratch.strides[0] {
+            return false;
+        }
         let bound = self.bound(&self.scratch.chord);
         bound <= self.promising() && self.holds(bound, true)
     }
@@ -223,26 +251,41 @@ impl Walk<'_> {
     /// Takes the longest step towards the goal that can be certified, halving it until it can; false where none can.
     fn advance(&mut self) -> bool {
         let length = self.length(false);
-        let mut fraction = self.certified_fraction(length);
-        while fraction * length >= self.settings.shortest_step {
-            if self.try_step(fraction, length) {
-                let s = &mut *self.scratch;
-                std::mem::swap(&mut s.current, &mut s.next);
-                s.poses.swap(0, 1);
-                s.strides = [fraction * length, s.strides[0]];
-                return true;
+        let mut fraction = self.next_fraction(length);
+        let mut led_away = 0;
+        while fraction * length >= self.settings.shortest_step && led_away < PATIENCE {
+            match self.try_step(fraction, length) {
+                Step::Taken => {
+                    let s = &mut *self.scratch;
+                    std::mem::swap(&mut s.current, &mut s.next);
+                    s.poses.swap(0, 1);
+                    s.strides = [fraction * length, s.strides[0]];
+                    return true;
+                }
+                Step::LeadsAway => led_away += 1,
+                Step::Lost => {}
             }
             fraction *= 0.5;
         }
         false
     }
 
+    /// The fraction of the chord to try: the bound grows with the square of the stride.
+    fn next_fraction(&mut self, length: f64) -> f64 {
+        let (stride, bound) = (self.scratch.strides[0], self.scratch.bound);
+        if stride == f64::INFINITY {
+            return self.certified_fraction();
+        }
+        let growth = (SAFETY * self.promising() / bound).sqrt().min(LARGEST_GROWTH);
+        (0.95 * growth * stride / length).min(0.5)
+    }
+
     /// The fraction of the chord that meets the bound, with a margin for the correction that the projection adds. The
     /// bound grows with the square of the step and a little faster, so its root is a guess on the safe side of a step that
-    /// is too long. Looked for from the last stride, which is nearly right.
-    fn certified_fraction(&mut self, length: f64) -> f64 {
+    /// is too long.
+    fn certified_fraction(&mut self) -> f64 {
         let promising = SAFETY * self.promising();
-        let mut fraction = (self.scratch.strides[0] / length).min(0.5);
+        let mut fraction = 0.5;
         while fraction > 1e-6 {
             let s = &mut *self.scratch;
             s.step.iter_mut().zip(&s.chord).for_each(|(x, c)| *x = c * fraction);
@@ -265,13 +308,13 @@ impl Walk<'_> {
         self.settings.path_tolerance - 2.0 * self.settings.solve.tolerance
     }
 
-    fn try_step(&mut self, fraction: f64, length: f64) -> bool {
+    fn try_step(&mut self, fraction: f64, length: f64) -> Step {
         let stride = fraction * length;
         self.predict(fraction, stride);
         let s = &mut *self.scratch;
         if !project(self.program, &mut s.next, self.arguments, &self.settings.solve, &mut s.solve).is_converged() {
             self.forget();
-            return false;
+            return Step::Lost;
         }
         s.poses[1].clear();
         s.poses[1].extend_from_slice(s.solve.poses());
@@ -279,17 +322,18 @@ impl Walk<'_> {
         let (stepped, bound) = (self.length(true), self.bound(&self.scratch.step));
         if stepped > self.settings.jump * stride {
             self.forget();
-            return false;
+            return Step::Lost;
         }
         if !self.holds(bound, false) {
-            return false;
+            return Step::Lost;
         }
         // What is left must get shorter, or the walk could circle.
         let s = &mut *self.scratch;
+        s.bound = bound;
         self.space.difference(&s.next, &s.goal, &mut s.step);
-        let gets_nearer = self.length(true) < length;
-        self.learn(stride);
-        gets_nearer
+        let progress = (length - self.length(true)) / stride;
+        if progress < POOR_PROGRESS { self.forget() } else { self.learn(stride) }
+        if progress >= LEAST_PROGRESS { Step::Taken } else { Step::LeadsAway }
     }
 
     /// Puts the straight way's next point into `straight`, and into `next` where the leaf is likely to be: it bends
