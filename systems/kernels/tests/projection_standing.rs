@@ -153,8 +153,7 @@ fn the_root_goes_where_the_foot_puts_it() {
         let (world, foot) = (Frame::world(Pose::from_translation(DVec3::X)), bench.joint("human/l_ankle_roll"));
         let foot = Frame::of_joint(foot).then(&Pose::from_translation(DVec3::NEG_Z * 0.05));
         let (a, b) = if reversed { (foot, world) } else { (world, foot) };
-        let program =
-            bench.compile(&[Constraint::RelativePose(RelativePose::rigid(a, b, Reference::Argument(0)))]);
+        let program = bench.compile(&[Constraint::RelativePose(RelativePose::rigid(a, b, Reference::Argument(0)))]);
         assert_eq!((program.rows(), program.equations()), (6, (0, 0)));
         for _ in 0..50 {
             let turn = bench.draw.vector(0.5);
@@ -309,7 +308,10 @@ fn what_does_not_stand_keeps_its_root() {
     let [ankle, wrist] = ["human/l_ankle_roll", "human/l_wrist_roll"].map(|name| Frame::of_joint(bench.joint(name)));
     let [wheel, object] = ["rover/elbow", "box/root_joint"].map(|name| bench.robot.joint(name).map(Frame::of_joint));
     let rigid = |a, b| RelativePose::rigid(a, b, Reference::Identity);
-    let flat = RelativePose { rows: [None, None, Some(Row::Zero), Some(Row::Zero), Some(Row::Zero), None], ..rigid(world, ankle) };
+    let flat = RelativePose {
+        rows: [None, None, Some(Row::Zero), Some(Row::Zero), Some(Row::Zero), None],
+        ..rigid(world, ankle)
+    };
     let mut others = vec![flat, rigid(ankle, wrist)];
     others.extend(wheel.map(|wheel| rigid(world, wheel)));
     others.extend(object.map(|object| rigid(world, object)));

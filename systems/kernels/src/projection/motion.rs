@@ -332,7 +332,11 @@ impl Walk<'_> {
         s.bound = bound;
         self.space.difference(&s.next, &s.goal, &mut s.step);
         let progress = (length - self.length(true)) / stride;
-        if progress < POOR_PROGRESS { self.forget() } else { self.learn(stride) }
+        if progress < POOR_PROGRESS {
+            self.forget()
+        } else {
+            self.learn(stride)
+        }
         if progress >= LEAST_PROGRESS { Step::Taken } else { Step::LeadsAway }
     }
 
