@@ -28,6 +28,8 @@ pub struct Candidate {
     /// For a crossed transition: the leaf of another tree that is aimed at; the values of the rows that the transition
     /// adds are taken from it.
     pub drawn: Option<LeafId>,
+    /// Whether its waypoints have passed the exact verdict of all pairs.
+    pub waypoints_are_free: bool,
     /// Why nothing more is to be done for it.
     pub rejected: Option<Rejection>,
     /// The pair of shapes that stopped it.

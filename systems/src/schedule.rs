@@ -37,7 +37,7 @@ pub struct StepCounter {
     pub step: u64,
     /// Candidates.
     pub candidates: u64,
-    /// Candidates whose waypoints all projected, so that their motions were validated.
+    /// Candidates whose waypoints all projected, whether or not these were free.
     pub validated: u64,
 }
 

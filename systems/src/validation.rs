@@ -4,6 +4,7 @@ use crate::events::StopSignal;
 use crate::model::PlanningModel;
 use crate::schedule::StepCounter;
 use crate::settings::SearchSettings;
+use crate::waypoints::waypoints_are_free;
 use bevy_ecs::prelude::{Query, Res, ResMut};
 use foliate_components::Pose;
 use foliate_components::candidate::{Candidate, CandidateArena, PlannedLeg};
@@ -40,7 +41,8 @@ pub fn certify_legs(
 ) {
     let mut pool: Vec<_> = candidates.iter_mut().collect();
     pool.sort_unstable_by_key(|c| c.index);
-    counter.validated += pool.iter().filter(|c| c.is_alive()).count() as u64;
+    let projected = |c: &Candidate| c.is_alive() || matches!(c.rejected, Some(Rejection::WaypointBlocked(_)));
+    counter.validated += pool.iter().filter(|c| projected(c)).count() as u64;
     let CandidateArena { legs, complete, .. } = &mut *arena;
     let slots = legs.par_iter_mut().zip(complete.par_iter_mut());
     pool.par_iter_mut().zip(slots).for_each_init(
@@ -68,8 +70,9 @@ fn certify_candidate(
     scratch: &mut Scratch,
 ) -> bool {
     let Some(transition) = candidate.transition else { return false };
-    let is_loop = model.graph.transition(transition).kind == TransitionKind::Loop;
-    if !is_loop && !waypoints_are_free(model, settings, candidate, legs, scratch) {
+    // A scheduler may leave out the check in front of Steer, never the verdict itself.
+    let Scratch { collision, X_WJ } = scratch;
+    if !candidate.waypoints_are_free && !waypoints_are_free(model, settings, candidate, legs, (collision, X_WJ)) {
         legs.clear();
         return false;
     }
@@ -133,34 +136,6 @@ fn keep_margins(
         }
         legs.truncate(last);
     }
-}
-
-/// Exact verdict of every waypoint, all pairs: also of those that a leg keeps in constant relative pose, for which this is
-/// the one test that holds for the whole leaf. Cheap beside certifying a motion that leads nowhere.
-fn waypoints_are_free(
-    model: &PlanningModel,
-    settings: &SearchSettings,
-    candidate: &mut Candidate,
-    legs: &[PlannedLeg],
-    scratch: &mut Scratch,
-) -> bool {
-    let size = model.problem.robot.space.size();
-    let Some(transition) = candidate.transition else { return false };
-    for (index, leg) in legs.iter().enumerate() {
-        // A leg that steering cut short ends at no waypoint; where it starts says as much about its leaf.
-        let ends_at_waypoint = candidate.is_alive() || index + 1 < legs.len();
-        let at = if ends_at_waypoint { leg.knots.len() - size } else { 0 };
-        let q = &leg.knots[at..at + size];
-        model.kinematics.forward(q, &mut scratch.X_WJ);
-        let (guard, collision) = (settings.clearance_guard, &mut scratch.collision);
-        let contact = model.first_collision_along(transition, &scratch.X_WJ, guard, collision);
-        if let Some(contact) = contact {
-            candidate.reject(Rejection::WaypointBlocked(leg.leg as u8));
-            candidate.blocked_by = Some(model.pair_shapes(contact.pair));
-            return false;
-        }
-    }
-    true
 }
 
 /// Certifies one leg; cuts its knots to the certified prefix (to nothing but the start, where nothing is free).

@@ -241,8 +241,10 @@ fn half_spaces_speak_only_where_they_are_violated() {
     let [left, right] = bench.feet();
     let program = bench.compile(&[left, right, constraint.clone()]);
     let (mut inside, mut outside) = (0, 0);
-    for _ in 0..60 {
-        let mut q = bench.near(&bench.standing.clone(), 0.3);
+    for round in 0..60 {
+        // The left foot stays where it is, so a leg that bends leans the body: a few degrees leave the square.
+        let reach = if round % 2 == 0 { 0.02 } else { 0.3 };
+        let mut q = bench.near(&bench.standing.clone(), reach);
         let before = residual(&bench.robot, &constraint, &q, &bench.poses(&q));
         let feet = bench.compile(&bench.feet());
         let mut feet_only = q.clone();

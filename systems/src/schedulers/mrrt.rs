@@ -5,6 +5,7 @@ use crate::guidance::aiming;
 use crate::schedule::{SearchSet, empty_schedule};
 use crate::{
     commit, conclusion, connection, feedback, goals, projection, rendezvous, sampling, selection, steering, validation,
+    waypoints,
 };
 use bevy_ecs::prelude::{IntoScheduleConfigs, Schedule, World};
 
@@ -32,7 +33,7 @@ impl Scheduler for Mrrt {
                 .in_set(SearchSet::Select),
             rendezvous::draw_leaves.in_set(SearchSet::Rendezvous),
             projection::project_waypoints.in_set(SearchSet::Project),
-            steering::steer_legs.in_set(SearchSet::Steer),
+            (waypoints::check_waypoints, steering::steer_legs).chain().in_set(SearchSet::Steer),
             validation::certify_legs.in_set(SearchSet::Validate),
             (commit::commit_extensions, goals::draw_more_goals).chain().in_set(SearchSet::Commit),
             (connection::propose_connections, connection::certify_connections, commit::commit_connections)

@@ -128,7 +128,8 @@ pub fn linearise(
         *value = row(plane, center, reference.translation);
     }
     let R_FW = DMat3::from_quat(X_WF.rotation.conjugate());
-    for column in &masses.columns {
+    let columns = if jacobian.is_empty() { &[] } else { masses.columns.as_slice() };
+    for column in columns {
         let velocity = R_FW * column.velocity(X_WJ, moments);
         let numbers = &mut jacobian[column.column.variable() * stride..];
         for ((number, plane), value) in numbers.iter_mut().zip(&balance.rows).zip(values.iter()) {

@@ -84,6 +84,9 @@ impl FunctionColumns {
         memory.X_WF.clear();
         memory.X_WF.extend(self.frames.iter().map(|frame| placement_of(frame).in_world(X_WJ)));
         self.own.0.value(&memory.X_WF, values);
+        if jacobian.is_empty() {
+            return silence(values, self.rows.iter().copied());
+        }
         if self.columns.iter().any(|columns| !columns.is_empty()) {
             memory.gradients.clear();
             memory.gradients.resize(self.rows.len() * frames, Gradient::default());

@@ -53,7 +53,7 @@ fn silence(values: &mut [f64], rows: impl IntoIterator<Item = Row>) {
 pub struct RowsOut<'a> {
     /// One value per row.
     pub values: &'a mut [f64],
-    /// The derivative of row r by column c is at c · `stride` + r.
+    /// The derivative of row r by column c is at c · `stride` + r. Empty where values alone are asked for.
     pub jacobian: &'a mut [f64],
     /// From one column to the next; at least the number of rows.
     pub stride: usize,

@@ -61,7 +61,7 @@ pub fn linearise(
     let (X_WA, X_WB) = (a.in_world(X_WJ), b.in_world(X_WJ));
     let (translation, turn) = error(&X_WA, &X_WB, reference);
     let R_AW = DMat3::from_quat(X_WA.rotation.conjugate());
-    let turns = rows[3..].iter().any(Option::is_some);
+    let turns = !columns.is_empty() && rows[3..].iter().any(Option::is_some);
     let rotation_rows = if turns {
         log_so3_jacobian(turn) * DMat3::from_quat(reference.rotation.conjugate()) * R_AW
     } else {

@@ -4,6 +4,9 @@
 //! moves a held box is the arm, not the box's own free-flyer. Velocities are those of the configuration space: a
 //! free-flyer translates in its joint frame and turns in the moving frame, a follower adds `multiplier` times its column
 //! to its leader's coordinate.
+//!
+//! A robot that flies freely may *stand*: the world then hangs on a foot of it, and what moves anything against the world
+//! are the joints between it and that foot, not the root.
 
 use foliate_components::Pose;
 use foliate_components::robot::{JointIndex, Motion, Robot, Source};
@@ -15,13 +18,23 @@ pub struct AttachmentTree<'a> {
     robot: &'a Robot,
     /// For each joint the carrier, where it is carried.
     carrier: Vec<Option<Option<JointIndex>>>,
+    standing: Option<Standing>,
+}
+
+/// A robot whose root follows where a foot of it stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Standing {
+    /// Its free-flyer.
+    pub root: JointIndex,
+    /// The body that stands in the world.
+    pub foot: JointIndex,
 }
 
 impl<'a> AttachmentTree<'a> {
     /// The robot's own tree.
     #[must_use]
     pub fn new(robot: &'a Robot) -> Self {
-        Self { robot, carrier: vec![None; robot.joints.len()] }
+        Self { robot, carrier: vec![None; robot.joints.len()], standing: None }
     }
 
     /// The robot's tree with the given objects (free-flyer roots) hung on their carriers. Objects that cannot be hung as
@@ -41,14 +54,38 @@ impl<'a> AttachmentTree<'a> {
     /// # Panics
     /// If the robot has no such joints.
     pub fn hang(&mut self, object: JointIndex, carrier: Option<JointIndex>) -> bool {
-        if self.is_carried(object) || self.chain(carrier).any(|joint| joint == object) {
+        if self.is_carried(object) || self.standing.is_some() || self.chain(carrier).any(|joint| joint == object) {
             return false;
         }
         self.carrier[object.at()] = Some(carrier);
         true
     }
 
-    /// Whether the joint is an eliminated object's root.
+    /// Hangs the world on a body of a robot that flies freely; its root is then carried. Comes after all objects have been
+    /// hung. Returns the robot's root, or `None`, and changes nothing, where a robot stands already, or the body is no
+    /// foot: a root itself, or on nothing that flies freely.
+    ///
+    /// # Panics
+    /// If the robot has no such joint.
+    pub fn stand_on(&mut self, foot: JointIndex) -> Option<JointIndex> {
+        let root = self.line(foot).last()?;
+        let free = self.robot.joints[root.at()].motion == Motion::FreeFlyer;
+        let stands = free && root != foot && self.standing.is_none() && !self.line(foot).any(|j| self.is_carried(j));
+        if !stands {
+            return None;
+        }
+        self.carrier[root.at()] = Some(None);
+        self.standing = Some(Standing { root, foot });
+        Some(root)
+    }
+
+    /// The robot that stands, where one does.
+    #[must_use]
+    pub fn standing(&self) -> Option<Standing> {
+        self.standing
+    }
+
+    /// Whether the joint is an eliminated object's root, or that of a robot that stands.
     #[must_use]
     pub fn is_carried(&self, joint: JointIndex) -> bool {
         self.carrier[joint.at()].is_some()
@@ -60,9 +97,19 @@ impl<'a> AttachmentTree<'a> {
         self.carrier[joint.at()].unwrap_or(self.robot.joints[joint.at()].parent)
     }
 
-    /// The body and those on which it hangs, outermost first.
+    /// The body and those on which it hangs, outermost first, up to the world.
+    pub fn line(&self, joint: JointIndex) -> impl Iterator<Item = JointIndex> + '_ {
+        std::iter::successors(Some(joint), |&j| self.parent(j))
+    }
+
+    /// The body (or the world) and those on which it hangs, outermost first. Where a robot stands, the world hangs on its
+    /// foot, and its root is what all else hangs on.
     pub fn chain(&self, joint: Option<JointIndex>) -> impl Iterator<Item = JointIndex> + '_ {
-        std::iter::successors(joint, |&j| self.parent(j))
+        let below_world = self.standing.map(|standing| standing.foot);
+        let is_last = move |joint| self.standing.is_some_and(|standing| standing.root == joint);
+        std::iter::successors(joint.or(below_world), move |&j| {
+            self.parent(j).or_else(|| below_world.filter(|_| !is_last(j)))
+        })
     }
 
     /// The bodies between two: those above `a` (outermost first) and those above `b` (innermost first), without the

@@ -7,7 +7,7 @@ mod lane_jacobian;
 mod weighted_points;
 
 pub use forward::{Carriage, Kinematics, Placement};
-pub use jacobian::{AttachmentTree, Column, geometric_jacobian};
+pub use jacobian::{AttachmentTree, Column, Standing, geometric_jacobian};
 pub use lane_forward::{LaneKinematics, POSE_ROWS};
 pub(crate) use lane_forward::{LaneStep, Parent, run as run_lanes};
 pub use lane_jacobian::LaneJacobian;

@@ -134,7 +134,8 @@ impl Block {
         }
     }
 
-    /// Writes values and Jacobian. Everything indexed has been checked when the program was compiled or the solve began.
+    /// Writes values, and the Jacobian where it has room. Everything indexed has been checked when the program was
+    /// compiled or the solve began.
     pub(super) fn linearise(
         &self,
         at: Inputs<'_>,
@@ -145,15 +146,17 @@ impl Block {
     ) {
         let Inputs { q, arguments, decoded, X_WJ } = at;
         let (first, end) = (self.first, self.first + self.rows);
-        // Checks have no columns.
+        // Checks have no columns, and who asks for values alone brings no room for them.
+        let is_asked = !jacobian.is_empty();
         let jacobian = jacobian.get_mut(first..).unwrap_or_default();
         let out = RowsOut { values: &mut values[first..end], jacobian, stride };
         match &self.kind {
             Kind::Pose(block) => {
                 let reference = reference_of(block.reference, arguments);
-                relative_pose::linearise(&block.a, &block.b, &reference, &block.rows, &block.columns, X_WJ, out);
+                let columns = if is_asked { block.columns.as_slice() } else { &[] };
+                relative_pose::linearise(&block.a, &block.b, &reference, &block.rows, columns, X_WJ, out);
             }
-            Kind::Contact(block) => block.linearise(decoded, X_WJ, out),
+            Kind::Contact(block) => block.linearise(decoded, is_asked, X_WJ, out),
             Kind::Balance { balance, masses } => {
                 let reference = reference_of(balance.reference, arguments);
                 centre_of_mass::linearise(balance, &reference, masses, X_WJ, &mut memory.moments, out);
@@ -161,7 +164,9 @@ impl Block {
             Kind::BalanceBetween { balance, columns } => {
                 com_between::linearise(balance, columns, X_WJ, &mut memory.moments, out);
             }
-            Kind::Distance { distance, columns } => distance::linearise(distance, columns, X_WJ, out),
+            Kind::Distance { distance, columns } => {
+                distance::linearise(distance, if is_asked { columns } else { &[] }, X_WJ, out);
+            }
             Kind::Custom(function) => function.linearise(X_WJ, &mut memory.function, out),
             Kind::Locked { coordinate, value } => {
                 out.values[0] = locked::value(q[*coordinate], locked_value(*value, arguments));
@@ -171,15 +176,16 @@ impl Block {
 }
 
 impl ContactBlock {
-    fn linearise(&self, decoded: &[Decoded], X_WJ: &[Pose], out: RowsOut<'_>) {
+    fn linearise(&self, decoded: &[Decoded], is_asked: bool, X_WJ: &[Pose], out: RowsOut<'_>) {
         let placement = &self.placement;
+        let columns_on = |support: usize| if is_asked { self.columns[support].as_slice() } else { &[] };
         if self.part == Part::Contact {
             let contact = placement::contact(placement, X_WJ);
-            placement::linearise(placement, contact, &self.columns[contact.support], X_WJ, out);
+            placement::linearise(placement, contact, columns_on(contact.support), X_WJ, out);
             return;
         }
         let target = &decoded[self.decoded];
-        let columns = &self.columns[target.0.support];
+        let columns = columns_on(target.0.support);
         if matches!(self.part, Part::Complement(_)) {
             placement::linearise_complement(placement, target, columns, X_WJ, out);
         } else {

@@ -1,6 +1,6 @@
 //! Forward kinematics of only those bodies that a program needs, in the order of the attachment tree.
 
-use crate::kinematics::{AttachmentTree, Carriage};
+use crate::kinematics::{AttachmentTree, Carriage, Standing};
 use foliate_components::Pose;
 use foliate_components::configuration::quaternion;
 use foliate_components::robot::{Joint, JointIndex, Motion, Robot, Source};
@@ -21,8 +21,11 @@ pub(super) struct Bodies {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step {
     body: usize,
+    /// The body from which this one is found.
     parent: Option<usize>,
     kind: Kind,
+    /// Whether the motion is that of `parent` in `body`: on the way from a foot to the root.
+    is_inverse: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -52,11 +55,20 @@ impl Bodies {
     ) -> Self {
         let mut bodies = Self::default();
         let mut done = vec![false; robot.joints.len()];
+        // Between a foot and its root: whether the body moves.
+        let mut leg = vec![None; robot.joints.len()];
+        if let Some(Standing { foot, .. }) = tree.standing() {
+            bodies.stand(robot, tree, foot, objects, &moves, &mut leg);
+            done = leg.iter().map(Option::is_some).collect();
+        }
         let mut visit = |joint: JointIndex, closing: bool, bodies: &mut Self| {
-            let chain: Vec<_> = tree.chain(Some(joint)).collect();
+            let line: Vec<_> = tree.line(joint).collect();
             let mut is_moving = false;
-            for &body in chain.iter().rev() {
-                is_moving |= !tree.is_carried(body) && moves(body);
+            for &body in line.iter().rev() {
+                is_moving = match leg[body.at()] {
+                    Some(leg_moves) => leg_moves,
+                    None => is_moving || !tree.is_carried(body) && moves(body),
+                };
                 if std::mem::replace(&mut done[body.at()], true) {
                     continue;
                 }
@@ -75,6 +87,29 @@ impl Bodies {
             visit(object, true, &mut bodies);
         }
         bodies
+    }
+
+    /// From the foot, which is where its carriage says, back to the root.
+    fn stand(
+        &mut self,
+        robot: &Robot,
+        tree: &AttachmentTree<'_>,
+        foot: JointIndex,
+        objects: &[JointIndex],
+        moves: &impl Fn(JointIndex) -> bool,
+        leg: &mut [Option<bool>],
+    ) {
+        leg[foot.at()] = Some(false);
+        self.still.push(Step { parent: None, ..Step::new(robot, tree, foot, objects) });
+        let mut is_moving = false;
+        for body in tree.line(foot) {
+            let Some(parent) = tree.parent(body) else { return };
+            is_moving |= moves(body);
+            leg[parent.at()] = Some(is_moving);
+            let kind = Kind::of_joint(robot, &robot.joints[body.at()]);
+            let step = Step { body: parent.at(), parent: Some(body.at()), kind, is_inverse: true };
+            if is_moving { self.moving.push(step) } else { self.still.push(step) }
+        }
     }
 }
 
@@ -103,7 +138,7 @@ impl Step {
             Some(carriage) => Kind::Carried(carriage),
             None => Kind::of_joint(robot, joint),
         };
-        Self { body: index.at(), parent: tree.parent(index).map(JointIndex::at), kind }
+        Self { body: index.at(), parent: tree.parent(index).map(JointIndex::at), kind, is_inverse: false }
     }
 
     #[inline]
@@ -158,6 +193,7 @@ impl Kind {
 pub(super) fn run(steps: &[Step], q: &[f64], carriages: &[Carriage], X_WJ: &mut [Pose]) {
     for step in steps {
         let X_PB = step.in_parent(q, carriages);
+        let X_PB = if step.is_inverse { X_PB.inverse() } else { X_PB };
         X_WJ[step.body] = match step.parent {
             Some(parent) => X_WJ[parent] * X_PB,
             None => X_PB,

@@ -7,7 +7,7 @@ use super::carriage::{CarriageTemplate, Relation};
 use super::hessian_bound::ResidualBound;
 use super::lane_program::LaneProgram;
 use super::merge::merged;
-use super::program::{ConstraintProgram, LockedCoordinate, Move, WriteBack};
+use super::program::{ConstraintProgram, LockedCoordinate, Move, StandingRoot, WriteBack};
 use crate::constraints::centre_of_mass::MassColumns;
 use crate::constraints::com_between::{self, StanceColumns};
 use crate::constraints::custom::FunctionColumns;
@@ -19,6 +19,7 @@ use foliate_components::constraint::{
     RelativePose, Row,
 };
 use foliate_components::robot::{JointIndex, Motion, Robot, Source};
+use glam::DVec3;
 
 /// Why constraints make no program.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -76,6 +77,10 @@ impl ConstraintProgram {
     /// constraints between two objects come after those that carry one of them. A
     /// second relation on a carried object (two hands on one box) becomes rows. A constraint and its complement on the same
     /// frames are one constraint.
+    ///
+    /// Where a free-flying robot stands on a foot (six equations between the world and a body of it), a solve eliminates its
+    /// root: that goes where the foot and the leg's joints put it, and what rows see moves with the joints between them and
+    /// that foot. The program's variables and rows, and what bounds them along a motion, stay those of the robot as written.
     ///
     /// Outcomes number constraints as they are given here: carriages first, then `constraints`.
     ///
@@ -308,6 +313,27 @@ impl Compiler<'_> {
 
     fn finish(mut self) -> ConstraintProgram {
         self.order_carriages();
+        let mut program = self.program();
+        if self.stand() {
+            program.standing = Some(Box::new(self.program()));
+        }
+        program
+    }
+
+    /// Makes a foot carry the world, by the first constraint that says where one stands; whether there is one.
+    fn stand(&mut self) -> bool {
+        let feet = self.remaining.iter().enumerate().find_map(|(at, (_, constraint))| Some((at, foot_of(constraint)?)));
+        let Some((at, (pose, foot))) = feet else { return false };
+        let Some(root) = self.tree.line(foot).last().filter(|root| !self.is_locked[root.at()]) else { return false };
+        let stands = self.tree.stand_on(foot) == Some(root);
+        if stands {
+            self.remaining.remove(at);
+            self.carriages.push(CarriageTemplate::of_rigid(&pose, foot));
+        }
+        stands
+    }
+
+    fn program(&self) -> ConstraintProgram {
         let variables = self.variables();
         let mut is_free = vec![false; self.robot.space.dimension()];
         variables.iter().for_each(|&v| is_free[v] = true);
@@ -325,18 +351,24 @@ impl Compiler<'_> {
         let objects: Vec<_> = self.carriages.iter().map(|c| c.object).collect();
         let bodies = self.bodies(&blocks, &checks, &objects, &active);
         let moves = self.moves(&active);
-        let lanes = LaneProgram::new(self.robot, &bodies, &blocks, &moves, active.len());
+        let root = self.standing_root();
+        let lanes = match root {
+            Some(_) => None,
+            None => LaneProgram::new(self.robot, &bodies, &blocks, &moves, active.len()),
+        };
         ConstraintProgram {
             hand: lanes.as_ref().and_then(|lanes| lanes.hand(&bodies.moving_bodies(), self.robot)),
             lanes,
             moves,
             written: objects.iter().filter_map(|&object| self.write_back(object)).collect(),
             arguments: self.arguments(),
-            bound: ResidualBound::new(self.robot, &self.tree, &blocks, &is_free),
+            bound: self.bound(&blocks, &is_free),
+            standing: None,
+            root,
             variables,
             active,
-            locked: self.locked,
-            carriages: self.carriages,
+            locked: self.locked.clone(),
+            carriages: self.carriages.clone(),
             blocks,
             checks,
             check_rows,
@@ -451,8 +483,27 @@ impl Compiler<'_> {
         moves
     }
 
+    /// Of the robot as written: what stands is solved, not moved along.
+    fn bound(&self, blocks: &[Block], is_free: &[bool]) -> ResidualBound {
+        match self.tree.standing() {
+            None => ResidualBound::new(self.robot, &self.tree, blocks, is_free),
+            Some(_) => ResidualBound::default(),
+        }
+    }
+
+    /// The root that a foot puts in its place.
+    fn standing_root(&self) -> Option<StandingRoot> {
+        let write = self.write_back(self.tree.standing()?.root)?;
+        let bounds = |bounds: &[f64]| DVec3::from_slice(&bounds[write.coordinate..write.coordinate + 3]);
+        let space = &self.robot.space;
+        Some(StandingRoot { write, lower: bounds(&space.lower), upper: bounds(&space.upper) })
+    }
+
     fn write_back(&self, object: JointIndex) -> Option<WriteBack> {
         let joint = &self.robot.joints[object.at()];
+        if joint.motion != Motion::FreeFlyer {
+            return None; // a foot: its root is written, not its own joint
+        }
         let Source::Coordinates { q: coordinate, .. } = joint.source else { return None };
         let X_WJ = joint.parent_from_joint;
         let X_JW = (X_WJ != Pose::identity()).then(|| X_WJ.inverse());
@@ -474,6 +525,15 @@ impl Compiler<'_> {
         });
         let carried = self.carriages.iter().filter_map(CarriageTemplate::slot);
         locked.chain(remaining).chain(carried).max().map_or(0, |slot| slot.saturating_add(1))
+    }
+}
+
+/// The body that a constraint puts in its place in the world, with what says so.
+fn foot_of(constraint: &Constraint) -> Option<(RelativePose, JointIndex)> {
+    let Constraint::RelativePose(pose) = constraint else { return None };
+    match (pose.a.joint, pose.b.joint) {
+        (None, Some(foot)) | (Some(foot), None) if pose.is_rigid() => Some((*pose, foot)),
+        _ => None,
     }
 }
 

@@ -73,6 +73,8 @@ pub enum Outcome {
         /// Its largest row.
         residual: f64,
     },
+    /// Rows are satisfied, but the root of a robot that stands on a foot is out of its bounds.
+    RootOutOfBounds,
     /// Configuration or arguments do not fit the program: wrong length, not finite, or a placement's parameter that names
     /// polygons it does not have.
     Malformed,
@@ -91,8 +93,9 @@ impl Outcome {
 /// Moves `q` onto the program's constraints, with the leaf parameters `arguments`.
 ///
 /// Coordinates that no row looks at keep their values; locked ones get theirs; free ones end within their bounds exactly.
-/// Eliminated objects are written where their carriers take them (their own bounds are not looked at). Where the outcome
-/// is not `Converged`, `q` holds the last iterate and objects are stale.
+/// Eliminated objects are written where their carriers take them (their own bounds are not looked at), the root of a robot
+/// that stands on a foot where that foot puts it (its bounds are looked at in the end). Where the outcome is not
+/// `Converged`, `q` holds the last iterate, and objects and such a root are stale.
 #[must_use]
 pub fn project(
     program: &ConstraintProgram,
@@ -101,12 +104,19 @@ pub fn project(
     settings: &Settings,
     scratch: &mut Scratch,
 ) -> Outcome {
+    if !program.fits(q, arguments) {
+        return Outcome::Malformed;
+    }
+    let program = program.solved();
     if let Some(outcome) = program.begin(q, arguments, settings, scratch) {
         return outcome;
     }
     let outcome = program.iterate(q, arguments, settings, scratch);
     if outcome.is_converged() {
         program.close(q, scratch);
+        if !program.root_is_within(q) {
+            return Outcome::RootOutOfBounds;
+        }
     }
     outcome
 }

@@ -46,6 +46,20 @@ pub struct ConstraintProgram {
     pub(super) lanes: Option<LaneProgram>,
     /// What seeds are looked up for.
     pub(super) hand: Option<Hand>,
+    /// The same with a free-flying robot's root eliminated, where a foot of it stands in the world: what is solved. Rows
+    /// and bounds are those of the robot as written, for that is what moves.
+    pub(super) standing: Option<Box<ConstraintProgram>>,
+    /// The root that a foot puts in its place; only in a program that is another one's `standing`.
+    pub(super) root: Option<StandingRoot>,
+}
+
+/// An eliminated root.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct StandingRoot {
+    pub write: WriteBack,
+    /// Bounds of its position in its joint frame.
+    pub lower: DVec3,
+    pub upper: DVec3,
 }
 
 /// How active variables move a configuration.
@@ -106,6 +120,19 @@ impl ConstraintProgram {
     #[must_use]
     pub fn is_for_lanes(&self) -> bool {
         self.lanes.is_some()
+    }
+
+    /// Variables and rows of the Newton problem that a solve works on: without the root of a robot that stands on a foot,
+    /// and without the foot's rows.
+    #[must_use]
+    pub fn equations(&self) -> (usize, usize) {
+        let solved = self.solved();
+        (solved.active.len(), solved.rows())
+    }
+
+    /// The program in the form in which it is solved.
+    pub(super) fn solved(&self) -> &Self {
+        self.standing.as_deref().unwrap_or(self)
     }
 
     /// Number of constraints that no variable touches.
@@ -173,7 +200,22 @@ impl ConstraintProgram {
             bodies::run(steps, q, &scratch.carriages, &mut scratch.X_WJ);
         }
         let checks = self.failed_check(q, arguments, 0.0, scratch).1;
-        Some(checks.max(self.evaluate(q, arguments, scratch)))
+        Some(checks.max(self.measure(q, arguments, scratch)))
+    }
+
+    /// Values of the implicit rows at the current poses; returns the largest absolute value.
+    fn measure(&self, q: &[f64], arguments: &[Pose], scratch: &mut Scratch) -> f64 {
+        let Scratch { X_WJ, decoded, memory, values, .. } = scratch;
+        for block in &self.blocks {
+            block.linearise(Inputs { q, arguments, decoded, X_WJ }, memory, values, &mut [], 0);
+        }
+        largest(&values[..self.rows()])
+    }
+
+    /// Whether every row is one and the same smooth function everywhere: with a placement that does not keep to its leaf's
+    /// polygons another pair may be in contact elsewhere.
+    pub(super) fn is_smooth(&self) -> bool {
+        !self.blocks.iter().any(|block| matches!(&block.kind, Kind::Contact(contact) if contact.part.slot().is_none()))
     }
 
     /// Whether sizes fit and every number is finite.
@@ -238,6 +280,40 @@ impl ConstraintProgram {
         for write in &self.written {
             write.write(&scratch.X_WJ, q);
         }
+        if let Some(root) = &self.root {
+            root.write(&scratch.X_WJ, q);
+        }
+    }
+
+    /// Whether a root that a foot has put in its place is within its bounds.
+    pub(super) fn root_is_within(&self, q: &[f64]) -> bool {
+        self.root.is_none_or(|root| root.is_within(q))
+    }
+}
+
+/// What a root may be outside of its bounds by for want of digits, metres.
+const ROUNDING: f64 = 1e-9;
+
+impl StandingRoot {
+    /// Writes the root with the sign of the quaternion that it had, so that a motion's knots have no jumps of sign.
+    fn write(&self, X_WJ: &[Pose], q: &mut [f64]) {
+        let i = self.write.coordinate;
+        let before = foliate_components::configuration::quaternion(q, i);
+        self.write.write(X_WJ, q);
+        let turn = foliate_components::configuration::quaternion(q, i).normalize();
+        let turn = if turn.dot(before) < 0.0 { -turn } else { turn };
+        q[i + 3..i + 7].copy_from_slice(&[turn.x, turn.y, turn.z, turn.w]);
+        for k in 0..3 {
+            let within = q[i + k].max(self.lower[k]).min(self.upper[k]);
+            if (within - q[i + k]).abs() <= ROUNDING {
+                q[i + k] = within;
+            }
+        }
+    }
+
+    fn is_within(&self, q: &[f64]) -> bool {
+        let i = self.write.coordinate;
+        (0..3).all(|k| (self.lower[k]..=self.upper[k]).contains(&q[i + k]))
     }
 }
 
