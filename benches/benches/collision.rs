@@ -5,8 +5,10 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use foliate_benches::{criterion, random_configurations, sample_model, scene_model};
 use foliate_components::Pose;
 use foliate_components::graph::StateId;
+use foliate_components::robot::{Motion, Source};
 use foliate_kernels::collision::{
-    CertificateSettings, CollisionScratch, MotionVerdict, PairSet, certify_motion, first_collision,
+    CertificateSettings, CollisionScratch, MotionVerdict, PairSet, certify_motion, first_collision, first_collisions,
+    open_to_bounds,
 };
 use foliate_kernels::kinematics::Carriage;
 use foliate_systems::model::PlanningModel;
@@ -43,6 +45,7 @@ fn bench_scene(c: &mut Criterion, name: &str, model: &PlanningModel) {
     let mut group = c.benchmark_group(format!("collision/{name}"));
     bench_verdict(&mut group, "verdict, free configurations", model, &free);
     bench_verdict(&mut group, "verdict, configurations in collision", model, &blocked);
+    bench_along(&mut group, model, &free);
     bench_motions(&mut group, model, &free);
     group.finish();
 }
@@ -70,6 +73,72 @@ fn bench_verdict(group: &mut Group<'_>, what: &str, model: &PlanningModel, sampl
             black_box(first_collision(&model.collision, X_WJ, &pairs, 1e-5, &mut scratch))
         });
     });
+}
+
+/// Sixteen configurations along motions of at most 0.8 rad of the first arm: verdicts of all pairs that move, and what bounds
+/// alone say. Times are per configuration.
+fn bench_along(group: &mut Group<'_>, model: &PlanningModel, free: &[Vec<f64>]) {
+    let (space, carriages) = (&model.problem.robot.space, lying(model));
+    let pairs = PairSet::new(&model.collision, &carriages, &[]);
+    let Some(arm) = first_arm(model) else { return };
+    let blocks: Vec<Vec<f64>> = free
+        .windows(2)
+        .take(256)
+        .map(|ends| {
+            let mut end = ends[0].clone();
+            let turns = arm.clone().map(|i| ends[1][i] - ends[0][i]);
+            let share = (0.8 / turns.map(|x| x * x).sum::<f64>().sqrt()).min(1.0);
+            arm.clone().for_each(|i| end[i] += share * (ends[1][i] - end[i]));
+            let mut q = ends[0].clone();
+            let along = (0..16).flat_map(|i| {
+                space.interpolate(&ends[0], &end, (f64::from(i) + 0.5) / 16.0, &mut q);
+                q.clone()
+            });
+            along.collect()
+        })
+        .collect();
+    if blocks.is_empty() {
+        return;
+    }
+    let (mut scratch, mut found) = (CollisionScratch::new(), Vec::new());
+    let (scene, kinematics) = (&model.collision, &model.kinematics);
+    let mut verdicts = |block: &[f64], found: &mut Vec<_>| {
+        found.clear();
+        first_collisions(scene, kinematics, &carriages, block, &pairs, 1e-5, &mut scratch, found);
+    };
+    let mut colliding = 0;
+    for block in &blocks {
+        verdicts(block, &mut found);
+        colliding += found.iter().flatten().count();
+    }
+    println!("{colliding} of {} configurations along motions of one arm collide", 16 * blocks.len());
+    group.throughput(criterion::Throughput::Elements(16));
+    let mut next = blocks.iter().cycle();
+    group.bench_function("sixteen verdicts along a motion", |b| {
+        b.iter(|| verdicts(black_box(next.next().unwrap_or(&blocks[0])), &mut found));
+    });
+    let mut scratch = CollisionScratch::new();
+    group.bench_function("sixteen configurations along a motion, bounds alone", |b| {
+        b.iter(|| {
+            let block = next.next().unwrap_or(&blocks[0]);
+            black_box(open_to_bounds(scene, kinematics, &carriages, block, &pairs, 1e-5, &mut scratch))
+        });
+    });
+    group.throughput(criterion::Throughput::Elements(1));
+}
+
+/// The coordinates of the first seven joints in a row that turn, each on the one before it.
+fn first_arm(model: &PlanningModel) -> Option<std::ops::Range<usize>> {
+    let joints = &model.problem.robot.joints;
+    let coordinate = |index: usize| match (joints[index].motion, joints[index].source) {
+        (Motion::Revolute { .. }, Source::Coordinates { q, .. }) => Some(q),
+        _ => None,
+    };
+    let follows = |index: usize| joints[index].parent.is_some_and(|p| p.at() + 1 == index);
+    let first = (0..joints.len().saturating_sub(6)).find(|&first| {
+        (first..first + 7).all(|i| coordinate(i).is_some()) && (first + 1..first + 7).all(follows)
+    })?;
+    coordinate(first).map(|q| q..q + 7)
 }
 
 /// Motions of 0.3 weighted metres from free configurations towards others: whole ones, and such that end in front of

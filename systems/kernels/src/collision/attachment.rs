@@ -27,7 +27,8 @@ pub(super) struct Chain {
 pub(super) struct ChainLink {
     pub joint: u32,
     /// At least the distance of any point of the body from the joint's axis (free-flyers: origin), whatever the joints
-    /// between them do, not counting how far those of them that translate are from zero. Metres.
+    /// between them do, not counting how far those of them that translate are from zero; infinite where a carriage is
+    /// between them. Metres.
     pub reach: f64,
 }
 
@@ -108,7 +109,10 @@ impl AttachmentTree {
                 self.links.push(ChainLink { joint: index.0, reach: about_axis });
             }
             let stays = step.joint.is_none_or(|j| matches!(j.motion, Motion::Revolute { .. }));
-            below = Some((about_origin, step.offset, stays));
+            // How an object hangs on its carrier differs from leaf to leaf, and one tree serves them all: beyond it only
+            // distances at the sample bound anything.
+            let reach = if step.joint.is_some() { about_origin } else { f64::INFINITY };
+            below = Some((reach, step.offset, stays));
         }
         Chain { start, end: self.links.len() as u32 }
     }

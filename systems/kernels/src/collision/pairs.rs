@@ -3,7 +3,7 @@
 use super::attachment::AttachmentTree;
 use super::scene::{CollisionScene, PairId};
 use crate::kinematics::Carriage;
-use foliate_components::robot::LinkIndex;
+use foliate_components::robot::{JointIndex, LinkIndex};
 
 /// The pairs of a scene on a leaf with given carriages: those whose relative pose can change along a motion on the leaf,
 /// and those for which it cannot (P1, future work; DESIGN §5.5). Built once per leaf or transition and kept by the caller.
@@ -48,6 +48,24 @@ impl PairSet {
             list.push(ActiveGroup { group: index as u32, apart: (below_a as u32, below_b as u32), margin });
         }
         Self { tree, moving, constant, margins }
+    }
+
+    /// A group by number: those that move first, then those that do not.
+    #[inline]
+    pub(super) fn active(&self, number: u32) -> &ActiveGroup {
+        let number = number as usize;
+        match self.moving.get(number) {
+            Some(active) => active,
+            None => &self.constant[number - self.moving.len()],
+        }
+    }
+
+    /// The nearest body, itself included, that moves both clusters of a group along; none where that is the world.
+    pub(super) fn ancestor(&self, scene: &CollisionScene, active: &ActiveGroup) -> Option<JointIndex> {
+        let group = &scene.groups[active.group as usize];
+        let chain = self.tree.chain_of(scene.clusters[group.first as usize].body);
+        let links = &self.tree.links[chain.start as usize..chain.end as usize];
+        links.get(active.apart.0 as usize).map(|link| JointIndex(link.joint))
     }
 
     /// Pairs that can change their relative pose on the leaf.

@@ -2,7 +2,9 @@
 
 use super::bounds::{Ball, Capsule};
 use super::distance::Solid;
+use super::outer::Outer;
 use super::pair_rule::{PairRule, Rules};
+use crate::lanes::Level;
 use foliate_components::Pose;
 use foliate_components::configuration::ConfigurationSpace;
 use foliate_components::robot::{JointIndex, LinkIndex, Motion, Robot, ShapeIndex, Source};
@@ -29,6 +31,7 @@ pub struct CollisionScene {
     pub(super) pairs: Vec<Pair>,
     pub(super) joints: Vec<SceneJoint>,
     pub(super) space: ConfigurationSpace,
+    pub(super) lanes: Level,
 }
 
 /// A collision shape as queries want it.
@@ -48,6 +51,8 @@ pub struct SceneSolid {
     pub capsule: Capsule,
     /// Which cluster it belongs to.
     pub cluster: u32,
+    /// What bounds in lanes know of it.
+    pub(super) outer: Outer,
 }
 
 /// Shapes that one bounding ball stands for: all shapes of a moving body, or one shape that is fixed to the world (the
@@ -117,10 +122,18 @@ impl CollisionScene {
             pairs: Vec::new(),
             joints: (0..robot.joints.len()).map(|j| SceneJoint::new(robot, j, rule.locked)).collect(),
             space: robot.space.clone(),
+            lanes: Level::detected(),
         };
         scene.gather_clusters(robot.joints.len());
         scene.list_pairs(&Rules::new(robot, rule));
         scene
+    }
+
+    /// The same scene with another SIMD level for its bounds; the best that this machine has is the default. Answers may
+    /// differ between levels in doubt, and in last digits.
+    #[must_use]
+    pub fn at_level(self, level: Level) -> Self {
+        Self { lanes: level, ..self }
     }
 
     /// The shapes, in the robot's order.
@@ -249,6 +262,7 @@ impl SceneSolid {
             X_JS,
             ball: Ball { center: X_JS.transform_point(ball.center), radius: ball.radius },
             capsule: Capsule::of(&solid).moved(&X_JS),
+            outer: Outer::of(&solid, &X_JS),
             solid,
             cluster: 0,
         }

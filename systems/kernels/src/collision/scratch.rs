@@ -1,29 +1,29 @@
 //! Buffers of the collision queries, so that none of them allocates once they are warm.
 
 use super::bounds::Ball;
-use super::certificate::Level;
-use super::polyline::PolylineScratch;
+use super::course::Course;
+use super::look::Hints;
+use super::proof::ProofScratch;
 use super::scene::{CollisionScene, PairId};
+use super::sweep::SweepScratch;
 use super::velocity_bound::MotionBound;
+use super::verdicts::VerdictScratch;
 use foliate_components::Pose;
-use glam::DVec3;
 
 /// Buffers, one set per thread. Any scene and any robot may use them in turn; nothing that they hold changes an answer.
 #[derive(Clone, Debug, Default)]
 pub struct CollisionScratch {
-    pub(super) q: Vec<f64>,
-    pub(super) delta: Vec<f64>,
+    pub(super) knots: Vec<f64>,
     pub(super) X_WJ: Vec<Pose>,
     /// By cluster, in the world.
     pub(super) balls: Vec<Ball>,
     pub(super) bound: MotionBound,
-    pub(super) level: Level,
-    pub(super) next_level: Level,
-    pub(super) polyline: PolylineScratch,
-    /// By pair: the direction that separated it last, within one query.
-    pub(super) hints: Vec<DVec3>,
-    /// By pair: the direction that set the hulls of its solids apart, within one query.
-    pub(super) hull_hints: Vec<DVec3>,
+    pub(super) course: Course,
+    pub(super) sweep: SweepScratch,
+    pub(super) proof: ProofScratch,
+    pub(super) verdicts: VerdictScratch,
+    /// By pair: what set it apart last, within one query.
+    pub(super) hints: Vec<Hints>,
 }
 
 impl CollisionScratch {
@@ -35,9 +35,7 @@ impl CollisionScratch {
 
     pub(super) fn forget_hints(&mut self, scene: &CollisionScene) {
         self.hints.clear();
-        self.hints.resize(scene.pairs.len(), DVec3::ZERO);
-        self.hull_hints.clear();
-        self.hull_hints.resize(scene.pairs.len(), DVec3::ZERO);
+        self.hints.resize(scene.pairs.len(), Hints::default());
     }
 }
 

@@ -20,7 +20,7 @@ use foliate_components::robot::Motion;
 use glam::DVec3;
 
 /// Radians turned by all joints together within half an interval, beyond which directions are not looked at.
-const FINE: f64 = 0.8;
+pub(super) const FINE: f64 = 0.8;
 
 /// Bounds for one straight motion; buffers are reused from motion to motion.
 #[derive(Clone, Debug, Default)]
@@ -52,10 +52,6 @@ pub struct MotionBound {
     fresh: Vec<u32>,
     sample: u32,
     half_width: f64,
-    /// Whether the motion is straight: velocities have directions.
-    is_straight: bool,
-    /// Of a polyline, by knot and joint: path lengths of rotation (radians) and translation (metres) up to there.
-    lengths: Vec<(f64, f64)>,
 }
 
 impl MotionBound {
@@ -64,7 +60,6 @@ impl MotionBound {
     /// # Panics
     /// If a slice is too short.
     pub fn begin(&mut self, scene: &CollisionScene, pairs: &PairSet, q: &[f64], delta: &[f64]) {
-        self.is_straight = true;
         self.clear();
         for joint in &scene.joints {
             let rate = JointRate::of(joint, q, delta);
@@ -75,48 +70,6 @@ impl MotionBound {
             self.drift.push(rate.drift);
         }
         self.make_room(scene, pairs);
-    }
-
-    /// Starts a polyline through `knots` (whole configurations, end to end); `delta` is a velocity's worth of memory.
-    pub(super) fn begin_polyline(&mut self, scene: &CollisionScene, pairs: &PairSet, knots: &[f64], delta: &mut [f64]) {
-        let (size, joints) = (scene.space.size(), scene.joints.len());
-        self.is_straight = false;
-        self.clear();
-        self.turn.resize(joints, 0.0);
-        self.slide.resize(joints, 0.0);
-        self.travel.resize(joints, 0.0);
-        self.spin.resize(joints, DVec3::ZERO);
-        self.drift.resize(joints, DVec3::ZERO);
-        self.lengths.clear();
-        self.lengths.resize(joints, (0.0, 0.0));
-        for piece in 0..(knots.len() / size).saturating_sub(1) {
-            let (a, b) = (&knots[piece * size..][..size], &knots[(piece + 1) * size..][..size]);
-            scene.space.difference(a, b, delta);
-            for (index, joint) in scene.joints.iter().enumerate() {
-                let rate = JointRate::of(joint, a, delta);
-                let (turned, slid) = self.lengths[piece * joints + index];
-                self.lengths.push((turned + rate.turn, slid + rate.slide));
-                self.travel[index] = self.travel[index].max(rate.travel);
-            }
-        }
-        self.make_room(scene, pairs);
-    }
-
-    /// Goes to the part of a polyline from one knot to another, seen from a knot between them at which the bodies have the
-    /// poses `X_WJ`: each joint moves, to either side, by its path's length there at most.
-    pub(super) fn look_at_span(
-        &mut self,
-        scene: &CollisionScene,
-        X_WJ: &[Pose],
-        (first, middle, last): (usize, usize, usize),
-    ) {
-        let joints = scene.joints.len();
-        for index in 0..joints {
-            let [a, m, b] = [first, middle, last].map(|knot| self.lengths[knot * joints + index]);
-            self.turn[index] = (m.0 - a.0).max(b.0 - m.0);
-            self.slide[index] = (m.1 - a.1).max(b.1 - m.1);
-        }
-        self.look_at(scene, X_WJ, 1.0);
     }
 
     fn clear(&mut self) {
@@ -277,13 +230,6 @@ impl MotionBound {
         }
         side.spread += gradient.length() * ball.radius;
         side
-    }
-
-    /// Whether the interval is straight, and short enough for [`Self::approach_along`] to have a chance: its second-order
-    /// part is about the square of the angle turned.
-    #[inline]
-    pub(super) fn is_fine(&self) -> bool {
-        self.is_straight && self.half_width * self.turn.iter().sum::<f64>() < FINE
     }
 
     fn displacement(

@@ -101,23 +101,40 @@ pub fn pair_clearance(scene: &CollisionScene, id: PairId, X_WJ: &[Pose], ask: As
     if rough >= ask.needed {
         return rough;
     }
-    exact_clearance(scene, id, X_WJ, ask, hint)
+    exact_clearance(scene, id, body_poses(scene, id, X_WJ), ask, hint)
 }
 
-/// As [`pair_clearance`], with nothing asked first.
-pub(super) fn exact_clearance(scene: &CollisionScene, id: PairId, X_WJ: &[Pose], ask: Ask, hint: &mut DVec3) -> f64 {
-    let Pair { first, second, .. } = scene.pairs[id.at()];
-    let (a, b) = (&scene.solids[first.at()], &scene.solids[second.at()]);
-    let (X_WA, X_WB) = (body_pose(a, X_WJ), body_pose(b, X_WJ));
-    clearance(&a.solid, &(X_WA * a.X_JS), &b.solid, &(X_WB * b.X_JS), ask, hint)
+/// As [`pair_clearance`], with nothing asked first; from the poses of the two bodies.
+pub(super) fn exact_clearance(
+    scene: &CollisionScene,
+    id: PairId,
+    [X_WI, X_WJ]: [Pose; 2],
+    ask: Ask,
+    hint: &mut DVec3,
+) -> f64 {
+    let [a, b] = solids_of(scene, id);
+    clearance(&a.solid, &(X_WI * a.X_JS), &b.solid, &(X_WJ * b.X_JS), ask, hint)
 }
 
-/// As [`pair_clearance`], of the hulls of the two shapes: at most what it gives.
-pub(super) fn hull_clearance(scene: &CollisionScene, id: PairId, X_WJ: &[Pose], ask: Ask, hint: &mut DVec3) -> f64 {
+/// As [`exact_clearance`], of the hulls of the two shapes: at most what it gives.
+pub(super) fn hull_clearance(
+    scene: &CollisionScene,
+    id: PairId,
+    [X_WI, X_WJ]: [Pose; 2],
+    ask: Ask,
+    hint: &mut DVec3,
+) -> f64 {
+    let [a, b] = solids_of(scene, id);
+    hull_distance(&a.solid, &(X_WI * a.X_JS), &b.solid, &(X_WJ * b.X_JS), ask, hint)
+}
+
+fn solids_of(scene: &CollisionScene, id: PairId) -> [&SceneSolid; 2] {
     let Pair { first, second, .. } = scene.pairs[id.at()];
-    let (a, b) = (&scene.solids[first.at()], &scene.solids[second.at()]);
-    let (X_WA, X_WB) = (body_pose(a, X_WJ), body_pose(b, X_WJ));
-    hull_distance(&a.solid, &(X_WA * a.X_JS), &b.solid, &(X_WB * b.X_JS), ask, hint)
+    [&scene.solids[first.at()], &scene.solids[second.at()]]
+}
+
+fn body_poses(scene: &CollisionScene, id: PairId, X_WJ: &[Pose]) -> [Pose; 2] {
+    solids_of(scene, id).map(|solid| body_pose(solid, X_WJ))
 }
 
 /// At most the clearance of a pair, by balls and, where these are not `needed` apart, by capsules.
@@ -141,17 +158,21 @@ pub(super) fn rough_clearance(scene: &CollisionScene, id: PairId, X_WJ: &[Pose],
 /// If `X_WJ` is shorter than the number of bodies.
 #[must_use]
 pub fn contained(scene: &CollisionScene, id: PairId, X_WJ: &[Pose]) -> bool {
-    let Pair { first, second, .. } = scene.pairs[id.at()];
-    let (a, b) = (&scene.solids[first.at()], &scene.solids[second.at()]);
-    holds_some_of(a, b, X_WJ) || holds_some_of(b, a, X_WJ)
+    contained_at(scene, id, body_poses(scene, id, X_WJ))
 }
 
-fn holds_some_of(outer: &SceneSolid, inner: &SceneSolid, X_WJ: &[Pose]) -> bool {
+/// As [`contained`], from the poses of the two bodies.
+pub(super) fn contained_at(scene: &CollisionScene, id: PairId, [X_WI, X_WJ]: [Pose; 2]) -> bool {
+    let [a, b] = solids_of(scene, id);
+    holds_some_of(a, &X_WI, b, &X_WJ) || holds_some_of(b, &X_WJ, a, &X_WI)
+}
+
+fn holds_some_of(outer: &SceneSolid, X_WO: &Pose, inner: &SceneSolid, X_WI: &Pose) -> bool {
     let Solid::Mesh(mesh) = &outer.solid else { return false };
     if !mesh.is_closed() {
         return false;
     }
-    let X_OI = (body_pose(outer, X_WJ) * outer.X_JS).inverse() * (body_pose(inner, X_WJ) * inner.X_JS);
+    let X_OI = (X_WO * outer.X_JS).inverse() * (X_WI * inner.X_JS);
     let holds = |mesh: &MeshTree, p: DVec3| mesh.contains(X_OI.transform_point(p));
     match &inner.solid {
         Solid::Convex(convex) => holds(mesh, convex.core.center()),

@@ -118,9 +118,7 @@ impl Kinematics {
     /// # Panics
     /// If a slice is too short.
     pub fn carry(&self, q: &[f64], carriages: &[Carriage], X_WJ: &mut [Pose]) {
-        // In dependency order, which is the rule, one pass is enough; otherwise each pass settles at least one more.
-        let passes = if self.carriers_come_first(carriages) { 1 } else { carriages.len() };
-        for carriage in std::iter::repeat_n(carriages, passes).flatten() {
+        for carriage in std::iter::repeat_n(carriages, self.passes(carriages)).flatten() {
             let object = carriage.object.at();
             X_WJ[object] = match carriage.carrier {
                 Some(carrier) => X_WJ[carrier.at()] * carriage.X_CO,
@@ -133,6 +131,12 @@ impl Kinematics {
                 X_WJ[index] = X_WJ[parent.at()] * (step.X_PJ * step.moved(q));
             }
         }
+    }
+
+    /// How often to go through carriages: in dependency order, which is the rule, once is enough; otherwise each pass
+    /// settles at least one more.
+    pub(crate) fn passes(&self, carriages: &[Carriage]) -> usize {
+        if self.carriers_come_first(carriages) { 1 } else { carriages.len() }
     }
 
     /// Whether no carrier is part of an object that is carried later.

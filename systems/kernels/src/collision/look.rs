@@ -1,0 +1,150 @@
+//! What the exact queries say of one pair at one sample of a motion.
+
+use super::certificate::CertificateSettings;
+use super::distance::Ask;
+use super::pairs::PairSet;
+use super::scene::{CollisionScene, PairId};
+use super::verdict::{Contact, exact_clearance, hull_clearance};
+use foliate_components::Pose;
+use glam::DVec3;
+
+/// Hulls that are this share of what an interval takes apart leave the pair to its halves; below it, the meshes themselves
+/// are asked.
+const HULL_SHARE: f64 = 0.05;
+
+/// What became of a pair in an interval.
+pub(super) enum Outcome {
+    /// Free throughout, by at least this, metres.
+    Certified(f64),
+    Open,
+    /// It collides, at the sample.
+    Collides(Contact),
+    /// It cannot be certified at the resolution.
+    Doubtful(Contact),
+}
+
+/// What does not depend on the sample.
+#[derive(Clone, Copy)]
+pub(super) struct Look<'a> {
+    pub scene: &'a CollisionScene,
+    pub pairs: &'a PairSet,
+    pub settings: &'a CertificateSettings,
+}
+
+/// A pair at a sample.
+pub(super) struct Here {
+    /// Poses of the two bodies.
+    pub X: [Pose; 2],
+    /// How far the interval can bring the two closer, metres.
+    pub closer: f64,
+    /// Whether directions have a chance.
+    pub is_fine: bool,
+    /// Pairs that move by no more than this are in doubt, metres.
+    pub resolution: f64,
+}
+
+/// Directions that set a pair apart before, zero where none is known.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Hints {
+    /// Its solids.
+    pub solids: DVec3,
+    /// Their hulls.
+    pub hulls: DVec3,
+}
+
+impl Look<'_> {
+    /// Looks at a pair at a sample; also a direction along which the two are set apart there, zero where none is known.
+    pub(super) fn at(
+        &self,
+        id: PairId,
+        sample: &Here,
+        hints: &mut Hints,
+        along: impl FnOnce(DVec3) -> f64,
+    ) -> (Outcome, DVec3) {
+        if self.scene.is_convex(id) {
+            self.at_convex(id, sample, hints, along)
+        } else {
+            self.at_meshes(id, sample, hints, along)
+        }
+    }
+
+    fn keep(&self, id: PairId) -> f64 {
+        self.pairs.margins[id.at()] + self.settings.clearance_guard
+    }
+
+    fn at_convex(
+        &self,
+        id: PairId,
+        here: &Here,
+        hints: &mut Hints,
+        along: impl FnOnce(DVec3) -> f64,
+    ) -> (Outcome, DVec3) {
+        let keep = self.keep(id);
+        let needed = keep + here.closer;
+        let ask = if here.is_fine {
+            Ask { relative: 0.05, ..Ask::exact(needed) }
+        } else {
+            // Where directions are no help, only a collision at the sample still matters.
+            Ask { floor: keep, ..Ask::exact(needed) }
+        };
+        let found = exact_clearance(self.scene, id, here.X, ask, &mut hints.solids);
+        // The distance of convex solids is their gap along the hint.
+        let n = hints.solids;
+        if found >= needed {
+            return (Outcome::Certified(found - here.closer), n);
+        }
+        if here.is_fine && found >= keep && n != DVec3::ZERO {
+            let along = along(n);
+            if found >= keep + along {
+                return (Outcome::Certified(found - along), n);
+            }
+        }
+        (self.undecided(id, found, keep, here), n)
+    }
+
+    /// Where one is a mesh its hull is asked first, and where hulls are apart a direction is known.
+    fn at_meshes(
+        &self,
+        id: PairId,
+        here: &Here,
+        hints: &mut Hints,
+        along: impl FnOnce(DVec3) -> f64,
+    ) -> (Outcome, DVec3) {
+        let keep = self.keep(id);
+        let needed = keep + here.closer;
+        let floor = if here.is_fine { needed } else { keep };
+        let ask = Ask { floor, relative: 0.05, ..Ask::exact(needed) };
+        let apart = hull_clearance(self.scene, id, here.X, ask, &mut hints.hulls);
+        let n = if apart >= keep { hints.hulls } else { DVec3::ZERO };
+        if apart >= needed {
+            return (Outcome::Certified(apart - here.closer), n);
+        }
+        if here.is_fine && n != DVec3::ZERO {
+            let along = along(n);
+            if apart >= keep + along {
+                return (Outcome::Certified(apart - along), n);
+            }
+        }
+        if apart - keep >= HULL_SHARE * here.closer && 2.0 * here.closer > here.resolution {
+            return (Outcome::Open, n);
+        }
+        let ask = Ask { floor: keep, ..Ask::exact(needed) };
+        let found = exact_clearance(self.scene, id, here.X, ask, &mut hints.solids);
+        if found >= needed {
+            return (Outcome::Certified(found - here.closer), n);
+        }
+        (self.undecided(id, found, keep, here), n)
+    }
+
+    /// What becomes of a pair that is not certified.
+    fn undecided(&self, pair: PairId, clearance: f64, keep: f64, here: &Here) -> Outcome {
+        let contact = Contact { pair, clearance };
+        // Compared so that NaN collides.
+        let keeps = clearance >= keep;
+        match (keeps, 2.0 * here.closer > here.resolution) {
+            (false, _) => Outcome::Collides(contact),
+            (true, true) => Outcome::Open,
+            (true, false) => Outcome::Doubtful(contact),
+        }
+    }
+}
