@@ -22,6 +22,7 @@ pub mod model;
 pub mod path_extraction;
 pub mod projection;
 pub mod random;
+pub mod reached_leaves;
 pub mod rendezvous;
 pub mod sampling;
 pub mod schedule;
