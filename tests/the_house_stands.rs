@@ -61,6 +61,19 @@ fn clocks_do_not_reach_the_search() {
     assert_absent("components/src", &["Instant", "SystemTime"], &[]);
 }
 
+/// Outside `lanes/` nobody names a set of instructions, or the crate that knows them.
+#[test]
+fn only_the_lanes_know_instruction_sets() {
+    let sets =
+        ["fearless_simd", "avx", "Avx", "sse", "Sse", "neon", "Neon", "target_feature", "core::arch", "std::arch"];
+    for folder in ["components/src", "systems/src", "src", "benches", "examples"] {
+        assert_absent(folder, &sets, &[]);
+    }
+    for room in ["collision", "constraints", "kinematics", "linear", "projection"] {
+        assert_absent(&format!("systems/kernels/src/{room}"), &sets, &[]);
+    }
+}
+
 #[test]
 fn the_kernels_build_without_bevy() {
     let output = Command::new(env!("CARGO"))

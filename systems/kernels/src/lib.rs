@@ -9,5 +9,6 @@
 pub mod collision;
 pub mod constraints;
 pub mod kinematics;
+pub mod lanes;
 pub mod linear;
 pub mod projection;
