@@ -2,6 +2,7 @@
 
 use crate::connection::Connections;
 use crate::model::PlanningModel;
+use crate::neighbours::Neighbours;
 use crate::reached_leaves::ReachedLeaves;
 use crate::schedule::StepCounter;
 use bevy_ecs::prelude::{Entity, Mut, Resource, World};
@@ -177,6 +178,9 @@ fn add_node(world: &mut World, q: &[f64], leaf: LeafId, component: Option<Compon
     let mut roadmap = world.resource_mut::<Roadmap>();
     let node = roadmap.add_node(q, state, leaf, component);
     let component = roadmap.node(node).component;
+    world.resource_scope(|world, mut neighbours: Mut<'_, Neighbours>| {
+        neighbours.add(world.resource::<Roadmap>(), node);
+    });
     visit(world, leaf, component);
     count_in(world, state, |s| s.nodes += 1);
     world.spawn((node, InState(state), OnLeaf(leaf), InComponent(component), ConfigurationId(node.0)));

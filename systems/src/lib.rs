@@ -19,6 +19,7 @@ pub mod graph;
 pub mod guidance;
 pub mod membership;
 pub mod model;
+pub mod neighbours;
 pub mod path_extraction;
 pub mod projection;
 pub mod random;

@@ -7,6 +7,7 @@ use crate::events::{EventSink, StopSignal};
 use crate::goals::{GoalSampler, plant};
 use crate::membership::{self, Feasible};
 use crate::model::PlanningModel;
+use crate::neighbours::Neighbours;
 use crate::path_extraction::{extract_path, reached_backwards};
 use crate::reached_leaves::ReachedLeaves;
 use crate::schedule::StepCounter;
@@ -59,6 +60,7 @@ impl Search {
         world.init_resource::<Roots>();
         world.init_resource::<Ending>();
         world.init_resource::<GoalSampler>();
+        world.insert_resource(Neighbours::new(model, &settings));
         world.insert_resource(settings);
         world.insert_resource(stop);
         world.insert_resource(events);

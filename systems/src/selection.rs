@@ -2,20 +2,20 @@
 
 use crate::guidance::aiming::Aims;
 use crate::model::PlanningModel;
+use crate::neighbours::Neighbours;
 use crate::random::{Purpose, draw, stream};
 pub use crate::reached_leaves::ReachedLeaves;
-use crate::reached_leaves::StateLeaves;
 use crate::schedule::StepCounter;
 use crate::settings::{SearchSettings, Selection};
 use bevy_ecs::prelude::{Component, Query, Res, ResMut, Resource};
 use bevy_ecs::system::SystemParam;
 use foliate_components::candidate::{Candidate, CandidateArena};
 use foliate_components::graph::{Transition, TransitionId};
-use foliate_components::leaf::{LeafId, LeafIndex};
+use foliate_components::leaf::LeafIndex;
 use foliate_components::outcome::Rejection;
-use foliate_components::roadmap::{ComponentId, NodeId, Roadmap};
+use foliate_components::roadmap::{ComponentId, Roadmap};
 use rand::seq::IndexedRandom;
-use rand::{Rng, RngExt};
+use rand::RngExt;
 use rayon::prelude::*;
 
 /// The weight by which a transition is drawn; on the transition's entity, so that a host's system may change it.
@@ -56,12 +56,6 @@ impl Explored<'_> {
     pub fn trees(&self) -> impl Iterator<Item = ComponentId> {
         (0..self.roadmap.trees() as u32).map(ComponentId).filter(|&c| self.roadmap.component(c) == c)
     }
-
-    /// The nodes of a tree on a leaf.
-    fn nodes_on(&self, leaf: LeafId, tree: ComponentId) -> impl Iterator<Item = NodeId> {
-        let nodes = self.roadmap.nodes_on(leaf).iter().copied();
-        nodes.filter(move |&node| self.roadmap.component_of(node) == tree)
-    }
 }
 
 /// Chooses for every candidate a node: the nearest on its leaf where one is chosen already, else as
@@ -71,6 +65,7 @@ pub fn select_nodes(
     settings: Res<'_, SearchSettings>,
     step: Res<'_, StepCounter>,
     explored: Explored<'_>,
+    neighbours: Res<'_, Neighbours>,
     arena: Res<'_, CandidateArena>,
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
@@ -80,22 +75,18 @@ pub fn select_nodes(
     pool.par_iter_mut().filter(|c| c.is_alive()).for_each(|candidate| {
         let mut rng = stream(settings.seed, Purpose::Select, step.step, candidate.index);
         let q = arena.random_of(candidate.index);
-        let nearest_on = |leaf, tree| model.nearest(roadmap, q, explored.nodes_on(leaf, tree), &model.robot_weights);
+        let nearest_on = |leaf, tree| neighbours.nearest_on(&model, roadmap, q, (leaf, tree));
         let chosen = match (candidate.leaf, candidate.component, settings.selection) {
             (Some(leaf), Some(tree), _) => nearest_on(leaf, tree),
-            (_, _, Selection::Nearest) => {
-                let all = (0..roadmap.nodes().len() as u32).map(NodeId);
-                model.nearest(roadmap, q, all, &model.weights)
-            }
+            (_, _, Selection::Nearest) => neighbours.nearest_of_all(&model, roadmap, q),
             (_, _, Selection::StateFirst) => trees.choose(&mut rng).and_then(|&tree| {
-                let leaves = one_state(explored.reached.of_tree(tree), &mut rng)?;
-                let nodes = leaves.iter().flat_map(|&leaf| explored.nodes_on(leaf, tree));
-                model.nearest(roadmap, q, nodes, &model.weights)
+                let state = explored.reached.of_tree(tree).choose(&mut rng)?.state;
+                neighbours.nearest_in(&model, roadmap, q, (state, tree))
             }),
             (_, _, Selection::LeafFirst | Selection::Guided) => trees.choose(&mut rng).and_then(|&tree| {
                 // States with few leaves are often the narrow ones (one leaf holds every solid grasp of an object), so
                 // leaves alone would starve them.
-                let &leaf = one_state(explored.reached.of_tree(tree), &mut rng)?.choose(&mut rng)?;
+                let &leaf = explored.reached.of_tree(tree).choose(&mut rng)?.leaves.choose(&mut rng)?;
                 nearest_on(leaf, tree)
             }),
         };
@@ -107,11 +98,6 @@ pub fn select_nodes(
             None => candidate.reject(Rejection::NoNode),
         }
     });
-}
-
-/// The leaves of one of the states.
-fn one_state<'a>(states: &'a [StateLeaves], rng: &mut impl Rng) -> Option<&'a [LeafId]> {
-    states.choose(rng).map(|state| state.leaves.as_slice())
 }
 
 /// Draws for every candidate a transition that leaves its node's state, in proportion to the weights.
