@@ -8,6 +8,7 @@ use crate::commit::NewNodes;
 use crate::events::StopSignal;
 use crate::model::PlanningModel;
 use crate::neighbours::Neighbours;
+use crate::parallel::each;
 use crate::settings::SearchSettings;
 use crate::{steering, validation};
 use bevy_ecs::prelude::{Res, ResMut, Resource};
@@ -64,7 +65,10 @@ pub fn certify_connections(
 ) {
     let scratch = || (CollisionScratch::new(), MotionScratch::default());
     let bridges = Bridges::new(&connections.0, &roadmap);
-    connections.0.par_iter_mut().enumerate().for_each_init(scratch, |scratch, (index, connection)| {
+    // In order: what stands in front makes what is behind needless.
+    let mut proposals: Vec<_> = connections.0.iter_mut().enumerate().collect();
+    each(&mut proposals, scratch, |scratch, (index, connection)| {
+        let index = *index;
         if !stop.is_raised() && !bridges.is_needless(index) {
             connection.certified = connect(&model, &settings, &roadmap, &leaves, connection, scratch);
             if connection.certified.is_some() {

@@ -20,6 +20,7 @@ pub mod guidance;
 pub mod membership;
 pub mod model;
 pub mod neighbours;
+mod parallel;
 pub mod path_extraction;
 pub mod projection;
 pub mod random;

@@ -110,14 +110,13 @@ pub fn select_transitions(
     mut aims: ResMut<'_, Aims>,
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
-    for mut candidate in candidates.iter_mut().filter(|c| c.is_alive()) {
+    let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive()).collect();
+    pool.par_iter_mut().for_each(|candidate| {
         let Some(near) = candidate.near else {
-            candidate.reject(Rejection::NoNode);
-            continue;
+            return candidate.reject(Rejection::NoNode);
         };
         let mut rng = stream(settings.seed, Purpose::Select, step.step, candidate.index | 1 << 31);
         let row = explored.roadmap.node(near);
-        aims.count_try(row.leaf);
         let from = explored.leaves.leaf(row.leaf);
         let aim = candidate.aim.map(|aim| explored.leaves.leaf(aim));
         let weigh = |(id, transition): (TransitionId, &Transition)| {
@@ -129,5 +128,8 @@ pub fn select_transitions(
             Some(transition) => candidate.transition = Some(transition),
             None => candidate.reject(Rejection::NoTransition),
         }
+    });
+    for near in pool.iter().filter_map(|candidate| candidate.near) {
+        aims.count_try(explored.roadmap.node(near).leaf);
     }
 }

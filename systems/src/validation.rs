@@ -2,6 +2,7 @@
 
 use crate::events::StopSignal;
 use crate::model::PlanningModel;
+use crate::parallel::each;
 use crate::schedule::StepCounter;
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Query, Res, ResMut};
@@ -14,7 +15,6 @@ use foliate_kernels::collision::{
     CertificateSettings, CollisionScratch, Contact, PairSet, PolylineVerdict, certify_polyline,
 };
 use foliate_kernels::kinematics::Carriage;
-use rayon::prelude::*;
 
 /// Buffers of one thread.
 struct Scratch {
@@ -42,15 +42,16 @@ pub fn certify_legs(
     pool.sort_unstable_by_key(|c| c.index);
     counter.validated += pool.iter().filter(|c| c.is_alive()).count() as u64;
     let CandidateArena { legs, complete, .. } = &mut *arena;
-    let slots = legs.par_iter_mut().zip(complete.par_iter_mut());
-    pool.par_iter_mut().zip(slots).for_each_init(
+    let mut slots: Vec<_> = pool.iter_mut().zip(legs.iter_mut().zip(complete)).collect();
+    each(
+        &mut slots,
         || Scratch::new(&model),
         |scratch, (candidate, (legs, complete))| {
             if stop.is_raised() {
                 candidate.reject(Rejection::Stopped);
             }
             if candidate.is_alive() || candidate.is_cut_short() {
-                *complete = certify_candidate(&model, &settings, &leaves, candidate, legs, scratch);
+                **complete = certify_candidate(&model, &settings, &leaves, candidate, legs, scratch);
             } else {
                 legs.clear();
             }
