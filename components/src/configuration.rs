@@ -175,9 +175,29 @@ impl ConfigurationSpace {
     /// If a slice is shorter than its dimension.
     #[must_use]
     pub fn distance(&self, a: &[f64], b: &[f64], weights: &[f64]) -> f64 {
-        let mut difference = vec![0.0; self.dimension];
-        self.difference(a, b, &mut difference);
-        difference.iter().zip(weights).map(|(d, w)| (d * w) * (d * w)).sum::<f64>().sqrt()
+        let mut sum = 0.0;
+        let mut add = |d: f64, v: usize| sum += (d * weights[v]) * (d * weights[v]);
+        for f in &self.factors {
+            let (i, j) = (f.q, f.v);
+            match f.group {
+                Group::Real => add(b[i] - a[i], j),
+                Group::Circle => add(wrap(b[i] - a[i]), j),
+                Group::Plane => {
+                    add(b[i] - a[i], j);
+                    add(b[i + 1] - a[i + 1], j + 1);
+                    add(wrap(b[i + 2] - a[i + 2]), j + 2);
+                }
+                Group::FreeFlyer => {
+                    (0..3).for_each(|k| add(b[i + k] - a[i + k], j + k));
+                    // What does not count need not be turned back by an arc sine.
+                    if weights[j + 3..j + 6] != [0.0; 3] {
+                        let turn = log_so3(quaternion(a, i).conjugate() * quaternion(b, i));
+                        (0..3).for_each(|k| add(turn[k], j + 3 + k));
+                    }
+                }
+            }
+        }
+        sum.sqrt()
     }
 
     /// A configuration drawn uniformly: within bounds where they are finite, angles over a full turn, rotations uniformly

@@ -131,6 +131,25 @@ pub struct EdgeRow {
     pub motions: u32,
 }
 
+/// An end of an edge, `2 · edge + end`, or [`EdgeEnd::NONE`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct EdgeEnd(u32);
+
+impl EdgeEnd {
+    const NONE: Self = Self(u32::MAX);
+
+    fn edge(self) -> Option<EdgeId> {
+        (self != Self::NONE).then_some(EdgeId(self.0 / 2))
+    }
+}
+
+/// First and last of a node's edge ends.
+#[derive(Clone, Copy, Debug)]
+struct EdgeList {
+    first: EdgeEnd,
+    last: EdgeEnd,
+}
+
 /// The columns of the roadmap.
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "ecs", derive(bevy_ecs::prelude::Resource))]
@@ -139,7 +158,11 @@ pub struct Roadmap {
     configurations: Vec<f64>,
     nodes: Vec<NodeRow>,
     edges: Vec<EdgeRow>,
-    adjacency: Vec<Vec<EdgeId>>,
+    /// By node: its edges, a list through `next_edge`. Most nodes have two or three edges; a vector each would cost more
+    /// than all else that a node has.
+    edges_of: Vec<EdgeList>,
+    /// By edge and end: the next edge of the node there, and its end.
+    next_edge: Vec<[EdgeEnd; 2]>,
     motions: Vec<Motion>,
     /// Numbers in the knots of all motions.
     knot_numbers: usize,
@@ -176,7 +199,7 @@ impl Roadmap {
         });
         self.configurations.extend_from_slice(q);
         self.nodes.push(NodeRow { state, leaf, component });
-        self.adjacency.push(Vec::new());
+        self.edges_of.push(EdgeList { first: EdgeEnd::NONE, last: EdgeEnd::NONE });
         if self.by_leaf.len() <= leaf.at() {
             self.by_leaf.resize_with(leaf.at() + 1, Vec::new);
         }
@@ -192,10 +215,20 @@ impl Roadmap {
         self.knot_numbers += motions.iter().map(|motion| motion.knots.len()).sum::<usize>();
         self.motions.extend(motions);
         self.edges.push(EdgeRow { from, to, along, first_motion, motions: count });
-        self.adjacency[from.at()].push(id);
-        self.adjacency[to.at()].push(id);
+        self.next_edge.push([EdgeEnd::NONE; 2]);
+        self.append(from, EdgeEnd(2 * id.0));
+        self.append(to, EdgeEnd(2 * id.0 + 1));
         self.join(self.nodes[from.at()].component, self.nodes[to.at()].component);
         id
+    }
+
+    fn append(&mut self, node: NodeId, end: EdgeEnd) {
+        let list = &mut self.edges_of[node.at()];
+        let last = std::mem::replace(&mut list.last, end);
+        match last.edge() {
+            Some(edge) => self.next_edge[edge.at()][(last.0 % 2) as usize] = end,
+            None => list.first = end,
+        }
     }
 
     fn join(&mut self, a: ComponentId, b: ComponentId) {
@@ -223,14 +256,26 @@ impl Roadmap {
     /// About how much memory the roadmap takes, bytes: knots and configurations, rows, and the entities of nodes and edges.
     #[must_use]
     pub fn bytes(&self) -> u64 {
-        /// What an entity with its few components, its place in the adjacency and its share of growing room cost.
-        const PER_ENTITY: usize = 256;
         let numbers = self.configurations.len() + self.knot_numbers;
-        let rows = self.nodes.len() * size_of::<NodeRow>() + self.edges.len() * size_of::<EdgeRow>();
         let motions = self.motions.len() * size_of::<Motion>();
-        let entities = (self.nodes.len() + self.edges.len()) * PER_ENTITY;
-        (numbers * size_of::<f64>() + rows + motions + entities) as u64
+        let rows = self.nodes.len() * Self::NODE_BYTES + self.edges.len() * Self::EDGE_BYTES;
+        (numbers * size_of::<f64>() + rows + motions) as u64
     }
+
+    /// What a node takes beside its configuration, bytes, room to grow not counted: its row, its places in the lists of
+    /// edges and leaves, and its entity with five components (`systems/tests/nodes_are_small.rs` measures what it really is).
+    pub const NODE_BYTES: usize =
+        size_of::<NodeRow>() + size_of::<EdgeList>() + size_of::<NodeId>() + Self::ENTITY_BYTES + 5 * Self::WORD_BYTES;
+
+    /// The same of an edge, beside its motions: an entity with four components, one of them of two words.
+    pub const EDGE_BYTES: usize =
+        size_of::<EdgeRow>() + size_of::<[EdgeEnd; 2]>() + Self::ENTITY_BYTES + 4 * Self::WORD_BYTES + size_of::<u32>();
+
+    /// An entity's id in its table, and its entries in the lists of its archetype and of the world.
+    const ENTITY_BYTES: usize = 44;
+
+    /// A component of one id, with the ticks of its addition and its last change.
+    const WORD_BYTES: usize = 12;
 
     /// Number of trees that were ever born; joined ones included.
     #[must_use]
@@ -275,10 +320,14 @@ impl Roadmap {
         &self.motions[row.first_motion.at()..][..row.motions as usize]
     }
 
-    /// Edges at a node.
-    #[must_use]
-    pub fn edges_at(&self, node: NodeId) -> &[EdgeId] {
-        &self.adjacency[node.at()]
+    /// Edges at a node, in the order in which they were found.
+    pub fn edges_at(&self, node: NodeId) -> impl Iterator<Item = EdgeId> + '_ {
+        let mut at = self.edges_of[node.at()].first;
+        std::iter::from_fn(move || {
+            let edge = at.edge()?;
+            at = self.next_edge[edge.at()][(at.0 % 2) as usize];
+            Some(edge)
+        })
     }
 
     /// Nodes on a leaf, by id.

@@ -2,8 +2,9 @@
 
 use crate::connection::Connections;
 use crate::model::PlanningModel;
+use crate::neighbours::Neighbours;
+use crate::reached_leaves::ReachedLeaves;
 use crate::schedule::StepCounter;
-use crate::selection::ReachedLeaves;
 use bevy_ecs::prelude::{Entity, Mut, Resource, World};
 use foliate_components::candidate::{Candidate, CandidateArena, LegParameter, PlannedLeg};
 use foliate_components::graph::{ConstraintId, StateId, TransitionId};
@@ -177,6 +178,9 @@ fn add_node(world: &mut World, q: &[f64], leaf: LeafId, component: Option<Compon
     let mut roadmap = world.resource_mut::<Roadmap>();
     let node = roadmap.add_node(q, state, leaf, component);
     let component = roadmap.node(node).component;
+    world.resource_scope(|world, mut neighbours: Mut<'_, Neighbours>| {
+        neighbours.add(world.resource::<Roadmap>(), node);
+    });
     visit(world, leaf, component);
     count_in(world, state, |s| s.nodes += 1);
     world.spawn((node, InState(state), OnLeaf(leaf), InComponent(component), ConfigurationId(node.0)));
@@ -196,19 +200,22 @@ fn visit(world: &mut World, leaf: LeafId, component: ComponentId) {
             }
         }
     }
-    let mut reached = world.resource_mut::<ReachedLeaves>();
-    if reached.by_component.len() <= component.at() {
-        reached.by_component.resize_with(component.at() + 1, Vec::new);
-    }
     if first {
-        reached.by_component[component.at()].push(leaf);
+        world.resource_scope(|world, mut reached: Mut<'_, ReachedLeaves>| {
+            let tree = world.resource::<Roadmap>().component(component);
+            reached.add(component, tree, leaf, world.resource::<LeafIndex>().leaf(leaf));
+        });
     }
 }
 
 fn add_edge(world: &mut World, from: NodeId, to: NodeId, along: TransitionId, motions: Vec<Motion>) -> EdgeId {
     let mut roadmap = world.resource_mut::<Roadmap>();
+    let (a, b) = (roadmap.component_of(from), roadmap.component_of(to));
     let edge = roadmap.add_edge(from, to, along, motions);
     let first_motion = roadmap.edge(edge).first_motion;
+    if a != b {
+        world.resource_mut::<ReachedLeaves>().join(a.min(b), a.max(b));
+    }
     world.spawn((edge, Between { from, to }, Along(along), first_motion));
     edge
 }

@@ -7,11 +7,13 @@
 use crate::commit::NewNodes;
 use crate::events::StopSignal;
 use crate::model::PlanningModel;
+use crate::neighbours::Neighbours;
+use crate::parallel::each;
 use crate::settings::SearchSettings;
 use crate::{steering, validation};
 use bevy_ecs::prelude::{Res, ResMut, Resource};
 use foliate_components::leaf::LeafIndex;
-use foliate_components::roadmap::{ComponentId, Motion, NodeId, Roadmap};
+use foliate_components::roadmap::{Motion, NodeId, Roadmap};
 use foliate_kernels::collision::CollisionScratch;
 use foliate_kernels::projection::MotionScratch;
 use rayon::prelude::*;
@@ -37,42 +39,18 @@ pub fn propose_connections(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
     roadmap: Res<'_, Roadmap>,
+    neighbours: Res<'_, Neighbours>,
     mut new: ResMut<'_, NewNodes>,
     mut connections: ResMut<'_, Connections>,
 ) {
     let proposals: Vec<Vec<Connection>> = std::mem::take(&mut new.0)
         .par_iter()
         .map(|&node| {
-            let nodes = neighbours(&model, &roadmap, node, settings.connect_neighbours);
+            let nodes = neighbours.of_other_trees(&model, &roadmap, node, settings.connect_neighbours);
             nodes.into_iter().map(|to| Connection { from: node, to, certified: None }).collect()
         })
         .collect();
     connections.0 = proposals.into_iter().flatten().collect();
-}
-
-/// The `count` nearest nodes of the node's leaf in each other tree; by distance, then by id.
-fn neighbours(model: &PlanningModel, roadmap: &Roadmap, node: NodeId, count: usize) -> Vec<NodeId> {
-    let (tree, q) = (roadmap.component_of(node), roadmap.configuration(node));
-    let mut others: Vec<(ComponentId, f64, NodeId)> = roadmap
-        .nodes_on(roadmap.node(node).leaf)
-        .iter()
-        .filter_map(|&other| {
-            let component = roadmap.component_of(other);
-            (component != tree).then(|| {
-                let d = model.problem.robot.space.distance(q, roadmap.configuration(other), &model.robot_weights);
-                (component, d, other)
-            })
-        })
-        .collect();
-    others.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
-    let mut taken = 0;
-    let mut last = None;
-    others.retain(|&(component, ..)| {
-        taken = if last == Some(component) { taken + 1 } else { 0 };
-        last = Some(component);
-        taken < count
-    });
-    others.into_iter().map(|(_, _, node)| node).collect()
 }
 
 /// Steers and certifies the proposals; whole or not at all. Of those that would join the same two trees all behind the
@@ -87,7 +65,10 @@ pub fn certify_connections(
 ) {
     let scratch = || (CollisionScratch::new(), MotionScratch::default());
     let bridges = Bridges::new(&connections.0, &roadmap);
-    connections.0.par_iter_mut().enumerate().for_each_init(scratch, |scratch, (index, connection)| {
+    // In order: what stands in front makes what is behind needless.
+    let mut proposals: Vec<_> = connections.0.iter_mut().enumerate().collect();
+    each(&mut proposals, scratch, |scratch, (index, connection)| {
+        let index = *index;
         if !stop.is_raised() && !bridges.is_needless(index) {
             connection.certified = connect(&model, &settings, &roadmap, &leaves, connection, scratch);
             if connection.certified.is_some() {

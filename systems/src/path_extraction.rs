@@ -176,7 +176,7 @@ fn shortest_route(model: &PlanningModel, roadmap: &Roadmap, start: NodeId, goal:
         if cost > best[node.at()] {
             continue;
         }
-        for &edge in roadmap.edges_at(node) {
+        for edge in roadmap.edges_at(node) {
             let row = roadmap.edge(edge);
             let next = if row.from == node { row.to } else { row.from };
             let cost = cost + roadmap.motions_of(edge).iter().map(|m| model.length(&m.knots)).sum::<f64>();

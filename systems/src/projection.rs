@@ -8,6 +8,7 @@ use crate::events::StopSignal;
 use crate::graph::building::led_to;
 use crate::membership::{parameter_of, residual};
 use crate::model::PlanningModel;
+use crate::parallel::each;
 use crate::random::{Purpose, stream};
 use crate::schedule::StepCounter;
 use crate::settings::SearchSettings;
@@ -21,7 +22,6 @@ use foliate_components::roadmap::Roadmap;
 use foliate_kernels::kinematics::Carriage;
 use foliate_kernels::projection::{Job, Scratch as NewtonScratch, Settings as NewtonSettings, project_batch};
 use rand::RngExt;
-use rayon::prelude::*;
 
 /// Fewer candidates than these are not worth another thread.
 const LEAST_SHARED: usize = 8;
@@ -93,9 +93,7 @@ pub fn project_waypoints(
     for same in lanes.chunk_by_mut(|a, b| a.candidate.transition == b.candidate.transition) {
         blocks.extend(same.chunks_mut(longest));
     }
-    blocks
-        .into_par_iter()
-        .for_each_init(|| Scratch::new(&model), |scratch, block| context.project_block(block, scratch));
+    each(&mut blocks, || Scratch::new(&model), |scratch, block| context.project_block(block, scratch));
 }
 
 impl Scratch {

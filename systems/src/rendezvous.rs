@@ -6,107 +6,115 @@
 //! parameter closer; and where no other tree is in the target state yet, a leaf of any state that has the added rows. Among
 //! those, the draw goes by how often each was reached. A guided candidate takes the leaf that it aims at.
 
+use crate::commit::EntityTable;
 use crate::model::PlanningModel;
 use crate::random::{Purpose, draw, stream};
+use crate::reached_leaves::LeafColumns;
 use crate::schedule::StepCounter;
+use crate::selection::Explored;
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Query, Res};
 use foliate_components::candidate::Candidate;
-use foliate_components::graph::{ConstraintId, StateId, TransitionKind};
-use foliate_components::leaf::{Leaf, LeafId, LeafIndex};
+use foliate_components::graph::{ConstraintId, StateId, Transition, TransitionKind};
+use foliate_components::leaf::{Leaf, LeafId, ParameterId};
 use foliate_components::outcome::Rejection;
-use foliate_components::roadmap::{ComponentId, Roadmap, Visits};
+use foliate_components::roadmap::{ComponentId, Visits};
 use rand::RngExt;
 use rayon::prelude::*;
-
-/// A leaf that trees have reached, as the draw sees it.
-struct Reached<'a> {
-    leaf: &'a Leaf,
-    visits: &'a Visits,
-}
 
 /// Draws for every crossed candidate the leaf to aim at.
 pub fn draw_leaves(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
     step: Res<'_, StepCounter>,
-    roadmap: Res<'_, Roadmap>,
-    leaves: Res<'_, LeafIndex>,
-    reached: Query<'_, '_, (&LeafId, &Visits)>,
+    explored: Explored<'_>,
+    entities: Res<'_, EntityTable>,
+    visits: Query<'_, '_, &Visits>,
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
-    // By state, in order of leaf ids: the order of entities is not part of the promise.
-    let mut by_state: Vec<Vec<(LeafId, Reached<'_>)>> = Vec::new();
-    by_state.resize_with(model.graph.states.len(), Vec::new);
-    for (&id, visits) in &reached {
-        let leaf = leaves.leaf(id);
-        by_state[leaf.state.at()].push((id, Reached { leaf, visits }));
-    }
-    by_state.iter_mut().for_each(|list| list.sort_unstable_by_key(|&(id, _)| id));
-    let has_rows = |leaf: &Leaf, rows: &[ConstraintId]| rows.iter().all(|c| foliation(&model, leaf.state).contains(c));
-
-    let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive()).collect();
-    pool.par_iter_mut().for_each(|candidate| {
-        let (Some(near), Some(transition)) = (candidate.near, candidate.transition) else { return };
-        let transition = model.graph.transition(transition);
-        if transition.kind != TransitionKind::Crossed {
+    let crossed = |candidate: &Candidate| {
+        let transition = candidate.transition.map(|id| model.graph.transition(id));
+        transition.filter(|t| candidate.is_alive() && t.kind == TransitionKind::Crossed)
+    };
+    let mut pool: Vec<_> = candidates.iter_mut().filter_map(|c| crossed(&c).map(|t| (c, t))).collect();
+    pool.par_iter_mut().for_each(|(candidate, transition)| {
+        let Some(near) = candidate.near else { return };
+        if let Some(aim) = candidate.aim.filter(|&aim| has_added(&model, explored.leaves.leaf(aim).state, transition)) {
+            candidate.drawn = Some(aim);
             return;
         }
         let mut rng = stream(settings.seed, Purpose::Rendezvous, step.step, candidate.index);
         let choice = Draw {
             model: &model,
-            roadmap: &roadmap,
-            source: leaves.leaf(roadmap.node(near).leaf),
-            tree: roadmap.component_of(near),
+            explored: &explored,
+            visits: &|leaf| visits.get(entities.leaves[leaf.at()]).ok(),
+            source: explored.leaves.leaf(explored.roadmap.node(near).leaf),
+            tree: explored.roadmap.component_of(near),
         };
-        if let Some(aim) = candidate.aim.filter(|&aim| has_rows(leaves.leaf(aim), &transition.adds)) {
-            candidate.drawn = Some(aim);
-            return;
-        }
         let u = rng.random();
-        let drawn = choice.leaf(by_state[transition.to.at()].iter(), u).or_else(|| {
-            let elsewhere = by_state.iter().flatten().filter(|(_, r)| has_rows(r.leaf, &transition.adds));
-            choice.leaf(elsewhere, u)
-        });
-        match drawn {
+        let drawn = choice.leaf(|state| state == transition.to, u);
+        match drawn.or_else(|| choice.leaf(|state| has_added(&model, state, transition), u)) {
             Some(leaf) => candidate.drawn = Some(leaf),
             None => candidate.reject(Rejection::NoLeafToAimAt),
         }
     });
 }
 
+/// Whether the leaves of a state have a value for all that a transition adds.
+fn has_added(model: &PlanningModel, state: StateId, transition: &Transition) -> bool {
+    transition.adds.iter().all(|c| foliation(model, state).contains(c))
+}
+
 struct Draw<'a> {
     model: &'a PlanningModel,
-    roadmap: &'a Roadmap,
+    explored: &'a Explored<'a>,
+    visits: &'a (dyn Fn(LeafId) -> Option<&'a Visits> + Sync),
     source: &'a Leaf,
     tree: ComponentId,
 }
 
 impl Draw<'_> {
-    /// Draws by `u` ∈ [0, 1) among reached leaves.
-    fn leaf<'r>(&self, reached: impl Iterator<Item = &'r (LeafId, Reached<'r>)> + Clone, u: f64) -> Option<LeafId> {
-        let weigh = |agreeing: bool| -> Vec<(LeafId, f64)> {
-            let wanted = reached.clone().filter(|(_, r)| !agreeing || self.shared_rows_agree(r.leaf));
-            wanted.map(|(id, r)| (*id, self.visits_of_others(r.visits))).filter(|&(_, w)| w > 0.0).collect()
-        };
-        let mut choices = weigh(true);
-        if choices.is_empty() {
-            choices = weigh(false);
+    /// Draws by `u` ∈ [0, 1) among the leaves of some states that other trees have reached.
+    fn leaf(&self, wanted: impl Fn(StateId) -> bool, u: f64) -> Option<LeafId> {
+        let mut leaves = self.reached_by_others(&wanted, true);
+        if leaves.is_empty() {
+            leaves = self.reached_by_others(&wanted, false);
         }
+        let choices: Vec<_> = leaves.iter().map(|&(_, leaf)| (leaf, self.visits_of_others(leaf))).collect();
         draw(&choices, u)
     }
 
-    /// How often trees other than the candidate's have reached a leaf.
-    fn visits_of_others(&self, visits: &Visits) -> f64 {
-        let others = visits.by_component.iter().filter(|&&(c, _)| self.roadmap.component(c) != self.tree);
-        others.map(|&(_, n)| f64::from(n)).sum()
+    /// The leaves of some states that trees other than the candidate's have reached, by state and id: all, or those whose
+    /// shared rows agree with the source's.
+    fn reached_by_others(&self, wanted: impl Fn(StateId) -> bool, agreeing: bool) -> Vec<(StateId, LeafId)> {
+        let mut leaves = Vec::new();
+        for (born, list) in (0u32..).map(ComponentId).zip(&self.explored.reached.by_component) {
+            if self.explored.roadmap.component(born) == self.tree {
+                continue;
+            }
+            for columns in self.explored.reached.columns_of(born).iter().filter(|columns| wanted(columns.state)) {
+                let shared = if agreeing { self.shared_rows(columns) } else { Vec::new() };
+                let agrees = |&(index, _): &(usize, &u32)| shared.iter().all(|&(column, own)| column[index] == own);
+                let places = columns.places.iter().enumerate().filter(agrees);
+                leaves.extend(places.map(|(_, &place)| (columns.state, list[place as usize])));
+            }
+        }
+        leaves.sort_unstable();
+        leaves.dedup();
+        leaves
     }
 
-    fn shared_rows_agree(&self, target: &Leaf) -> bool {
-        foliation(self.model, target.state)
-            .iter()
-            .zip(&target.parameters)
-            .all(|(&constraint, &value)| self.model.graph.value(self.source, constraint).is_none_or(|own| own == value))
+    /// The values that the source has too, with the source's own.
+    fn shared_rows<'c>(&self, columns: &'c LeafColumns) -> Vec<(&'c [ParameterId], ParameterId)> {
+        let rows = foliation(self.model, columns.state).iter().zip(&columns.parameters);
+        rows.filter_map(|(&c, column)| Some((column.as_slice(), self.model.graph.value(self.source, c)?))).collect()
+    }
+
+    /// How often trees other than the candidate's have reached a leaf.
+    fn visits_of_others(&self, leaf: LeafId) -> f64 {
+        let all = (self.visits)(leaf).map_or(&[][..], |visits| &visits.by_component);
+        let others = all.iter().filter(|&&(c, _)| self.explored.roadmap.component(c) != self.tree);
+        others.map(|&(_, n)| f64::from(n)).sum()
     }
 }
 

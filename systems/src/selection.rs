@@ -2,18 +2,20 @@
 
 use crate::guidance::aiming::Aims;
 use crate::model::PlanningModel;
+use crate::neighbours::Neighbours;
 use crate::random::{Purpose, draw, stream};
+pub use crate::reached_leaves::ReachedLeaves;
 use crate::schedule::StepCounter;
 use crate::settings::{SearchSettings, Selection};
 use bevy_ecs::prelude::{Component, Query, Res, ResMut, Resource};
 use bevy_ecs::system::SystemParam;
 use foliate_components::candidate::{Candidate, CandidateArena};
-use foliate_components::graph::{StateId, Transition, TransitionId};
-use foliate_components::leaf::{LeafId, LeafIndex};
+use foliate_components::graph::{Transition, TransitionId};
+use foliate_components::leaf::LeafIndex;
 use foliate_components::outcome::Rejection;
-use foliate_components::roadmap::{ComponentId, NodeId, Roadmap};
+use foliate_components::roadmap::{ComponentId, Roadmap};
 use rand::seq::IndexedRandom;
-use rand::{Rng, RngExt};
+use rand::RngExt;
 use rayon::prelude::*;
 
 /// The weight by which a transition is drawn; on the transition's entity, so that a host's system may change it.
@@ -23,13 +25,6 @@ pub struct Weight(pub f64);
 /// Weights by transition, gathered at the start of every step.
 #[derive(Clone, Debug, Default, Resource)]
 pub struct TransitionWeights(pub Vec<f64>);
-
-/// Which leaves each tree has reached, in order of first visit; kept by the commit.
-#[derive(Clone, Debug, Default, Resource)]
-pub struct ReachedLeaves {
-    /// By tree: its leaves.
-    pub by_component: Vec<Vec<LeafId>>,
-}
 
 /// Copies the weights from the transitions' entities into a slice.
 pub fn gather_weights(
@@ -61,31 +56,6 @@ impl Explored<'_> {
     pub fn trees(&self) -> impl Iterator<Item = ComponentId> {
         (0..self.roadmap.trees() as u32).map(ComponentId).filter(|&c| self.roadmap.component(c) == c)
     }
-
-    /// Every tree with the leaves that it has reached, sorted by state.
-    #[must_use]
-    pub fn leaves_by_tree(&self) -> Vec<(ComponentId, Vec<(StateId, LeafId)>)> {
-        self.trees().map(|tree| (tree, self.leaves_of(tree))).collect()
-    }
-
-    fn leaves_of(&self, tree: ComponentId) -> Vec<(StateId, LeafId)> {
-        let reached = self.members(tree).flat_map(|c| &self.reached.by_component[c.at()]);
-        let mut leaves: Vec<_> = reached.map(|&leaf| (self.leaves.leaf(leaf).state, leaf)).collect();
-        leaves.sort_unstable();
-        leaves.dedup();
-        leaves
-    }
-
-    /// All trees that have been joined into `tree`.
-    fn members(&self, tree: ComponentId) -> impl Iterator<Item = ComponentId> {
-        (0..self.roadmap.trees() as u32).map(ComponentId).filter(move |&c| self.roadmap.component(c) == tree)
-    }
-
-    /// The nodes of a tree on a leaf.
-    fn nodes_on(&self, leaf: LeafId, tree: ComponentId) -> impl Iterator<Item = NodeId> {
-        let nodes = self.roadmap.nodes_on(leaf).iter().copied();
-        nodes.filter(move |&node| self.roadmap.component_of(node) == tree)
-    }
 }
 
 /// Chooses for every candidate a node: the nearest on its leaf where one is chosen already, else as
@@ -95,31 +65,29 @@ pub fn select_nodes(
     settings: Res<'_, SearchSettings>,
     step: Res<'_, StepCounter>,
     explored: Explored<'_>,
+    neighbours: Res<'_, Neighbours>,
     arena: Res<'_, CandidateArena>,
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
-    let trees = explored.leaves_by_tree();
+    let trees: Vec<ComponentId> = explored.trees().collect();
     let roadmap = &*explored.roadmap;
     let mut pool: Vec<_> = candidates.iter_mut().collect();
     pool.par_iter_mut().filter(|c| c.is_alive()).for_each(|candidate| {
         let mut rng = stream(settings.seed, Purpose::Select, step.step, candidate.index);
         let q = arena.random_of(candidate.index);
-        let nearest_on = |leaf, tree| model.nearest(roadmap, q, explored.nodes_on(leaf, tree), &model.robot_weights);
+        let nearest_on = |leaf, tree| neighbours.nearest_on(&model, roadmap, q, (leaf, tree));
         let chosen = match (candidate.leaf, candidate.component, settings.selection) {
             (Some(leaf), Some(tree), _) => nearest_on(leaf, tree),
-            (_, _, Selection::Nearest) => {
-                let all = (0..roadmap.nodes().len() as u32).map(NodeId);
-                model.nearest(roadmap, q, all, &model.weights)
-            }
-            (_, _, Selection::StateFirst) => trees.choose(&mut rng).and_then(|(tree, leaves)| {
-                let nodes = one_state(leaves, &mut rng)?.iter().flat_map(|&(_, leaf)| explored.nodes_on(leaf, *tree));
-                model.nearest(roadmap, q, nodes, &model.weights)
+            (_, _, Selection::Nearest) => neighbours.nearest_of_all(&model, roadmap, q),
+            (_, _, Selection::StateFirst) => trees.choose(&mut rng).and_then(|&tree| {
+                let state = explored.reached.of_tree(tree).choose(&mut rng)?.state;
+                neighbours.nearest_in(&model, roadmap, q, (state, tree))
             }),
-            (_, _, Selection::LeafFirst | Selection::Guided) => trees.choose(&mut rng).and_then(|(tree, leaves)| {
+            (_, _, Selection::LeafFirst | Selection::Guided) => trees.choose(&mut rng).and_then(|&tree| {
                 // States with few leaves are often the narrow ones (one leaf holds every solid grasp of an object), so
                 // leaves alone would starve them.
-                let &(_, leaf) = one_state(leaves, &mut rng)?.choose(&mut rng)?;
-                nearest_on(leaf, *tree)
+                let &leaf = explored.reached.of_tree(tree).choose(&mut rng)?.leaves.choose(&mut rng)?;
+                nearest_on(leaf, tree)
             }),
         };
         match chosen {
@@ -132,12 +100,6 @@ pub fn select_nodes(
     });
 }
 
-/// The leaves of one of the states.
-fn one_state<'a>(leaves: &'a [(StateId, LeafId)], rng: &mut impl Rng) -> Option<&'a [(StateId, LeafId)]> {
-    let states: Vec<_> = leaves.chunk_by(|a, b| a.0 == b.0).collect();
-    states.choose(rng).copied()
-}
-
 /// Draws for every candidate a transition that leaves its node's state, in proportion to the weights.
 pub fn select_transitions(
     model: Res<'_, PlanningModel>,
@@ -148,14 +110,13 @@ pub fn select_transitions(
     mut aims: ResMut<'_, Aims>,
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
-    for mut candidate in candidates.iter_mut().filter(|c| c.is_alive()) {
+    let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive()).collect();
+    pool.par_iter_mut().for_each(|candidate| {
         let Some(near) = candidate.near else {
-            candidate.reject(Rejection::NoNode);
-            continue;
+            return candidate.reject(Rejection::NoNode);
         };
         let mut rng = stream(settings.seed, Purpose::Select, step.step, candidate.index | 1 << 31);
         let row = explored.roadmap.node(near);
-        aims.count_try(row.leaf);
         let from = explored.leaves.leaf(row.leaf);
         let aim = candidate.aim.map(|aim| explored.leaves.leaf(aim));
         let weigh = |(id, transition): (TransitionId, &Transition)| {
@@ -167,5 +128,8 @@ pub fn select_transitions(
             Some(transition) => candidate.transition = Some(transition),
             None => candidate.reject(Rejection::NoTransition),
         }
+    });
+    for near in pool.iter().filter_map(|candidate| candidate.near) {
+        aims.count_try(explored.roadmap.node(near).leaf);
     }
 }

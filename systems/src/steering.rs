@@ -7,6 +7,7 @@
 use crate::constraint_programs::LegProgram;
 use crate::events::StopSignal;
 use crate::model::PlanningModel;
+use crate::parallel::each;
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Query, Res, ResMut};
 use foliate_components::Pose;
@@ -14,7 +15,6 @@ use foliate_components::candidate::{Candidate, CandidateArena, LegParameter, Pla
 use foliate_components::leaf::{Leaf, LeafIndex};
 use foliate_components::outcome::Rejection;
 use foliate_kernels::projection::{MotionEnd, MotionScratch, MotionSettings, Settings, project_motion};
-use rayon::prelude::*;
 
 /// A motion on a leaf.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,8 +39,8 @@ pub fn steer_legs(
 ) {
     let mut pool: Vec<_> = candidates.iter_mut().collect();
     pool.sort_unstable_by_key(|c| c.index);
-    let alive = pool.par_iter_mut().zip(arena.legs.par_iter_mut()).filter(|(c, _)| c.is_alive());
-    alive.for_each_init(MotionScratch::default, |scratch, (candidate, legs)| {
+    let mut alive: Vec<_> = pool.iter_mut().zip(&mut arena.legs).filter(|(c, _)| c.is_alive()).collect();
+    each(&mut alive, MotionScratch::default, |scratch, (candidate, legs)| {
         for index in 0..legs.len() {
             // A leg with implicit rows of a humanoid may take long.
             if stop.is_raised() {

@@ -2,6 +2,7 @@
 
 use crate::events::StopSignal;
 use crate::model::PlanningModel;
+use crate::parallel::each;
 use crate::schedule::StepCounter;
 use crate::settings::SearchSettings;
 use crate::waypoints::waypoints_are_free;
@@ -15,7 +16,6 @@ use foliate_kernels::collision::{
     CertificateSettings, CollisionScratch, Contact, PairSet, PolylineVerdict, certify_polyline,
 };
 use foliate_kernels::kinematics::Carriage;
-use rayon::prelude::*;
 
 /// Buffers of one thread.
 struct Scratch {
@@ -44,15 +44,16 @@ pub fn certify_legs(
     let projected = |c: &Candidate| c.is_alive() || matches!(c.rejected, Some(Rejection::WaypointBlocked(_)));
     counter.validated += pool.iter().filter(|c| projected(c)).count() as u64;
     let CandidateArena { legs, complete, .. } = &mut *arena;
-    let slots = legs.par_iter_mut().zip(complete.par_iter_mut());
-    pool.par_iter_mut().zip(slots).for_each_init(
+    let mut slots: Vec<_> = pool.iter_mut().zip(legs.iter_mut().zip(complete)).collect();
+    each(
+        &mut slots,
         || Scratch::new(&model),
         |scratch, (candidate, (legs, complete))| {
             if stop.is_raised() {
                 candidate.reject(Rejection::Stopped);
             }
             if candidate.is_alive() || candidate.is_cut_short() {
-                *complete = certify_candidate(&model, &settings, &leaves, candidate, legs, scratch);
+                **complete = certify_candidate(&model, &settings, &leaves, candidate, legs, scratch);
             } else {
                 legs.clear();
             }

@@ -11,4 +11,5 @@ pub mod constraints;
 pub mod kinematics;
 pub mod lanes;
 pub mod linear;
+pub mod nearest;
 pub mod projection;

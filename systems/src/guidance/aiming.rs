@@ -1,78 +1,83 @@
 //! Set Select, the guided half: a leaf that is few grasps from what another tree has reached, and the leaf to aim at.
 
-use crate::guidance::grasp_distance::GraspDistance;
+use crate::guidance::grasp_distance::{End, GraspDistance, StatePair};
+use crate::guidance::weighted_leaves::{FOCUS, Weighted, WeightedLeaves};
 use crate::model::PlanningModel;
 use crate::random::{Purpose, draw, stream};
+use crate::reached_leaves::ReachedLeaves;
 use crate::schedule::StepCounter;
-use crate::selection::{Explored, ReachedLeaves};
+use crate::selection::Explored;
 use crate::settings::{SearchSettings, Selection};
 use bevy_ecs::prelude::{Query, Res, ResMut, Resource};
 use foliate_components::candidate::Candidate;
 use foliate_components::graph::{ConstraintGraph, StateId, Transition};
-use foliate_components::leaf::{Leaf, LeafId, LeafIndex};
+use foliate_components::leaf::{Leaf, LeafId};
 use foliate_components::roadmap::{ComponentId, Roadmap};
 use rand::seq::IndexedRandom;
 use rand::{Rng, RngExt};
 use rayon::prelude::*;
+use std::borrow::Cow;
+use std::collections::HashMap;
 
-/// A leaf one change of grasp farther is so many times less likely to be chosen.
-const FOCUS: f64 = 2.0;
-/// A leaf loses half of its weight in so many tries, so that what leads nowhere is left alone.
-const LEAF_PATIENCE: f64 = 8.0;
-/// Likewise a state.
-const STATE_PATIENCE: f64 = 64.0;
+/// A leaf that is so many changes of grasp farther than the nearest is as good as never aimed at.
+const MOST_BEHIND: u16 = 20;
 
 /// How far every leaf is from every tree, kept from step to step.
 #[derive(Clone, Debug, Default, Resource)]
 pub struct Aims {
     distance: GraspDistance,
-    /// By tree: how many of the leaves it has reached are known here.
-    known: Vec<usize>,
-    /// By leaf and tree: changes of grasp to the nearest leaf that the tree has reached.
-    nearest: Vec<Vec<u16>>,
+    /// By the states of two leaves.
+    pairs: HashMap<(StateId, StateId), StatePair>,
+    /// By tree as it was born: what is known of the leaves it has reached.
+    measured: Vec<Measured>,
+    /// By tree as it is now: its leaves by state, sorted; empty for a tree that has been joined to another.
+    trees: Vec<Vec<WeightedLeaves>>,
     /// By leaf: candidates that started there.
     tries: Vec<u32>,
+    /// Leaves on which the last step's candidates have started.
+    touched: Vec<LeafId>,
+}
+
+/// What is known of the leaves that a tree reached while it had its own id.
+#[derive(Clone, Debug, Default)]
+struct Measured {
+    /// How many, in order of first visit.
+    known: usize,
+    /// By state, in the order of [`ReachedLeaves::columns_of`].
+    states: Vec<Nearest>,
+}
+
+/// Of the leaves of one state: changes of grasp to the nearest leaf of every tree as it was born, by tree and leaf. Trees
+/// that have been joined to the leaves' own are left out.
+#[derive(Clone, Debug, Default)]
+struct Nearest {
+    known: usize,
+    by_tree: Vec<Vec<u16>>,
+}
+
+impl Nearest {
+    fn of(&mut self, tree: usize) -> &mut Vec<u16> {
+        if self.by_tree.len() <= tree {
+            self.by_tree.resize_with(tree + 1, Vec::new);
+        }
+        let row = &mut self.by_tree[tree];
+        row.resize(self.known, u16::MAX);
+        row
+    }
+
+    /// To the nearest leaf of any tree but `own`.
+    fn to_others(&self, roadmap: &Roadmap, own: ComponentId, leaf: usize) -> Option<u16> {
+        let others = (0u32..).map(ComponentId).zip(&self.by_tree);
+        let others = others.filter(|(c, row)| !row.is_empty() && roadmap.component(*c) != own);
+        others.map(|(_, row)| row.get(leaf).copied().unwrap_or(u16::MAX)).min()
+    }
 }
 
 impl Aims {
-    /// Changes of grasp from a leaf to the nearest leaf of any tree but `tree`.
+    /// Changes of grasp from a leaf that the tree `tree` has reached to the nearest leaf of any other tree.
     #[must_use]
-    pub fn to_others(&self, roadmap: &Roadmap, leaf: LeafId, tree: ComponentId) -> u16 {
-        let others = (0u32..).map(ComponentId).zip(&self.nearest[leaf.at()]);
-        others.filter(|&(c, _)| roadmap.component(c) != tree).map(|(_, &d)| d).min().unwrap_or(0)
-    }
-
-    /// Weighs what a tree has reached, `reached` sorted by state: states by their nearest leaves, then the leaves in each.
-    fn weigh(&self, roadmap: &Roadmap, reached: &[(StateId, LeafId)], tree: ComponentId) -> WeightedLeaves {
-        let weigh_state = |leaves: &[(StateId, LeafId)]| {
-            let far = |&(_, leaf): &(StateId, LeafId)| f64::from(self.to_others(roadmap, leaf, tree));
-            let tried = |&(_, leaf): &(StateId, LeafId)| f64::from(self.tries[leaf.at()]);
-            let near = leaves.iter().map(far).fold(f64::INFINITY, f64::min);
-            let tries: f64 = leaves.iter().map(tried).sum();
-            let weigh = |leaf| (leaf, FOCUS.powf(-far(leaf)) / (1.0 + tried(leaf) / LEAF_PATIENCE));
-            let leaves = leaves.iter().map(weigh).map(|(&(_, leaf), weight)| (leaf, weight)).collect();
-            (leaves, FOCUS.powf(-near) / (1.0 + tries / STATE_PATIENCE))
-        };
-        let (states, weights): (Vec<_>, Vec<_>) = reached.chunk_by(|a, b| a.0 == b.0).map(weigh_state).unzip();
-        WeightedLeaves { weights: (0..).zip(weights).collect(), states }
-    }
-
-    /// Chooses what to aim at from `leaf`: among the leaves that other trees have reached, near ones first.
-    fn aim(
-        &self,
-        graph: &ConstraintGraph,
-        explored: &Explored<'_>,
-        (leaf, tree): (LeafId, ComponentId),
-        rng: &mut impl Rng,
-    ) -> Option<LeafId> {
-        let from = explored.leaves.leaf(leaf);
-        let all = (0u32..).map(ComponentId).zip(&explored.reached.by_component);
-        let others = all.filter(|&(c, _)| explored.roadmap.component(c) != tree);
-        let weigh = |&to: &LeafId| {
-            let far = self.distance.between(graph, from, explored.leaves.leaf(to));
-            (to, FOCUS.powi(-2 * i32::from(far)))
-        };
-        draw(&others.flat_map(|(_, list)| list).map(weigh).collect::<Vec<_>>(), rng.random())
+    pub fn to_others(&self, leaf: LeafId, tree: ComponentId) -> Option<u16> {
+        self.trees.get(tree.at())?.iter().find_map(|state| state.get(leaf)).map(|weighted| weighted.far)
     }
 
     /// How much likelier a transition gets by what it leads to.
@@ -84,52 +89,256 @@ impl Aims {
     pub(crate) fn count_try(&mut self, leaf: LeafId) {
         if let Some(tries) = self.tries.get_mut(leaf.at()) {
             *tries += 1;
+            self.touched.push(leaf);
+        }
+    }
+
+    /// The leaves that a tree has reached, with what is known of each.
+    fn gather(&self, reached: &ReachedLeaves, roadmap: &Roadmap, tree: ComponentId) -> Vec<WeightedLeaves> {
+        let mut states: Vec<(StateId, Vec<Weighted>)> = Vec::new();
+        let born = (0u32..).map(ComponentId).zip(&self.measured).filter(|&(c, _)| roadmap.component(c) == tree);
+        for (born, measured) in born {
+            let list = &reached.by_component[born.at()];
+            for (nearest, columns) in measured.states.iter().zip(reached.columns_of(born)) {
+                let entry = |(index, &place): (usize, &u32)| {
+                    let leaf = list[place as usize];
+                    let far = nearest.to_others(roadmap, tree, index).unwrap_or(0);
+                    Weighted { leaf, far, tries: self.tries[leaf.at()] }
+                };
+                let new = columns.places[..nearest.known].iter().enumerate().map(entry);
+                let at = states.partition_point(|(state, _)| *state < columns.state);
+                if states.get(at).is_none_or(|(state, _)| *state != columns.state) {
+                    states.insert(at, (columns.state, Vec::new()));
+                }
+                states[at].1.extend(new);
+            }
+        }
+        let sort = |(state, mut leaves): (StateId, Vec<Weighted>)| {
+            leaves.sort_by_key(|w| (w.leaf, w.far));
+            leaves.dedup_by_key(|w| w.leaf);
+            WeightedLeaves::new(state, leaves)
+        };
+        states.into_iter().map(sort).collect()
+    }
+
+    /// Chooses what to aim at from `leaf`: among the leaves that other trees have reached, near ones first.
+    fn aim(
+        &self,
+        graph: &ConstraintGraph,
+        explored: &Explored<'_>,
+        (leaf, tree): (LeafId, ComponentId),
+        rng: &mut impl Rng,
+        scratch: &mut AimScratch,
+    ) -> Option<LeafId> {
+        let from = explored.leaves.leaf(leaf);
+        let lists = (0u32..).map(ComponentId).zip(&explored.reached.by_component);
+        let others: Vec<_> = lists.filter(|&(c, _)| explored.roadmap.component(c) != tree).collect();
+        scratch.far.clear();
+        for (born, list) in &others {
+            let start = scratch.far.len();
+            scratch.far.resize(start + list.len(), u16::MAX);
+            for columns in explored.reached.columns_of(*born) {
+                let pair = self.pair(graph, from.state, columns.state);
+                pair.measure((&from.parameters, End::From), &columns.parameters, columns.len(), &mut scratch.one_state);
+                for (&place, &far) in columns.places.iter().zip(&scratch.one_state) {
+                    scratch.far[start + place as usize] = far;
+                }
+            }
+        }
+        let mut at = draw_near(&scratch.far, rng.random())?;
+        for (_, list) in others {
+            match list.get(at) {
+                Some(&leaf) => return Some(leaf),
+                None => at -= list.len(),
+            }
+        }
+        None
+    }
+
+    fn pair(&self, graph: &ConstraintGraph, from: StateId, to: StateId) -> Cow<'_, StatePair> {
+        match self.pairs.get(&(from, to)) {
+            Some(pair) => Cow::Borrowed(pair),
+            None => Cow::Owned(self.distance.between_states(graph, from, to)),
         }
     }
 }
 
-/// The leaves that a tree has reached, with their weights.
-struct WeightedLeaves {
-    /// Numbers of states and their weights.
-    weights: Vec<(usize, f64)>,
-    /// By state: its leaves and their weights.
-    states: Vec<Vec<(LeafId, f64)>>,
+/// Buffers of one thread.
+#[derive(Default)]
+struct AimScratch {
+    /// Distances to all leaves of other trees, in order of tree and first visit.
+    far: Vec<u16>,
+    one_state: Vec<u16>,
 }
 
-impl WeightedLeaves {
-    fn choose(&self, rng: &mut impl Rng) -> Option<LeafId> {
-        let state = draw(&self.weights, rng.random())?;
-        draw(&self.states[state], rng.random())
+/// Draws a place by `u` ∈ [0, 1), each with weight [`FOCUS`]⁻²ᵈ of its distance d. Sums of whole numbers: no rounding, and
+/// additions that need not wait for each other.
+fn draw_near(far: &[u16], u: f64) -> Option<usize> {
+    let nearest = *far.iter().min()?;
+    let weigh = |&d: &u16| match d - nearest {
+        behind if behind <= MOST_BEHIND => 1_u64 << (2 * (MOST_BEHIND - behind)),
+        _ => 0,
+    };
+    let mut left = (u * far.iter().map(weigh).sum::<u64>() as f64) as u64;
+    for (number, block) in far.chunks(256).enumerate() {
+        let sum: u64 = block.iter().map(weigh).sum();
+        if left >= sum {
+            left -= sum;
+            continue;
+        }
+        let within = block.iter().position(|d| {
+            let weight = weigh(d);
+            let is_here = left < weight;
+            left = left.saturating_sub(weight);
+            is_here
+        });
+        return within.map(|at| number * 256 + at);
     }
+    far.iter().rposition(|d| weigh(d) > 0)
 }
 
 /// Measures the leaves that the last step has reached, each against all others.
 pub fn measure_leaves(
     model: Res<'_, PlanningModel>,
-    leaves: Res<'_, LeafIndex>,
-    reached: Res<'_, ReachedLeaves>,
+    explored: Explored<'_>,
     mut aims: ResMut<'_, Aims>,
 ) {
     let aims = &mut *aims;
-    aims.distance.grow(&model.graph);
-    let trees = reached.by_component.len();
-    aims.known.resize(trees, 0);
-    aims.tries.resize(leaves.leaves().len(), 0);
-    let before = aims.nearest.len();
-    aims.nearest.resize(leaves.leaves().len(), Vec::new());
-    aims.nearest.iter_mut().for_each(|row| row.resize(trees, u16::MAX));
-    for (tree, list) in reached.by_component.iter().enumerate() {
-        let known = std::mem::replace(&mut aims.known[tree], list.len());
-        for (number, &to) in list.iter().enumerate() {
-            // Old leaves against new ones, and new ones against all.
-            let first = if number < known { before } else { 0 };
-            for from in first..aims.nearest.len() {
-                let far = aims.distance.between(&model.graph, &leaves.leaves()[from], leaves.leaf(to));
-                let nearest = &mut aims.nearest[from][tree];
-                *nearest = far.min(*nearest);
+    if aims.distance.grow(&model.graph) {
+        aims.pairs.clear();
+    }
+    let trees = explored.reached.by_component.len();
+    aims.measured.resize_with(trees, Measured::default);
+    aims.trees.resize_with(trees, Vec::new);
+    aims.tries.resize(explored.leaves.leaves().len(), 0);
+    aims.follow_joins(&explored);
+    aims.follow_tries(&explored);
+    for born in (0..trees as u32).map(ComponentId) {
+        let list = &explored.reached.by_component[born.at()];
+        for number in aims.measured[born.at()].known..list.len() {
+            aims.measure(&model.graph, &explored, born, list[number]);
+        }
+    }
+}
+
+impl Aims {
+    /// Weighs afresh what trees have reached that others have been joined to.
+    fn follow_joins(&mut self, explored: &Explored<'_>) {
+        let mut joined = Vec::new();
+        for (born, states) in (0u32..).map(ComponentId).zip(&mut self.trees) {
+            let tree = explored.roadmap.component(born);
+            if tree != born && !states.is_empty() {
+                states.clear();
+                joined.push(tree);
+            }
+        }
+        joined.sort_unstable();
+        joined.dedup();
+        for tree in joined {
+            self.trees[tree.at()] = self.gather(&explored.reached, &explored.roadmap, tree);
+        }
+    }
+
+    /// Weighs afresh the leaves on which candidates have started.
+    fn follow_tries(&mut self, explored: &Explored<'_>) {
+        for leaf in std::mem::take(&mut self.touched) {
+            let (state, tries) = (explored.leaves.leaf(leaf).state, self.tries[leaf.at()]);
+            for tree in &mut self.trees {
+                if let Some(leaves) = in_state(tree, state) {
+                    leaves.change(leaf, |weighted| weighted.tries = tries);
+                }
             }
         }
     }
+
+    /// Measures the next leaf that the tree `born` has reached against what is measured of all other trees.
+    fn measure(&mut self, graph: &ConstraintGraph, explored: &Explored<'_>, born: ComponentId, id: LeafId) {
+        let leaf = explored.leaves.leaf(id);
+        let own = explored.roadmap.component(born);
+        let mut distances = Vec::new();
+        let mut from_here: Vec<(usize, u16)> = Vec::new();
+        for other in (0..self.measured.len() as u32).map(ComponentId) {
+            let tree = explored.roadmap.component(other);
+            if tree == own {
+                continue;
+            }
+            let mut nearest = None;
+            for (state, columns) in explored.reached.columns_of(other).iter().enumerate() {
+                let Some(known) = self.measured[other.at()].states.get(state).map(|s| s.known) else { break };
+                self.remember_pairs(graph, leaf.state, columns.state);
+                let pair = &self.pairs[&(leaf.state, columns.state)];
+                if nearest.is_none_or(|nearest| pair.least() < nearest) {
+                    pair.measure((&leaf.parameters, End::From), &columns.parameters, known, &mut distances);
+                    nearest = nearest.into_iter().chain(distances.iter().copied()).min();
+                }
+                let pair = &self.pairs[&(columns.state, leaf.state)];
+                pair.measure((&leaf.parameters, End::To), &columns.parameters, known, &mut distances);
+                self.come_nearer(explored, (other, state), born, &distances);
+            }
+            from_here.extend(nearest.map(|nearest| (other.at(), nearest)));
+        }
+        self.add(explored, (born, own), id, &from_here);
+    }
+
+    /// Hears how far a new leaf of the tree `to` is from the leaves of one state of another tree.
+    fn come_nearer(&mut self, explored: &Explored<'_>, (born, state): (ComponentId, usize), to: ComponentId, far: &[u16]) {
+        let tree = explored.roadmap.component(born);
+        let columns = &explored.reached.columns_of(born)[state];
+        let nearest = &mut self.measured[born.at()].states[state];
+        for (index, known) in nearest.of(to.at()).iter_mut().enumerate().filter(|(index, known)| far[*index] < **known) {
+            *known = far[index];
+            let leaf = explored.reached.by_component[born.at()][columns.places[index] as usize];
+            if let Some(leaves) = in_state(&mut self.trees[tree.at()], columns.state) {
+                leaves.change(leaf, |weighted| weighted.far = weighted.far.min(far[index]));
+            }
+        }
+    }
+
+    /// Adds a leaf that is so far from other trees to what is known of its own.
+    fn add(
+        &mut self,
+        explored: &Explored<'_>,
+        (born, own): (ComponentId, ComponentId),
+        id: LeafId,
+        far: &[(usize, u16)],
+    ) {
+        let state = explored.leaves.leaf(id).state;
+        let columns = explored.reached.columns_of(born);
+        let at = columns.iter().position(|c| c.state == state).unwrap_or(0);
+        let measured = &mut self.measured[born.at()];
+        measured.known += 1;
+        if measured.states.len() <= at {
+            measured.states.resize_with(at + 1, Nearest::default);
+        }
+        let nearest = &mut measured.states[at];
+        nearest.known += 1;
+        for &(tree, far) in far {
+            if let Some(last) = nearest.of(tree).last_mut() {
+                *last = far;
+            }
+        }
+        let far = far.iter().map(|&(_, far)| far).min().unwrap_or(0);
+        let new = Weighted { leaf: id, far, tries: self.tries[id.at()] };
+        let states = &mut self.trees[own.at()];
+        match in_state(states, state) {
+            Some(leaves) => leaves.insert(new),
+            None => {
+                let at = states.partition_point(|s| s.state < state);
+                states.insert(at, WeightedLeaves::new(state, vec![new]));
+            }
+        }
+    }
+
+    fn remember_pairs(&mut self, graph: &ConstraintGraph, a: StateId, b: StateId) {
+        for ends in [(a, b), (b, a)] {
+            self.pairs.entry(ends).or_insert_with(|| self.distance.between_states(graph, ends.0, ends.1));
+        }
+    }
+}
+
+fn in_state(states: &mut [WeightedLeaves], state: StateId) -> Option<&mut WeightedLeaves> {
+    let at = states.binary_search_by_key(&state, |s| s.state).ok()?;
+    Some(&mut states[at])
 }
 
 /// Chooses for the guided candidates the leaf to extend and the leaf to aim at.
@@ -144,18 +353,39 @@ pub fn choose_leaves(
     if settings.selection != Selection::Guided {
         return;
     }
-    let weigh = |(tree, leaves): (ComponentId, Vec<_>)| (tree, aims.weigh(&explored.roadmap, &leaves, tree));
-    let trees: Vec<_> = explored.leaves_by_tree().into_iter().map(weigh).collect();
+    let weigh = |tree: ComponentId| {
+        let states = &aims.trees[tree.at()];
+        (tree, states.iter().map(|state| (state, state.weight())).collect::<Vec<_>>())
+    };
+    let trees: Vec<_> = explored.trees().map(weigh).collect();
     let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive()).collect();
-    pool.par_iter_mut().for_each(|candidate| {
+    pool.par_iter_mut().for_each_init(AimScratch::default, |scratch, candidate| {
         let mut rng = stream(settings.seed, Purpose::Aim, step.step, candidate.index);
         if rng.random::<f64>() >= settings.guided_probability {
             return;
         }
-        let Some((tree, leaves)) = trees.choose(&mut rng) else { return };
-        let Some(leaf) = leaves.choose(&mut rng) else { return };
+        let Some((tree, states)) = trees.choose(&mut rng) else { return };
+        let Some(leaf) = draw(states, rng.random()).and_then(|leaves| leaves.draw(rng.random())) else { return };
         candidate.component = Some(*tree);
         candidate.leaf = Some(leaf);
-        candidate.aim = aims.aim(&model.graph, &explored, (leaf, *tree), &mut rng);
+        candidate.aim = aims.aim(&model.graph, &explored, (leaf, *tree), &mut rng, scratch);
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn near_leaves_are_drawn_as_often_as_their_weights_say() {
+        let far: Vec<u16> = (0..1000).map(|i| 3 + i * 7 % 4 + if i % 100 == 50 { 60 } else { 0 }).collect();
+        let choices: Vec<(usize, f64)> =
+            far.iter().enumerate().map(|(i, &d)| (i, FOCUS.powi(-2 * i32::from(d)))).collect();
+        for step in 0..1000 {
+            let u = f64::from(step) / 1000.0 + 1e-4;
+            assert_eq!(draw_near(&far, u), draw(&choices, u), "{u}");
+        }
+        assert_eq!(draw_near(&[], 0.5), None);
+        assert_eq!(draw_near(&[u16::MAX, 2], 1.0), Some(1));
+    }
 }

@@ -10,7 +10,7 @@
 //! yet is far.
 
 use foliate_components::graph::{ConstraintGraph, ConstraintId, ConstraintKind, StateId, Transition, TransitionKind};
-use foliate_components::leaf::Leaf;
+use foliate_components::leaf::{Leaf, ParameterId};
 use std::collections::HashMap;
 
 /// Farther than this is as far.
@@ -66,10 +66,10 @@ impl GraspDistance {
         distances
     }
 
-    /// Reads what has come into being in the graph since it was last read.
-    pub fn grow(&mut self, graph: &ConstraintGraph) {
+    /// Reads what has come into being in the graph since it was last read; true where something has.
+    pub fn grow(&mut self, graph: &ConstraintGraph) -> bool {
         if self.situations.len() == graph.states.len() && self.transitions == graph.transitions.len() {
-            return;
+            return false;
         }
         self.number_constraints(graph);
         let count = self.subjects.len();
@@ -96,6 +96,7 @@ impl GraspDistance {
         for (subject, _) in self.subjects.iter_mut().zip(has_grown).filter(|(_, has_grown)| *has_grown) {
             subject.measure();
         }
+        true
     }
 
     /// Gives new constraints their subjects; the states that are known say nothing of new subjects.
@@ -133,11 +134,109 @@ impl GraspDistance {
         })
     }
 
+    /// What `between` says of all leaves of one state and all of another.
+    #[must_use]
+    pub(crate) fn between_states(&self, graph: &ConstraintGraph, from: StateId, to: StateId) -> StatePair {
+        let mut pair = StatePair::default();
+        let position = |state: StateId, c: ConstraintId| graph.state(state).foliation.iter().position(|&x| x == c);
+        let ends = self.situations[from.at()].iter().zip(&self.situations[to.at()]);
+        for (subject, (&a, &b)) in self.subjects.iter().zip(ends) {
+            let at = a * subject.situations.len() + b;
+            let least = u16::from(subject.changes[at]);
+            let shared = subject.situations[a].foliating.iter().filter(|c| subject.situations[b].foliating.contains(c));
+            let mut rows: Vec<Row> = shared
+                .filter_map(|&c| {
+                    let known = subject.through_lack.binary_search_by_key(&c, |&(c, _)| c).ok()?;
+                    let extra = u16::from(subject.through_lack[known].1[at]).saturating_sub(least);
+                    let (from, to) = (position(from, c)?, position(to, c)?);
+                    (extra > 0).then_some(Row { from, to, extra })
+                })
+                .collect();
+            pair.least += least;
+            match rows.pop() {
+                Some(row) if rows.is_empty() => pair.alone.push(row),
+                Some(row) => {
+                    rows.push(row);
+                    pair.together.push(rows);
+                }
+                None => {}
+            }
+        }
+        pair
+    }
+
     /// Sums over the subjects; `same` says whether a constraint that holds at both ends has the same value at both.
     fn sum(&self, to: &Leaf, from: StateId, same: impl Fn(ConstraintId) -> bool) -> u16 {
         let ends = self.situations[from.at()].iter().zip(&self.situations[to.state.at()]);
         let steps = self.subjects.iter().zip(ends).map(|(subject, (&a, &b))| subject.steps(a, b, &same));
         steps.map(u16::from).sum()
+    }
+}
+
+/// The distance between any leaf of one state and any of another, as a function of which values they share.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct StatePair {
+    /// Where all values that both have are the same.
+    least: u16,
+    /// Constraints of a subject that shares no other: each adds its own where the values differ.
+    alone: Vec<Row>,
+    /// Constraints of one subject: the largest of those whose values differ is added.
+    together: Vec<Vec<Row>>,
+}
+
+/// A constraint that foliates both states.
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    /// Its position in the foliation of either state.
+    from: usize,
+    to: usize,
+    /// What another value adds.
+    extra: u16,
+}
+
+/// Which end of a [`StatePair`] one leaf stands at, when it is measured against many.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum End {
+    From,
+    To,
+}
+
+impl StatePair {
+    /// The smallest distance of all.
+    pub fn least(&self) -> u16 {
+        self.least
+    }
+
+    /// Writes the distances between a leaf with values `one`, which stands at an end, and the first `count` of many leaves,
+    /// whose values come in columns.
+    pub fn measure(
+        &self,
+        (one, end): (&[ParameterId], End),
+        columns: &[Vec<ParameterId>],
+        count: usize,
+        out: &mut Vec<u16>,
+    ) {
+        out.clear();
+        out.resize(count, self.least);
+        let ends = |row: &Row| match end {
+            End::From => (one[row.from], &columns[row.to][..count]),
+            End::To => (one[row.to], &columns[row.from][..count]),
+        };
+        for row in &self.alone {
+            let (value, column) = ends(row);
+            for (out, &other) in out.iter_mut().zip(column) {
+                *out += if other == value { 0 } else { row.extra };
+            }
+        }
+        for subject in &self.together {
+            for (index, out) in out.iter_mut().enumerate() {
+                let differ = subject.iter().filter(|row| {
+                    let (value, column) = ends(row);
+                    column[index] != value
+                });
+                *out += differ.map(|row| row.extra).max().unwrap_or(0);
+            }
+        }
     }
 }
 

@@ -2,3 +2,4 @@
 
 pub mod aiming;
 pub mod grasp_distance;
+mod weighted_leaves;

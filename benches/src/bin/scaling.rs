@@ -1,0 +1,109 @@
+//! What does a candidate cost with a thousand, ten thousand and a hundred thousand nodes in the roadmap?
+//!
+//! `cargo run --release -p foliate_benches --bin scaling [-- SCENE… --nodes N --seed S]`. Whole steps of `mrrt` with default
+//! settings on one thread, but connections are proved and then forgotten, so that the trees stay apart and a search never
+//! ends: what it does at any size is what an unsolved one does. Processor time, since the machine may be busy.
+#![forbid(unsafe_code)]
+
+use bevy_ecs::prelude::{IntoScheduleConfigs, ResMut, Schedule, World};
+use bevy_ecs::schedule::ScheduleCleanupPolicy;
+use foliate_benches::{long_model, one_thread, scene_model};
+use foliate_components::leaf::LeafIndex;
+use foliate_systems::connection::{Connections, certify_connections, propose_connections};
+use foliate_systems::commit;
+use foliate_systems::events::{EventSink, StopSignal};
+use foliate_systems::model::PlanningModel;
+use foliate_systems::schedule::SearchSet;
+use foliate_systems::schedulers::{Scheduler, mrrt::Mrrt};
+use foliate_systems::search::Search;
+use foliate_systems::settings::SearchSettings;
+use std::error::Error;
+use std::time::{Duration, Instant};
+
+type Result<T> = std::result::Result<T, Box<dyn Error>>;
+
+/// Candidates over which a cost is taken; enough for all kinds of transitions to be among them.
+const WINDOW: u64 = 4096;
+
+fn main() -> Result<()> {
+    one_thread();
+    let mut arguments = std::env::args().skip(1);
+    let (mut scenes, mut most, mut seed) = (Vec::new(), 100_000, 1);
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            "--nodes" => most = arguments.next().ok_or("--nodes N")?.parse()?,
+            "--seed" => seed = arguments.next().ok_or("--seed S")?.parse()?,
+            scene => scenes.push(scene.to_owned()),
+        }
+    }
+    if scenes.is_empty() {
+        scenes = vec!["four boxes".to_owned(), "demo".to_owned(), "baxter-case2".to_owned()];
+    }
+    println!("{:<24} {:>7} {:>7} {:>6} {:>9} {:>12} {:>14}", "scene", "nodes", "leaves", "trees", "µs each", "× first", "fingerprint");
+    for scene in &scenes {
+        let model = if scene == "four boxes" { Some(long_model()) } else { scene_model(scene) };
+        if let Some(model) = model {
+            measure(scene, &model, most, seed);
+        }
+    }
+    Ok(())
+}
+
+/// Grows one roadmap and says what candidates cost on the way.
+fn measure(scene: &str, model: &PlanningModel, most: usize, seed: u64) {
+    let settings = SearchSettings { seed, ..SearchSettings::default() };
+    let mut search = Search::new(model, &Apart, settings, StopSignal::default(), EventSink::default());
+    let mut first = None;
+    let mut size = 1000;
+    while size <= most {
+        while search.roadmap().nodes().len() < size {
+            if let Some(outcome) = search.step() {
+                println!("{scene}: {} at {} nodes", outcome.name(), search.roadmap().nodes().len());
+                return;
+            }
+        }
+        let leaves = search.world().resource::<LeafIndex>().leaves().len();
+        let (nodes, trees) = (search.roadmap().nodes().len(), search.roadmap().trees());
+        let (before, started) = (search.counter().candidates, processor_time());
+        while search.counter().candidates < before + WINDOW && search.step().is_none() {}
+        let each = (processor_time() - started).as_secs_f64() * 1e6 / (search.counter().candidates - before) as f64;
+        let times = each / *first.get_or_insert(each);
+        let print = search.roadmap().fingerprint();
+        println!("{scene:<24} {nodes:>7} {leaves:>7} {trees:>6} {each:>9.1} {times:>12.2} {print:016x}");
+        size *= 10;
+    }
+}
+
+/// The papers' algorithm, but for trees that never meet.
+struct Apart;
+
+impl Scheduler for Apart {
+    fn name(&self) -> &'static str {
+        "apart"
+    }
+
+    fn schedule(&self, world: &mut World) -> Schedule {
+        let mut schedule = Mrrt.schedule(world);
+        // Nothing of the shipped schedule depends on these, so that they can be taken out.
+        let _removed =
+            schedule.remove_systems_in_set(SearchSet::Connect, world, ScheduleCleanupPolicy::RemoveSystemsOnly);
+        let connect = (propose_connections, certify_connections, forget, commit::commit_connections);
+        schedule.add_systems(connect.chain().in_set(SearchSet::Connect));
+        schedule
+    }
+}
+
+fn forget(mut connections: ResMut<'_, Connections>) {
+    connections.0.iter_mut().for_each(|connection| connection.certified = None);
+}
+
+/// Processor time of this thread; wall time where the system does not tell.
+fn processor_time() -> Duration {
+    let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
+    let nanoseconds = told.and_then(|text| text.split(' ').next().and_then(|n| n.parse().ok()));
+    nanoseconds.map_or_else(|| START.with(Instant::elapsed), Duration::from_nanos)
+}
+
+thread_local! {
+    static START: Instant = Instant::now();
+}

@@ -1,0 +1,43 @@
+//! Work on many slots by all threads of the pool.
+
+use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
+
+/// Does `work` on every item: threads take one item after another from the front, each with a scratch of its own, so that
+/// nobody waits while items are left and the first are begun first. Items are of unequal length (one candidate's motions
+/// take a hundred times another's), so that halves of the list would not be halves of the work. What comes out must not
+/// depend on the scratch, and then does not depend on the threads.
+pub(crate) fn each<T: Send, S>(items: &mut [T], scratch: impl Fn() -> S + Sync, work: impl Fn(&mut S, &mut T) + Sync) {
+    let workers = rayon::current_num_threads().min(items.len());
+    if workers <= 1 {
+        let mut scratch = scratch();
+        return items.iter_mut().for_each(|item| work(&mut scratch, item));
+    }
+    let queue = Mutex::new(items.iter_mut());
+    // A panic in `work` leaves the queue as sound as it was.
+    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
+    (0..workers).into_par_iter().with_max_len(1).for_each(|_| {
+        let mut own = None;
+        while let Some(item) = next() {
+            work(own.get_or_insert_with(&scratch), item);
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::each;
+
+    #[test]
+    fn every_item_is_worked_on_once() {
+        for threads in [1, 2, 5] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            for count in [0, 1, 2, 100] {
+                let mut items = vec![1; count];
+                let run = || each(&mut items, || 2, |two, item| *item += *two);
+                assert!(pool.as_ref().map(|pool| pool.install(run)).is_ok());
+                assert_eq!(items, vec![3; count]);
+            }
+        }
+    }
+}
