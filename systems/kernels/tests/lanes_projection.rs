@@ -17,6 +17,9 @@ use glam::DVec3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
+/// Starts and arguments.
+type Problems = Vec<(Vec<f64>, Vec<Pose>)>;
+
 /// Two arms, two blocks with several surfaces, a table in two halves.
 struct Cell {
     robot: Robot,
@@ -69,7 +72,7 @@ impl Cell {
     }
 
     /// Programs with problems that can be solved: starts and arguments.
-    fn programs(&mut self) -> Vec<(&'static str, ConstraintProgram, Vec<(Vec<f64>, Vec<Pose>)>)> {
+    fn programs(&mut self) -> Vec<(&'static str, ConstraintProgram, Problems)> {
         let grasp = self.grasp("left/hand", "block/top");
         let second = self.grasp("right/hand", "block/top");
         let gripper = placement_of(&grasp.gripper);
@@ -85,7 +88,7 @@ impl Cell {
         let held = Constraint::RelativePose(grasp.constraint());
         let programs = [
             ("reach", self.compile(&[Constraint::RelativePose(rigid)], &[])),
-            ("grasp what lies", self.compile(&[held.clone()], &[placed])),
+            ("grasp what lies", self.compile(std::slice::from_ref(&held), &[placed])),
             ("put down", self.compile(&[held.clone(), Constraint::Placement(contact)], &[])),
             ("put down there", self.compile(&[held, placed_at], &[])),
             ("some rows", self.compile(&[Constraint::RelativePose(above)], &[])),

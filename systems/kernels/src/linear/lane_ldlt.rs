@@ -37,6 +37,7 @@ pub(crate) fn solve_damped_lanes<V: Lanes>(
 }
 
 #[inline(always)]
+#[allow(clippy::needless_range_loop, reason = "triangles are written by their indices")]
 fn solve_sized<V: Lanes, const N: usize>(
     isa: V::Isa,
     matrix: LaneMatrix<'_, V::Row>,

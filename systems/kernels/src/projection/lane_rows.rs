@@ -272,12 +272,10 @@ fn write<V: Lanes>(
             rates[1] = linear.y;
             rates[2] = linear.z;
         }
-        if turns {
-            if let Some(angular) = angular {
-                rates[3] = six.turn[0].dot(angular);
-                rates[4] = six.turn[1].dot(angular);
-                rates[5] = six.turn[2].dot(angular);
-            }
+        if turns && let Some(angular) = angular {
+            rates[3] = six.turn[0].dot(angular);
+            rates[4] = six.turn[1].dot(angular);
+            rates[5] = six.turn[2].dot(angular);
         }
         if let Some(weight) = weight {
             for k in 0..6 {

@@ -296,13 +296,9 @@ impl Hand {
         let (own, wanted) = (DMat3::from_quat(self.X_JF.rotation), DMat3::from_quat(X_WF.rotation));
         // Σ wₖ (R·oₖ)·aₖ over the columns o of the frame in the body and a of where it is to be.
         let mut alignment = DMat3::ZERO;
-        for k in 0..3 {
-            let outer = DMat3::from_cols(
-                wanted.col(k) * own.col(k).x,
-                wanted.col(k) * own.col(k).y,
-                wanted.col(k) * own.col(k).z,
-            );
-            alignment += outer * (weights[k] * RADIAN * RADIAN);
+        for (k, weight) in weights.into_iter().enumerate() {
+            let (o, a) = (own.col(k), wanted.col(k) * (weight * RADIAN * RADIAN));
+            alignment += DMat3::from_cols(a * o.x, a * o.y, a * o.z);
         }
         SeedTarget {
             point: self.X_JF.translation,
