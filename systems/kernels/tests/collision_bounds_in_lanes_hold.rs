@@ -146,14 +146,17 @@ fn what_bounds_close_is_free_among_shapes_of_all_kinds() {
 
 /// Random configurations, and sixteen along a short motion of one arm.
 fn blocks(bench: &Scene, rng: &mut ChaCha8Rng) -> [Vec<Vec<f64>>; 2] {
-    let random: Vec<_> = (0..16)
-        .map(|_| {
-            let mut q = random_configuration(&bench.robot, rng);
-            place(&bench.robot, &mut q, "box1", at(0.8, 0.3, -0.114));
-            place(&bench.robot, &mut q, "box2", at(0.8, -0.3, -0.114));
-            q
-        })
-        .collect();
+    let mut draw = || {
+        let mut q = random_configuration(&bench.robot, rng);
+        place(&bench.robot, &mut q, "box1", at(0.8, 0.3, -0.114));
+        place(&bench.robot, &mut q, "box2", at(0.8, -0.3, -0.114));
+        q
+    };
+    let mut random: Vec<_> = (0..16).map(|_| draw()).collect();
+    let is_free = |q: &Vec<f64>| {
+        first_collision(&bench.scene, &bench.poses(q), &bench.pairs, 1e-5, &mut CollisionScratch::new()).is_none()
+    };
+    random[0] = std::iter::repeat_with(draw).take(1000).find(is_free).expect("one of many is free");
     let mut end = random[0].clone();
     for value in &mut end[1..8] {
         *value += rng.random_range(-0.4..0.4);

@@ -61,9 +61,11 @@ impl Interval {
         f64::from(self.first) + self.k as f64 * 0.5_f64.powi(self.depth as i32)
     }
 
-    /// How long it is, in pieces.
-    pub(super) fn width(self) -> f64 {
-        f64::from(self.last - self.first) * 0.5_f64.powi(self.depth as i32)
+    /// Whether another interval begins where this one ends.
+    pub(super) fn is_followed_by(self, next: Self) -> bool {
+        let end = if self.is_span() || self.k + 1 == 1 << self.depth { (self.last, 0) } else { (self.first, self.k + 1) };
+        // Both as multiples of the shortest part that there is.
+        end.0 == next.first && end.1 << (DEEPEST - self.depth) == next.k << (DEEPEST - next.depth)
     }
 
     /// Where the sample is, in pieces.
@@ -137,7 +139,7 @@ pub(super) struct Course {
     pub(super) slides: Vec<F32Row>,
     /// By chain link: reach of the body beyond that joint, metres.
     pub(super) reach: Vec<f32>,
-    /// By chain link, and one more per cluster: how many of the joints from the body up to there move.
+    /// As displacements stand: how many of the joints from the body up to there move.
     moving: Vec<u32>,
 }
 
@@ -258,7 +260,7 @@ impl Course {
         self.reach.clear();
         self.reach.resize(pairs.tree.links.len(), 0.0);
         self.moving.clear();
-        self.moving.resize(pairs.tree.links.len() + scene.clusters.len(), 0);
+        self.moving.resize(pairs.tree.links.len() + scene.clusters.len() + 1, 0);
         for (number, cluster) in scene.clusters.iter().enumerate() {
             let chain = pairs.tree.chain_of(cluster.body);
             let (mut travel, mut moving) = (0.0, 0);
@@ -280,13 +282,8 @@ impl Course {
 
     /// Whether the two clusters of a group change their relative pose along the motion.
     #[inline]
-    pub(super) fn moves_between(&self, scene: &CollisionScene, pairs: &PairSet, active: &ActiveGroup) -> bool {
-        let group = &scene.groups[active.group as usize];
-        let moves = |cluster: u32, count: u32| {
-            let chain = pairs.tree.chain_of(scene.clusters[cluster as usize].body);
-            self.moving[(chain.start + cluster + count) as usize] > 0
-        };
-        moves(group.first, active.apart.0) || moves(group.second, active.apart.1)
+    pub(super) fn moves_between(&self, active: &ActiveGroup) -> bool {
+        self.moving[active.rows.0 as usize] + self.moving[active.rows.1 as usize] > 0
     }
 
     /// Whether the motion is straight within a lane's interval, and turns little enough for the velocity bound's directions
@@ -517,9 +514,10 @@ impl Kernel for PlaceBodies<'_> {
                 };
                 let rows = &mut self.exact[step.body as usize][half];
                 placed.store(rows);
-                for (rounded, row) in self.poses[step.body as usize].iter_mut().zip(rows) {
+                let rounded = &mut self.poses[step.body as usize];
+                for number in 0..POSE {
                     for lane in 0..8 {
-                        rounded[8 * half + lane] = row[lane] as f32;
+                        rounded[number].0[8 * half + lane] = rows[number].0[lane] as f32;
                     }
                 }
             }

@@ -7,6 +7,7 @@
 use super::distance::Solid;
 use super::gjk::{Ask, Relative, walk};
 use super::simplex::{Closest, Simplex};
+use crate::lanes::{F64Row, Isa, Kernel, Lanes, Level, Row, Vector3};
 use foliate_components::Pose;
 use glam::DVec3;
 
@@ -57,7 +58,7 @@ fn middle(solid: &Solid) -> DVec3 {
 fn support(solid: &Solid, d: DVec3) -> DVec3 {
     match solid {
         Solid::Convex(convex) => convex.core.support(d),
-        Solid::Mesh(mesh) => farthest_along(&mesh.hull.points, d),
+        Solid::Mesh(mesh) => mesh.hull.support(d),
     }
 }
 
@@ -66,10 +67,14 @@ fn support(solid: &Solid, d: DVec3) -> DVec3 {
 pub(super) struct Hull {
     /// Vertices of the mesh; none where it has no triangles or numbers that are not finite.
     pub points: Vec<DVec3>,
+    /// The same in lanes, the last filled up with the first point.
+    rows: Vec<[F64Row; 3]>,
     /// Metres.
     pub slack: f64,
     /// Somewhere in the middle of the points.
     pub middle: DVec3,
+    /// How supports are computed, not what they are: they are equal bit for bit at every level.
+    lanes: Level,
 }
 
 /// With more points every direction would cost more than closer hulls save.
@@ -102,7 +107,65 @@ impl Hull {
             }
         }
         let middle = points.iter().sum::<DVec3>() / points.len() as f64;
-        Self { points, slack: slack + ROUNDING, middle }
+        let rows = in_rows(&points);
+        Self { points, rows, slack: slack + ROUNDING, middle, lanes: Level::detected() }
+    }
+}
+
+impl Hull {
+    /// As [`farthest_along`].
+    #[inline]
+    fn support(&self, d: DVec3) -> DVec3 {
+        let best = self.lanes.run(Farthest { rows: &self.rows, d });
+        self.points.get(best).copied().unwrap_or(DVec3::NAN)
+    }
+}
+
+fn in_rows(points: &[DVec3]) -> Vec<[F64Row; 3]> {
+    let row = |points: &[DVec3]| {
+        let coordinate = |axis: usize| Row(std::array::from_fn(|lane| points.get(lane).unwrap_or(&points[0])[axis]));
+        [coordinate(0), coordinate(1), coordinate(2)]
+    };
+    points.chunks(8).map(row).collect()
+}
+
+/// Number of the point that lies farthest in a direction; of several the first.
+struct Farthest<'a> {
+    rows: &'a [[F64Row; 3]],
+    d: DVec3,
+}
+
+impl Kernel for Farthest<'_> {
+    type Output = usize;
+
+    #[inline(always)]
+    fn run<I: Isa>(self, isa: I) -> usize {
+        let d = Vector3::<I::F64>::splat(isa, self.d);
+        let mut best = I::F64::constant(isa, f64::NEG_INFINITY);
+        let mut number = I::F64::constant(isa, 0.0);
+        for place in 0..self.rows.len() {
+            let p = Vector3::<I::F64>::load(isa, &self.rows[place]);
+            // Products and sums as one at a time has them, not fused.
+            let along = d.x * p.x + d.y * p.y + d.z * p.z;
+            let farther = best.lt(along);
+            best = I::F64::select(farther, along, best);
+            number = I::F64::select(farther, I::F64::constant(isa, place as f64), number);
+        }
+        let most = best.most();
+        if most == f64::NEG_INFINITY {
+            // Not a number in any lane.
+            return usize::MAX;
+        }
+        let (mut rows, mut values) = (F64Row::default(), F64Row::default());
+        number.store(&mut rows);
+        best.store(&mut values);
+        let mut found = usize::MAX;
+        for lane in 0..8 {
+            if values.0[lane] == most {
+                found = found.min(8 * rows.0[lane] as usize + lane);
+            }
+        }
+        found
     }
 }
 

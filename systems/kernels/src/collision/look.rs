@@ -12,6 +12,9 @@ use glam::DVec3;
 /// are asked.
 const HULL_SHARE: f64 = 0.05;
 
+/// Meshes are asked for this many times more than what an interval takes: twice for each neighbour to one side.
+const NEIGHBOURS: f64 = 4.0;
+
 /// What became of a pair in an interval.
 pub(super) enum Outcome {
     /// Free throughout, by at least this, metres.
@@ -128,7 +131,8 @@ impl Look<'_> {
         if apart - keep >= HULL_SHARE * here.closer && 2.0 * here.closer > here.resolution {
             return (Outcome::Open, n);
         }
-        let ask = Ask { floor: keep, ..Ask::exact(needed) };
+        // Hulls that overlap say nothing of the other intervals: what the meshes keep may cover neighbours as well.
+        let ask = Ask { needed: needed + NEIGHBOURS * here.closer, floor: needed, ..Ask::exact(needed) };
         let found = exact_clearance(self.scene, id, here.X, ask, &mut hints.solids);
         if found >= needed {
             return (Outcome::Certified(found - here.closer), n);

@@ -16,6 +16,8 @@ pub(super) struct Outer {
     /// Its axes, one column each.
     pub axes: [[f32; 3]; 3],
     pub form: Form,
+    /// Radius of a ball about the centre that holds it as well.
+    pub ball: f32,
     /// Another one: a capsule along one of the axes.
     pub along: usize,
     pub half_length: f32,
@@ -61,8 +63,13 @@ impl Outer {
             Solid::Convex(_) => (Vec::new(), 0.0),
             Solid::Mesh(mesh) => (mesh.hull.points.iter().map(|&p| single(p - center)).collect(), mesh.hull.slack as f32),
         };
-        // Radii that no number bounds are infinite in all forms: nothing is proved with them.
+        let ball = match form {
+            Form::Box(_) => super::bounds::farthest(solid, center).distance(center) as f32,
+            Form::Cylinder { radius, half_length } => radius.hypot(half_length),
+            Form::Capsule { radius, half_length } => radius + half_length,
+        };
         Self {
+            ball,
             center: single(X_JS.transform_point(center)),
             axes: [single(axes.x_axis), single(axes.y_axis), single(axes.z_axis)],
             is_long: matches!(form, Form::Box(_)) && capsule.half.length() > 0.5 * capsule.radius,

@@ -22,6 +22,9 @@ pub(super) struct ActiveGroup {
     pub group: u32,
     /// Number of joints between each cluster and their common ancestor.
     pub apart: (u32, u32),
+    /// Where displacements of the two, up to that ancestor, stand among rows by chain link and one more per cluster; behind
+    /// them all where no joint is between.
+    pub rows: (u32, u32),
     /// The largest margin in the group.
     pub margin: f64,
 }
@@ -44,8 +47,14 @@ impl PairSet {
             let [a, b] = [group.first, group.second].map(|c| scene.clusters[c as usize].body);
             let (below_a, below_b) = tree.apart(a, b);
             let margin = margins[group.start as usize..group.end as usize].iter().copied().fold(0.0, f64::max);
+            let none = (tree.links.len() + scene.clusters.len()) as u32;
+            let row = |cluster: u32, body, below: usize| match below {
+                0 => none,
+                _ => tree.chain_of(body).start + cluster + below as u32,
+            };
+            let rows = (row(group.first, a, below_a), row(group.second, b, below_b));
             let list = if tree.rigid(a, b) { &mut constant } else { &mut moving };
-            list.push(ActiveGroup { group: index as u32, apart: (below_a as u32, below_b as u32), margin });
+            list.push(ActiveGroup { group: index as u32, apart: (below_a as u32, below_b as u32), rows, margin });
         }
         Self { tree, moving, constant, margins }
     }

@@ -57,8 +57,10 @@ impl ProofScratch {
 pub(super) struct Proof<'a> {
     look: Look<'a>,
     knots: &'a [f64],
-    /// Intervals this short tell the end of the valid prefix well enough, in pieces.
+    /// How close to a collision the end of the valid prefix has to be, in pieces.
     share: f64,
+    /// Where something is known to collide, or is in doubt; in pieces.
+    hit: f64,
     /// Nothing beyond is of interest, in pieces.
     pub(super) limit: f64,
     pub(super) blocked_by: Option<Contact>,
@@ -91,6 +93,7 @@ impl<'a> Proof<'a> {
             look: Look { scene, pairs, settings },
             knots,
             share: settings.prefix_resolution * f64::from(pieces),
+            hit: f64::INFINITY,
             limit: f64::from(pieces),
             blocked_by: None,
             blocked: false,
@@ -129,10 +132,10 @@ impl<'a> Proof<'a> {
 
     /// Every pair that matters is open everywhere.
     fn open_all(&self, block: &mut Block, scratch: &CollisionScratch) {
-        let Look { scene, pairs, settings } = self.look;
+        let Look { pairs, settings, .. } = self.look;
         let lanes = all_lanes(block.intervals.len());
         for (active, group) in pairs.moving.iter().enumerate() {
-            if !settings.start_is_free || scratch.course.moves_between(scene, pairs, group) {
+            if !settings.start_is_free || scratch.course.moves_between(group) {
                 block.open.push(Open { active: active as u32, pair: ALL, lanes });
             }
         }
@@ -201,7 +204,7 @@ impl<'a> Proof<'a> {
         let resolution = if matches!(sample, Sample::Knot { .. }) { 0.0 } else { settings.resolution };
         for open in rest.iter_mut().filter(|open| open.lanes >> lane & 1 == 1) {
             let (id, active) = (PairId(open.pair), pairs.active(open.active));
-            let closer = scratch.sweep.closer(scene, pairs, active, lane);
+            let closer = scratch.sweep.closer(active, lane);
             let pair = &scene.pairs[id.at()];
             let X = [pair.first, pair.second].map(|s| scratch.course.pose_in(lane, scene.solids[s.at()].body));
             let mut hints = scratch.hints[id.at()];
@@ -215,11 +218,18 @@ impl<'a> Proof<'a> {
                 Outcome::Certified(free) => {
                     self.min_clearance = self.min_clearance.min(free);
                     open.lanes &= !(1 << lane);
+                    let keep = pairs.margins[id.at()] + settings.clearance_guard;
+                    let closer = |lane| scratch.sweep.closer(active, lane);
+                    let (lanes, least) = reached(&block.intervals, lane, free - keep, closer);
+                    if open.lanes & lanes != 0 {
+                        self.min_clearance = self.min_clearance.min(keep + least);
+                        open.lanes &= !lanes;
+                    }
                 }
                 Outcome::Open => {}
                 Outcome::Collides(contact) => {
                     // A pair that does not move collides from the start on.
-                    let moves = scratch.course.moves_between(scene, pairs, active);
+                    let moves = scratch.course.moves_between(active);
                     self.cut(if moves { interval.middle() } else { 0.0 }, Some(contact));
                 }
                 Outcome::Doubtful(contact) => self.cut(interval.left(), Some(contact)),
@@ -281,11 +291,9 @@ impl<'a> Proof<'a> {
             if lanes >> lane & 1 == 0 {
                 continue;
             }
-            let (left, width) = (interval.left(), interval.width());
-            let near = self.blocked && self.limit <= left + width && width <= self.share;
-            // Something here or right behind is in collision, and the prefix is known well enough; or this is as short as
-            // intervals get.
-            if left < self.limit && (near || interval.halves().is_none()) {
+            let left = interval.left();
+            // The prefix is known well enough, or this is as short as intervals get.
+            if left < self.limit && (left >= self.hit - self.share || interval.halves().is_none()) {
                 self.cut(left, None);
             }
             if left >= self.limit {
@@ -323,11 +331,37 @@ impl<'a> Proof<'a> {
 
     fn cut(&mut self, t: f64, contact: Option<Contact>) {
         self.blocked = true;
+        if contact.is_some() {
+            self.hit = self.hit.min(t);
+        }
         if t < self.limit {
             self.limit = t;
             self.blocked_by = contact.or(self.blocked_by);
         }
     }
+}
+
+/// The lanes to either side of one that are certified by what is left of its clearance at its ends: the intervals between
+/// take twice, once to their samples and once beyond, what they can bring the pair closer. Also what is left after the
+/// last of them.
+fn reached(intervals: &[Interval], lane: usize, left: f64, closer: impl Fn(usize) -> f64) -> (u16, f64) {
+    let (mut lanes, mut least) = (0, left);
+    let mut go = |next: &mut dyn FnMut(usize) -> Option<usize>| {
+        let (mut at, mut left) = (lane, left);
+        while let Some(other) = next(at) {
+            left -= 2.0 * closer(other);
+            // Compared so that NaN ends it.
+            if !(left >= 0.0) {
+                break;
+            }
+            lanes |= 1 << other;
+            least = least.min(left);
+            at = other;
+        }
+    };
+    go(&mut |at| (at + 1 < intervals.len() && intervals[at].is_followed_by(intervals[at + 1])).then_some(at + 1));
+    go(&mut |at| (at > 0 && intervals[at - 1].is_followed_by(intervals[at])).then(|| at - 1));
+    (lanes, least)
 }
 
 /// Halves intervals, all of them at a time, as often as lanes allow; those that are as short as they get stay.

@@ -43,7 +43,8 @@ pub(super) struct SweepScratch {
     fresh_solids: Vec<u32>,
     /// By joint: axis in the world.
     axes: Vec<[F32Row; 3]>,
-    /// By chain link, and one more per cluster: how far the joints from the body up to there can displace it.
+    /// By chain link, one more per cluster, and a last one that is zero: how far the joints from the body up to there can
+    /// displace it, metres.
     moved: Vec<F32Row>,
     fresh_clusters: Vec<u32>,
     block: u32,
@@ -57,8 +58,9 @@ impl SweepScratch {
         self.centers.resize(scene.clusters.len().max(self.centers.len()), Default::default());
         self.solids.resize(scene.solids.len().max(self.solids.len()), Default::default());
         self.axes.resize(scene.joints.len().max(self.axes.len()), Default::default());
-        let rows = pairs.tree.links.len() + scene.clusters.len();
-        self.moved.resize(rows.max(self.moved.len()), F32Row::default());
+        let rows = pairs.tree.links.len() + scene.clusters.len() + 1;
+        self.moved.clear();
+        self.moved.resize(rows, F32Row::default());
         self.fresh_solids.clear();
         self.fresh_solids.resize(scene.solids.len(), 0);
         self.fresh_clusters.clear();
@@ -70,16 +72,8 @@ impl SweepScratch {
 impl SweepScratch {
     /// At most this far do the clusters of a group come closer within the interval of a lane, metres; to be asked after a
     /// sweep over the group.
-    pub(super) fn closer(&self, scene: &CollisionScene, pairs: &PairSet, active: &ActiveGroup, lane: usize) -> f64 {
-        let group = &scene.groups[active.group as usize];
-        let side = |cluster: u32, count: u32| match count {
-            0 => 0.0,
-            _ => {
-                let chain = pairs.tree.chain_of(scene.clusters[cluster as usize].body);
-                f64::from(self.moved[(chain.start + cluster + count) as usize][lane])
-            }
-        };
-        side(group.first, active.apart.0) + side(group.second, active.apart.1)
+    pub(super) fn closer(&self, active: &ActiveGroup, lane: usize) -> f64 {
+        f64::from(self.moved[active.rows.0 as usize][lane]) + f64::from(self.moved[active.rows.1 as usize][lane])
     }
 }
 
@@ -174,21 +168,25 @@ fn look<I: Isa>(
     keep: I::F32,
     mask: u16,
 ) -> (I::F32, <I::F32 as Lanes>::Mask) {
-    let [a, b] = rows.map(|rows| Transform::<I::F32>::load(isa, &[rows[3], rows[4], rows[5], rows[6], rows[7], rows[8], rows[9], rows[10], rows[11], rows[0], rows[1], rows[2]]));
-    let apart = a.translation.minus(b.translation);
-    let mut free = I::F32::constant(isa, f64::NEG_INFINITY);
+    let (rotation_a, rotation_b) = (Rotation::<I::F32>::load(isa, &rows[0][3..]), Rotation::load(isa, &rows[1][3..]));
+    let apart = Vector3::<I::F32>::load(isa, &rows[0][..3]).minus(Vector3::load(isa, &rows[1][..3]));
+    let radii = I::F32::splat(isa, outer[0].ball + outer[1].ball);
+    let mut free = apart.dot(apart).sqrt() - radii - taken;
+    if ((!keep.le(free)).bits() as u16 & mask) == 0 {
+        return (free, !keep.le(free));
+    }
     let boxes = [matches!(outer[0].form, Form::Box(_)), matches!(outer[1].form, Form::Box(_))];
     if boxes[0] {
-        let at = a.rotation.turn_back(apart);
-        free = free.max(beside_box(isa, outer[0], &a.rotation, outer[1], &b.rotation, at) - taken);
+        let at = rotation_a.turn_back(apart);
+        free = free.max(beside_box(isa, outer[0], &rotation_a, outer[1], &rotation_b, at) - taken);
     }
     if boxes[1] && ((!keep.le(free)).bits() as u16 & mask) != 0 {
-        let at = b.rotation.turn_back(apart);
-        free = free.max(beside_box(isa, outer[1], &b.rotation, outer[0], &a.rotation, at) - taken);
+        let at = rotation_b.turn_back(apart);
+        free = free.max(beside_box(isa, outer[1], &rotation_b, outer[0], &rotation_a, at) - taken);
     }
     if (outer[0].is_long || !boxes[0] || outer[1].is_long || !boxes[1]) && ((!keep.le(free)).bits() as u16 & mask) != 0 {
-        let n = between_axes(isa, outer, &a.rotation, &b.rotation, apart);
-        let gap = n.dot(apart) - reach_along(isa, outer[0], &a.rotation, n) - reach_along(isa, outer[1], &b.rotation, n);
+        let n = between_axes(isa, outer, &rotation_a, &rotation_b, apart);
+        let gap = n.dot(apart) - reach_along(isa, outer[0], &rotation_a, n) - reach_along(isa, outer[1], &rotation_b, n);
         free = free.max(gap - taken);
     }
     (free, !keep.le(free))
@@ -274,7 +272,8 @@ fn between_axes<I: Isa>(
 #[inline(always)]
 fn place_clusters<I: Isa>(isa: I, scene: &CollisionScene, course: &Course, scratch: &mut SweepScratch) {
     let mut most = I::F32::constant(isa, 0.0);
-    for (cluster, rows) in scene.clusters.iter().zip(&mut scratch.centers) {
+    for index in 0..scene.clusters.len() {
+        let (cluster, rows) = (&scene.clusters[index], &mut scratch.centers[index]);
         if scratch.block == 1 || course.body_moves(cluster.body) {
             let center = Vector3::<I::F32>::splat(isa, cluster.ball.center);
             let center = match cluster.body {
@@ -292,7 +291,8 @@ fn place_clusters<I: Isa>(isa: I, scene: &CollisionScene, course: &Course, scrat
 
 #[inline(always)]
 fn place_axes<I: Isa>(isa: I, scene: &CollisionScene, course: &Course, scratch: &mut SweepScratch) {
-    for (index, joint) in scene.joints.iter().enumerate() {
+    for index in 0..scene.joints.len() {
+        let joint = &scene.joints[index];
         let axis = match joint.motion {
             Motion::Revolute { axis } => axis,
             Motion::Planar => DVec3::Z,
@@ -342,20 +342,14 @@ fn approach<I: Isa>(
     active: &ActiveGroup,
 ) -> I::F32 {
     let group = &scene.groups[active.group as usize];
-    let mut sum = I::F32::constant(isa, 0.0);
     for (cluster, count) in [(group.first as usize, active.apart.0), (group.second as usize, active.apart.1)] {
-        if count == 0 {
-            continue;
-        }
-        let chain = pairs.tree.chain_of(scene.clusters[cluster].body);
-        let base = chain.start as usize + cluster;
-        if scratch.fresh_clusters[cluster] != scratch.block {
+        if count > 0 && scratch.fresh_clusters[cluster] != scratch.block {
             scratch.fresh_clusters[cluster] = scratch.block;
             accumulate(isa, scene, pairs, course, scratch, cluster);
         }
-        sum = sum + I::F32::load(isa, &scratch.moved[base + count as usize]);
     }
-    sum
+    let moved = &scratch.moved;
+    I::F32::load(isa, &moved[active.rows.0 as usize]) + I::F32::load(isa, &moved[active.rows.1 as usize])
 }
 
 /// As the velocity bound accumulates, in lanes.
@@ -374,7 +368,8 @@ fn accumulate<I: Isa>(
     let ball = I::F32::constant(isa, scene.clusters[cluster].ball.radius) + I::F32::load(isa, &scratch.slack);
     let mut moved = I::F32::constant(isa, 0.0);
     moved.store(&mut scratch.moved[base]);
-    for (place, index) in (chain.start as usize..chain.end as usize).enumerate() {
+    for place in 0..(chain.end - chain.start) as usize {
+        let index = chain.start as usize + place;
         let joint = pairs.tree.links[index].joint;
         if course.joint_moves(joint) {
             let joint = joint as usize;

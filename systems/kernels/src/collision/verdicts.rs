@@ -95,7 +95,7 @@ impl Block<'_> {
         let all = all_lanes(count);
         buffers.open.clear();
         for (number, active) in pairs.moving.iter().chain(&pairs.constant).enumerate() {
-            let moves = scratch.course.moves_between(scene, pairs, active);
+            let moves = scratch.course.moves_between(active);
             buffers.open.push(Open { active: number as u32, pair: ALL, lanes: if moves { all } else { 1 } });
         }
         scene.lanes.run(Sweep {
@@ -123,7 +123,7 @@ impl Block<'_> {
         let found = &mut found[first..];
         let rest = std::mem::take(&mut buffers.rest);
         for &open in &rest {
-            self.ask(open, buffers, scratch, found);
+            self.ask(open, scratch, found);
             if found.iter().all(Option::is_some) {
                 break;
             }
@@ -134,12 +134,11 @@ impl Block<'_> {
     fn ask(
         &self,
         mut open: Open,
-        buffers: &mut VerdictScratch,
         scratch: &mut CollisionScratch,
         found: &mut [Option<Contact>],
     ) {
         let (scene, pairs, id) = (self.scene, self.pairs, PairId(open.pair));
-        let moves = scratch.course.moves_between(scene, pairs, pairs.active(open.active));
+        let moves = scratch.course.moves_between(pairs.active(open.active));
         let needed = pairs.margins[id.at()] + self.guard;
         let pair = &scene.pairs[id.at()];
         let sides = [pair.first.at(), pair.second.at()];
