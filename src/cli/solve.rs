@@ -56,6 +56,15 @@ pub(crate) struct Tuning {
     /// How a node to extend is chosen
     #[arg(long, value_enum, default_value_t = SelectionRule::Guided, value_name = "RULE")]
     pub selection: SelectionRule,
+    /// Motions that stay in their state are tried with their weight times this
+    #[arg(long, default_value_t = SearchSettings::default().loop_weight, value_name = "W", value_parser = weight)]
+    pub loop_weight: f64,
+}
+
+/// A weight: finite and not negative.
+fn weight(text: &str) -> Result<f64, String> {
+    let weight = text.parse::<f64>().ok().filter(|weight| weight.is_finite() && *weight >= 0.0);
+    weight.ok_or_else(|| String::from("a weight is a number from 0 on"))
 }
 
 impl Tuning {
@@ -64,6 +73,7 @@ impl Tuning {
             seed,
             candidates: usize::from(self.candidates),
             selection: self.selection.into(),
+            loop_weight: self.loop_weight,
             ..SearchSettings::default()
         }
     }
