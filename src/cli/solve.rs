@@ -60,6 +60,15 @@ pub(crate) struct Tuning {
     /// What `--simd` says, or the best that this machine has.
     #[arg(skip)]
     pub level: Level,
+    /// Motions that stay in their state are tried with their weight times this
+    #[arg(long, default_value_t = SearchSettings::default().loop_weight, value_name = "W", value_parser = weight)]
+    pub loop_weight: f64,
+}
+
+/// A weight: finite and not negative.
+fn weight(text: &str) -> Result<f64, String> {
+    let weight = text.parse::<f64>().ok().filter(|weight| weight.is_finite() && *weight >= 0.0);
+    weight.ok_or_else(|| String::from("a weight is a number from 0 on"))
 }
 
 impl Tuning {
@@ -69,6 +78,7 @@ impl Tuning {
             candidates: usize::from(self.candidates),
             selection: self.selection.into(),
             level: self.level,
+            loop_weight: self.loop_weight,
             ..SearchSettings::default()
         }
     }

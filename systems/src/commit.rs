@@ -190,22 +190,20 @@ fn add_node(world: &mut World, q: &[f64], leaf: LeafId, component: Option<Compon
 /// Remembers that a tree has reached a leaf (P0 eq. 12).
 fn visit(world: &mut World, leaf: LeafId, component: ComponentId) {
     let entity = world.resource::<EntityTable>().leaves[leaf.at()];
-    let mut first = false;
     if let Some(mut visits) = world.get_mut::<Visits>(entity) {
         match visits.by_component.iter_mut().find(|(c, _)| *c == component) {
             Some((_, count)) => *count += 1,
             None => {
+                // Most leaves are reached by one tree, few by more than two.
+                visits.by_component.reserve_exact(1);
                 visits.by_component.push((component, 1));
-                first = true;
             }
         }
     }
-    if first {
-        world.resource_scope(|world, mut reached: Mut<'_, ReachedLeaves>| {
-            let tree = world.resource::<Roadmap>().component(component);
-            reached.add(component, tree, leaf, world.resource::<LeafIndex>().leaf(leaf));
-        });
-    }
+    world.resource_scope(|world, mut reached: Mut<'_, ReachedLeaves>| {
+        let tree = world.resource::<Roadmap>().component(component);
+        reached.visit(component, tree, leaf, world.resource::<LeafIndex>().leaf(leaf));
+    });
 }
 
 fn add_edge(world: &mut World, from: NodeId, to: NodeId, along: TransitionId, motions: Vec<Motion>) -> EdgeId {

@@ -122,17 +122,10 @@ impl Neighbours {
 
     /// The `count` nodes of each other tree on the node's leaf that are nearest to it, robots alone: by tree, distance, id.
     #[must_use]
-    pub fn of_other_trees(
-        &self,
-        model: &PlanningModel,
-        roadmap: &Roadmap,
-        node: NodeId,
-        count: usize,
-    ) -> Vec<NodeId> {
+    pub fn of_other_trees(&self, model: &PlanningModel, roadmap: &Roadmap, node: NodeId, count: usize) -> Vec<NodeId> {
         let (tree, q, leaf) = (roadmap.component_of(node), roadmap.configuration(node), roadmap.node(node).leaf);
-        let distance = |other: NodeId| {
-            model.problem.robot.space.distance(q, roadmap.configuration(other), &model.robot_weights)
-        };
+        let distance =
+            |other: NodeId| model.problem.robot.space.distance(q, roadmap.configuration(other), &model.robot_weights);
         let mut nearest: Vec<(ComponentId, Vec<(f64, NodeId)>)> = Vec::new();
         match self.leaves.get(&leaf) {
             None => {

@@ -4,6 +4,7 @@ use bevy_ecs::prelude::Resource;
 use foliate_components::graph::StateId;
 use foliate_components::leaf::{Leaf, LeafId, ParameterId};
 use foliate_components::roadmap::ComponentId;
+use std::collections::HashMap;
 
 /// The leaves that trees have reached: of every tree as it was born, in order of first visit, and of every tree as it is
 /// now, sorted.
@@ -13,6 +14,8 @@ pub struct ReachedLeaves {
     pub by_component: Vec<Vec<LeafId>>,
     /// The same by state, with the leaves' parameters in columns.
     columns: Vec<Vec<LeafColumns>>,
+    /// By tree as it was born and leaf: which columns, and where in them.
+    slots: HashMap<(ComponentId, LeafId), (u32, u32)>,
     /// By tree as it is now: its leaves by state. Empty for a tree that has been joined to another.
     trees: Vec<Vec<StateLeaves>>,
 }
@@ -36,11 +39,20 @@ pub struct LeafColumns {
     pub places: Vec<u32>,
     /// By foliating constraint of the state, then by leaf.
     pub parameters: Vec<Vec<ParameterId>>,
+    /// By leaf: how many nodes of the tree lie on it.
+    pub visits: Vec<u32>,
 }
 
 impl ReachedLeaves {
-    /// Remembers that the tree `born`, which belongs to `tree` by now, has reached a leaf for the first time.
-    pub(crate) fn add(&mut self, born: ComponentId, tree: ComponentId, id: LeafId, leaf: &Leaf) {
+    /// Remembers that the tree `born`, which belongs to `tree` by now, has got a node on a leaf.
+    pub(crate) fn visit(&mut self, born: ComponentId, tree: ComponentId, id: LeafId, leaf: &Leaf) {
+        match self.slots.get(&(born, id)) {
+            Some(&(columns, slot)) => self.columns[born.at()][columns as usize].visits[slot as usize] += 1,
+            None => self.add(born, tree, id, leaf),
+        }
+    }
+
+    fn add(&mut self, born: ComponentId, tree: ComponentId, id: LeafId, leaf: &Leaf) {
         let trees = born.max(tree).at() + 1;
         if self.by_component.len() < trees {
             self.by_component.resize_with(trees, Vec::new);
@@ -55,6 +67,7 @@ impl ReachedLeaves {
             columns.push(LeafColumns::new(leaf));
             columns.len() - 1
         });
+        self.slots.insert((born, id), (at as u32, columns[at].len() as u32));
         columns[at].push(place, leaf);
         insert(&mut self.trees[tree.at()], leaf.state, &[id]);
     }
@@ -84,11 +97,13 @@ impl ReachedLeaves {
 
 impl LeafColumns {
     fn new(leaf: &Leaf) -> Self {
-        Self { state: leaf.state, places: Vec::new(), parameters: vec![Vec::new(); leaf.parameters.len()] }
+        let parameters = vec![Vec::new(); leaf.parameters.len()];
+        Self { state: leaf.state, places: Vec::new(), parameters, visits: Vec::new() }
     }
 
     fn push(&mut self, place: u32, leaf: &Leaf) {
         self.places.push(place);
+        self.visits.push(1);
         for (column, &parameter) in self.parameters.iter_mut().zip(&leaf.parameters) {
             column.push(parameter);
         }
@@ -149,20 +164,21 @@ mod tests {
     fn trees_that_are_joined_share_their_leaves_and_visits_keep_their_order() {
         let mut reached = ReachedLeaves::default();
         let (a, b) = (ComponentId(0), ComponentId(1));
-        for (tree, id, state) in [(a, 5, 1), (a, 2, 0), (b, 5, 1), (b, 3, 1), (a, 9, 1), (a, 7, 1)] {
-            reached.add(tree, tree, LeafId(id), &leaf(state, id));
+        for (tree, id, state) in [(a, 5, 1), (a, 2, 0), (b, 5, 1), (b, 3, 1), (a, 9, 1), (a, 7, 1), (a, 9, 1)] {
+            reached.visit(tree, tree, LeafId(id), &leaf(state, id));
         }
         assert_eq!(seen(&reached, 0), [(0, vec![2]), (1, vec![5, 7, 9])]);
         assert_eq!(seen(&reached, 1), [(1, vec![3, 5])]);
         reached.join(a, b);
         assert_eq!(seen(&reached, 0), [(0, vec![2]), (1, vec![3, 5, 7, 9])]);
         assert_eq!(seen(&reached, 1), []);
-        reached.add(b, a, LeafId(11), &leaf(2, 11));
+        reached.visit(b, a, LeafId(11), &leaf(2, 11));
         assert_eq!(seen(&reached, 0).last(), Some(&(2, vec![11])));
 
         assert_eq!(reached.by_component[0], [5, 2, 9, 7].map(LeafId));
         let columns = reached.columns_of(a);
         assert_eq!((columns[0].state, &columns[0].places), (StateId(1), &vec![0, 2, 3]));
         assert_eq!(columns[0].parameters, [[5, 9, 7].map(ParameterId)]);
+        assert_eq!(columns[0].visits, [1, 2, 1]);
     }
 }

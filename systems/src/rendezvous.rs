@@ -6,7 +6,6 @@
 //! parameter closer; and where no other tree is in the target state yet, a leaf of any state that has the added rows. Among
 //! those, the draw goes by how often each was reached. A guided candidate takes the leaf that it aims at.
 
-use crate::commit::EntityTable;
 use crate::model::PlanningModel;
 use crate::random::{Purpose, draw, stream};
 use crate::reached_leaves::LeafColumns;
@@ -18,7 +17,7 @@ use foliate_components::candidate::Candidate;
 use foliate_components::graph::{ConstraintId, StateId, Transition, TransitionKind};
 use foliate_components::leaf::{Leaf, LeafId, ParameterId};
 use foliate_components::outcome::Rejection;
-use foliate_components::roadmap::{ComponentId, Visits};
+use foliate_components::roadmap::ComponentId;
 use rand::RngExt;
 use rayon::prelude::*;
 
@@ -28,8 +27,6 @@ pub fn draw_leaves(
     settings: Res<'_, SearchSettings>,
     step: Res<'_, StepCounter>,
     explored: Explored<'_>,
-    entities: Res<'_, EntityTable>,
-    visits: Query<'_, '_, &Visits>,
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
     let crossed = |candidate: &Candidate| {
@@ -47,7 +44,6 @@ pub fn draw_leaves(
         let choice = Draw {
             model: &model,
             explored: &explored,
-            visits: &|leaf| visits.get(entities.leaves[leaf.at()]).ok(),
             source: explored.leaves.leaf(explored.roadmap.node(near).leaf),
             tree: explored.roadmap.component_of(near),
         };
@@ -68,7 +64,6 @@ fn has_added(model: &PlanningModel, state: StateId, transition: &Transition) -> 
 struct Draw<'a> {
     model: &'a PlanningModel,
     explored: &'a Explored<'a>,
-    visits: &'a (dyn Fn(LeafId) -> Option<&'a Visits> + Sync),
     source: &'a Leaf,
     tree: ComponentId,
 }
@@ -80,13 +75,13 @@ impl Draw<'_> {
         if leaves.is_empty() {
             leaves = self.reached_by_others(&wanted, false);
         }
-        let choices: Vec<_> = leaves.iter().map(|&(_, leaf)| (leaf, self.visits_of_others(leaf))).collect();
+        let choices: Vec<_> = leaves.iter().map(|&(_, leaf, visits)| (leaf, visits)).collect();
         draw(&choices, u)
     }
 
-    /// The leaves of some states that trees other than the candidate's have reached, by state and id: all, or those whose
-    /// shared rows agree with the source's.
-    fn reached_by_others(&self, wanted: impl Fn(StateId) -> bool, agreeing: bool) -> Vec<(StateId, LeafId)> {
+    /// The leaves of some states that trees other than the candidate's have reached, by state and id, and how often: all, or
+    /// those whose shared rows agree with the source's.
+    fn reached_by_others(&self, wanted: impl Fn(StateId) -> bool, agreeing: bool) -> Vec<(StateId, LeafId, f64)> {
         let mut leaves = Vec::new();
         for (born, list) in (0u32..).map(ComponentId).zip(&self.explored.reached.by_component) {
             if self.explored.roadmap.component(born) == self.tree {
@@ -96,11 +91,18 @@ impl Draw<'_> {
                 let shared = if agreeing { self.shared_rows(columns) } else { Vec::new() };
                 let agrees = |&(index, _): &(usize, &u32)| shared.iter().all(|&(column, own)| column[index] == own);
                 let places = columns.places.iter().enumerate().filter(agrees);
-                leaves.extend(places.map(|(_, &place)| (columns.state, list[place as usize])));
+                let entry = |(index, &place): (usize, &u32)| {
+                    (columns.state, list[place as usize], f64::from(columns.visits[index]))
+                };
+                leaves.extend(places.map(entry));
             }
         }
-        leaves.sort_unstable();
-        leaves.dedup();
+        leaves.sort_by_key(|&(state, leaf, _)| (state, leaf));
+        leaves.dedup_by(|next, kept| {
+            let same = next.1 == kept.1;
+            kept.2 += if same { next.2 } else { 0.0 };
+            same
+        });
         leaves
     }
 
@@ -108,13 +110,6 @@ impl Draw<'_> {
     fn shared_rows<'c>(&self, columns: &'c LeafColumns) -> Vec<(&'c [ParameterId], ParameterId)> {
         let rows = foliation(self.model, columns.state).iter().zip(&columns.parameters);
         rows.filter_map(|(&c, column)| Some((column.as_slice(), self.model.graph.value(self.source, c)?))).collect()
-    }
-
-    /// How often trees other than the candidate's have reached a leaf.
-    fn visits_of_others(&self, leaf: LeafId) -> f64 {
-        let all = (self.visits)(leaf).map_or(&[][..], |visits| &visits.by_component);
-        let others = all.iter().filter(|&&(c, _)| self.explored.roadmap.component(c) != self.tree);
-        others.map(|&(_, n)| f64::from(n)).sum()
     }
 }
 

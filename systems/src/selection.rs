@@ -10,12 +10,12 @@ use crate::settings::{SearchSettings, Selection};
 use bevy_ecs::prelude::{Component, Query, Res, ResMut, Resource};
 use bevy_ecs::system::SystemParam;
 use foliate_components::candidate::{Candidate, CandidateArena};
-use foliate_components::graph::{Transition, TransitionId};
+use foliate_components::graph::{Transition, TransitionId, TransitionKind};
 use foliate_components::leaf::LeafIndex;
 use foliate_components::outcome::Rejection;
 use foliate_components::roadmap::{ComponentId, Roadmap};
-use rand::seq::IndexedRandom;
 use rand::RngExt;
+use rand::seq::IndexedRandom;
 use rayon::prelude::*;
 
 /// The weight by which a transition is drawn; on the transition's entity, so that a host's system may change it.
@@ -26,8 +26,10 @@ pub struct Weight(pub f64);
 #[derive(Clone, Debug, Default, Resource)]
 pub struct TransitionWeights(pub Vec<f64>);
 
-/// Copies the weights from the transitions' entities into a slice.
+/// Copies the weights from the transitions' entities into a slice, those of loops as the settings want them.
 pub fn gather_weights(
+    model: Res<'_, PlanningModel>,
+    settings: Res<'_, SearchSettings>,
     transitions: Query<'_, '_, (&TransitionId, &Weight)>,
     mut weights: ResMut<'_, TransitionWeights>,
 ) {
@@ -36,7 +38,9 @@ pub fn gather_weights(
         if weights.0.len() <= id.at() {
             weights.0.resize(id.at() + 1, 0.0);
         }
-        weights.0[id.at()] = if weight.0.is_finite() { weight.0.max(0.0) } else { 0.0 };
+        let is_loop = model.graph.transition(*id).kind == TransitionKind::Loop;
+        let weight = if is_loop { weight.0 * settings.loop_weight } else { weight.0 };
+        weights.0[id.at()] = if weight.is_finite() { weight.max(0.0) } else { 0.0 };
     }
 }
 

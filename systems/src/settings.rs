@@ -40,6 +40,8 @@ pub struct SearchSettings {
     pub selection: Selection,
     /// Of a guided selection: probability that a candidate is guided.
     pub guided_probability: f64,
+    /// Loops, motions that stay in their state, are drawn with their weight times this.
+    pub loop_weight: f64,
     /// Probability that coordinates on which a waypoint does not depend stay where they are instead of moving to q_rand: an
     /// arm that has nothing to do with a grasp then keeps still.
     pub still_probability: f64,
@@ -84,6 +86,7 @@ impl Default for SearchSettings {
             max_bytes: 4 << 30,
             selection: Selection::default(),
             guided_probability: 0.5,
+            loop_weight: 1.0,
             still_probability: 0.75,
             connect_neighbours: 7,
             projection_tolerance: 1e-6,

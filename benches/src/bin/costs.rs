@@ -5,6 +5,7 @@
 #![forbid(unsafe_code)]
 
 use foliate::batch::{Machine, today};
+use foliate_components::roadmap::Roadmap;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -25,6 +26,11 @@ fn main() -> Result<()> {
     println!("crates under foliate: {}", crates("foliate", &[])?);
     println!("start-up (`foliate scenes`, median of 50): {:.2} ms", start_up(&program)? * 1e3);
     println!("size of the program: {:.1} MB", std::fs::metadata(&program)?.len() as f64 / 1e6);
+    println!(
+        "memory of a roadmap node beside its configuration, of an edge beside its motions: {} and {} bytes",
+        Roadmap::NODE_BYTES,
+        Roadmap::EDGE_BYTES
+    );
     for scene in ["baxter-case1", "baxter-case4"] {
         match peak_memory(&program, &["solve", scene, "--json", "--time-limit", "300"])? {
             (_, 2) => println!("SKIPPED peak memory of {scene}: its models are not at hand"),

@@ -2,15 +2,16 @@
 //!
 //! `cargo run --release -p foliate_benches --bin scaling [-- SCENE… --nodes N --seed S]`. Whole steps of `mrrt` with default
 //! settings on one thread, but connections are proved and then forgotten, so that the trees stay apart and a search never
-//! ends: what it does at any size is what an unsolved one does. Processor time, since the machine may be busy.
+//! ends: what it does at any size is what an unsolved one does. Processor time, since the machine may be busy; below each line
+//! the shares of the sets of a step.
 #![forbid(unsafe_code)]
 
-use bevy_ecs::prelude::{IntoScheduleConfigs, ResMut, Schedule, World};
+use bevy_ecs::prelude::{IntoScheduleConfigs, ResMut, Resource, Schedule, World};
 use bevy_ecs::schedule::ScheduleCleanupPolicy;
 use foliate_benches::{long_model, one_thread, scene_model};
 use foliate_components::leaf::LeafIndex;
-use foliate_systems::connection::{Connections, certify_connections, propose_connections};
 use foliate_systems::commit;
+use foliate_systems::connection::{Connections, certify_connections, propose_connections};
 use foliate_systems::events::{EventSink, StopSignal};
 use foliate_systems::model::PlanningModel;
 use foliate_systems::schedule::SearchSet;
@@ -39,7 +40,10 @@ fn main() -> Result<()> {
     if scenes.is_empty() {
         scenes = vec!["four boxes".to_owned(), "demo".to_owned(), "baxter-case2".to_owned()];
     }
-    println!("{:<24} {:>7} {:>7} {:>6} {:>9} {:>12} {:>14}", "scene", "nodes", "leaves", "trees", "µs each", "× first", "fingerprint");
+    println!(
+        "{:<24} {:>7} {:>7} {:>6} {:>9} {:>12} {:>14}",
+        "scene", "nodes", "leaves", "trees", "µs each", "× first", "fingerprint"
+    );
     for scene in &scenes {
         let model = if scene == "four boxes" { Some(long_model()) } else { scene_model(scene) };
         if let Some(model) = model {
@@ -64,13 +68,43 @@ fn measure(scene: &str, model: &PlanningModel, most: usize, seed: u64) {
         }
         let leaves = search.world().resource::<LeafIndex>().leaves().len();
         let (nodes, trees) = (search.roadmap().nodes().len(), search.roadmap().trees());
+        search.world_mut().resource_mut::<Laps>().spent = [Duration::ZERO; SETS.len()];
         let (before, started) = (search.counter().candidates, processor_time());
         while search.counter().candidates < before + WINDOW && search.step().is_none() {}
         let each = (processor_time() - started).as_secs_f64() * 1e6 / (search.counter().candidates - before) as f64;
         let times = each / *first.get_or_insert(each);
         let print = search.roadmap().fingerprint();
         println!("{scene:<24} {nodes:>7} {leaves:>7} {trees:>6} {each:>9.1} {times:>12.2} {print:016x}");
+        println!("{}", search.world().resource::<Laps>().shares());
         size *= 10;
+    }
+}
+
+const SETS: [SearchSet; 9] = [
+    SearchSet::Sample,
+    SearchSet::Select,
+    SearchSet::Rendezvous,
+    SearchSet::Project,
+    SearchSet::Steer,
+    SearchSet::Validate,
+    SearchSet::Commit,
+    SearchSet::Connect,
+    SearchSet::Conclude,
+];
+
+/// Processor time per set.
+#[derive(Default, Resource)]
+struct Laps {
+    last: Duration,
+    spent: [Duration; SETS.len()],
+}
+
+impl Laps {
+    fn shares(&self) -> String {
+        let all: Duration = self.spent.iter().sum();
+        let share = |time: &Duration| 100.0 * time.as_secs_f64() / all.as_secs_f64();
+        let shares: Vec<_> = SETS.iter().zip(&self.spent).map(|(s, t)| format!("{s:?} {:.1} %", share(t))).collect();
+        format!("    {}", shares.join(", "))
     }
 }
 
@@ -89,6 +123,19 @@ impl Scheduler for Apart {
             schedule.remove_systems_in_set(SearchSet::Connect, world, ScheduleCleanupPolicy::RemoveSystemsOnly);
         let connect = (propose_connections, certify_connections, forget, commit::commit_connections);
         schedule.add_systems(connect.chain().in_set(SearchSet::Connect));
+        world.init_resource::<Laps>();
+        schedule.add_systems((|mut laps: ResMut<'_, Laps>| laps.last = processor_time()).before(SETS[0]));
+        for (index, set) in SETS.into_iter().enumerate() {
+            let lap = move |mut laps: ResMut<'_, Laps>| {
+                let now = processor_time();
+                let last = std::mem::replace(&mut laps.last, now);
+                laps.spent[index] += now.saturating_sub(last);
+            };
+            match SETS.get(index + 1) {
+                Some(&next) => schedule.add_systems(lap.after(set).before(next)),
+                None => schedule.add_systems(lap.after(set)),
+            };
+        }
         schedule
     }
 }

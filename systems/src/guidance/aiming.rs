@@ -198,11 +198,7 @@ fn draw_near(far: &[u16], u: f64) -> Option<usize> {
 }
 
 /// Measures the leaves that the last step has reached, each against all others.
-pub fn measure_leaves(
-    model: Res<'_, PlanningModel>,
-    explored: Explored<'_>,
-    mut aims: ResMut<'_, Aims>,
-) {
+pub fn measure_leaves(model: Res<'_, PlanningModel>, explored: Explored<'_>, mut aims: ResMut<'_, Aims>) {
     let aims = &mut *aims;
     if aims.distance.grow(&model.graph) {
         aims.pairs.clear();
@@ -281,16 +277,28 @@ impl Aims {
     }
 
     /// Hears how far a new leaf of the tree `to` is from the leaves of one state of another tree.
-    fn come_nearer(&mut self, explored: &Explored<'_>, (born, state): (ComponentId, usize), to: ComponentId, far: &[u16]) {
+    fn come_nearer(
+        &mut self,
+        explored: &Explored<'_>,
+        (born, state): (ComponentId, usize),
+        to: ComponentId,
+        far: &[u16],
+    ) {
         let tree = explored.roadmap.component(born);
         let columns = &explored.reached.columns_of(born)[state];
         let nearest = &mut self.measured[born.at()].states[state];
-        for (index, known) in nearest.of(to.at()).iter_mut().enumerate().filter(|(index, known)| far[*index] < **known) {
-            *known = far[index];
-            let leaf = explored.reached.by_component[born.at()][columns.places[index] as usize];
-            if let Some(leaves) = in_state(&mut self.trees[tree.at()], columns.state) {
-                leaves.change(leaf, |weighted| weighted.far = weighted.far.min(far[index]));
+        let mut nearer = Vec::new();
+        for (index, (known, &far)) in nearest.of(to.at()).iter_mut().zip(far).enumerate() {
+            if far < *known {
+                *known = far;
+                nearer.push(index);
             }
+        }
+        let Some(leaves) = in_state(&mut self.trees[tree.at()], columns.state) else { return };
+        for index in nearer {
+            let leaf = explored.reached.by_component[born.at()][columns.places[index] as usize];
+            let far = nearest.to_others(&explored.roadmap, tree, index).unwrap_or(0);
+            leaves.change(leaf, |weighted| weighted.far = far);
         }
     }
 

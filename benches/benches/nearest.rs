@@ -1,0 +1,51 @@
+//! What does it cost to find the nearest of 10³, 10⁴ and 10⁵ nodes, in lanes and one by one?
+
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use foliate_benches::{criterion, one_thread, random_configurations, sample_model, scene_model};
+use foliate_kernels::lanes::Level;
+use foliate_kernels::nearest::{Bucket, BucketQuery, Metric, nearest};
+use foliate_systems::model::PlanningModel;
+use std::hint::black_box;
+
+fn bench_model(c: &mut Criterion, name: &str, model: &PlanningModel, weights: &[f64]) {
+    let space = &model.problem.robot.space;
+    let metric = Metric::new(space, weights);
+    let queries = random_configurations(&model.problem.robot, 64);
+    let mut group = c.benchmark_group(format!("nearest/{name}, {} rows", metric.rows()));
+    for count in [1000, 10_000, 100_000] {
+        let all = random_configurations(&model.problem.robot, count + queries.len()).split_off(queries.len());
+        let mut bucket = Bucket::default();
+        (0..).zip(&all).for_each(|(id, q)| bucket.push(&metric, id, q));
+        let mut turn = 0;
+        group.bench_with_input(BenchmarkId::new("lanes", count), &count, |b, _| {
+            b.iter(|| {
+                turn = (turn + 1) % queries.len();
+                let q = &queries[turn];
+                let query = BucketQuery::new(&metric, q);
+                let exact = |id: u32| space.distance(q, &all[id as usize], weights);
+                black_box(nearest((&metric, &query, Level::detected()), [&bucket].into_iter(), exact))
+            });
+        });
+        group.bench_with_input(BenchmarkId::new("one by one", count), &count, |b, _| {
+            b.iter(|| {
+                turn = (turn + 1) % queries.len();
+                let exact = |q: &Vec<f64>| space.distance(&queries[turn], q, weights);
+                black_box(all.iter().map(exact).enumerate().min_by(|a, b| a.1.total_cmp(&b.1)))
+            });
+        });
+    }
+    group.finish();
+}
+
+fn bench(c: &mut Criterion) {
+    one_thread();
+    let sample = sample_model();
+    bench_model(c, "sample arm, its joints", &sample, &sample.robot_weights);
+    if let Some(model) = scene_model("baxter-case2") {
+        bench_model(c, "Baxter, its joints", &model, &model.robot_weights);
+        bench_model(c, "Baxter and two boxes", &model, &model.weights);
+    }
+}
+
+criterion_group! { name = benches; config = criterion(); targets = bench }
+criterion_main!(benches);
