@@ -148,7 +148,9 @@ enum Step {
     Taken,
     /// It is on the leaf, but hardly nearer to the goal.
     LeadsAway,
-    /// It was not found, or cannot be certified.
+    /// It cannot be certified.
+    TooLong,
+    /// It was not found.
     Lost,
 }
 
@@ -263,6 +265,10 @@ impl Walk<'_> {
                     return true;
                 }
                 Step::LeadsAway => led_away += 1,
+                Step::TooLong => {
+                    fraction *= 0.7;
+                    continue;
+                }
                 Step::Lost => {}
             }
             fraction *= 0.5;
@@ -325,7 +331,7 @@ impl Walk<'_> {
             return Step::Lost;
         }
         if !self.holds(bound, false) {
-            return Step::Lost;
+            return Step::TooLong;
         }
         // What is left must get shorter, or the walk could circle.
         let s = &mut *self.scratch;
