@@ -85,6 +85,27 @@ pub fn add_root(world: &mut World, q: &[f64], leaf: Leaf) -> NodeId {
     node
 }
 
+/// Adds a node that was reached in another world: from a node that is here already, along a transition (or backwards, where
+/// not `outwards`), by motions that were certified there, each with the leaf that it stays on. Parameters must be interned
+/// already.
+pub fn add_branch(
+    world: &mut World,
+    (near, along, outwards): (NodeId, TransitionId, bool),
+    q: &[f64],
+    leaf: Leaf,
+    motions: Vec<(Leaf, Motion)>,
+) -> NodeId {
+    let component = world.resource::<Roadmap>().node(near).component;
+    let leaf_here = |(leaf, motion)| Motion { leaf: intern_leaf(world, leaf), ..motion };
+    let motions = motions.into_iter().map(leaf_here).collect();
+    let leaf = intern_leaf(world, leaf);
+    let node = add_node(world, q, leaf, Some(component));
+    let (from, to) = if outwards { (near, node) } else { (node, near) };
+    add_edge(world, from, to, along, motions);
+    world.resource_mut::<NewNodes>().0.push(node);
+    node
+}
+
 fn count_in(world: &mut World, state: StateId, change: impl FnOnce(&mut StateStatistics)) {
     let entity = world.resource::<EntityTable>().states[state.at()];
     if let Some(mut statistics) = world.get_mut::<StateStatistics>(entity) {

@@ -31,3 +31,4 @@ pub mod selection;
 pub mod settings;
 pub mod steering;
 pub mod validation;
+pub mod worlds;

@@ -2,6 +2,7 @@
 
 use bevy_ecs::prelude::{IntoScheduleConfigs, Resource, Schedule, SystemSet};
 use bevy_ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
+use std::iter::Sum;
 
 /// The sets of a step, in order. The numbers are the papers' steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, SystemSet)]
@@ -39,6 +40,24 @@ pub struct StepCounter {
     pub candidates: u64,
     /// Candidates whose waypoints all projected, so that their motions were validated.
     pub validated: u64,
+}
+
+impl StepCounter {
+    /// Counted work, by which searches in several worlds take turns: candidates, whatever becomes of them.
+    #[must_use]
+    pub fn work(&self) -> u64 {
+        self.candidates
+    }
+}
+
+impl Sum for StepCounter {
+    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
+        all.fold(Self::default(), |sum, one| Self {
+            step: sum.step + one.step,
+            candidates: sum.candidates + one.candidates,
+            validated: sum.validated + one.validated,
+        })
+    }
 }
 
 /// An empty schedule with the sets in order.
