@@ -57,6 +57,7 @@ pub fn commit_extensions(world: &mut World) {
 /// Adds the edges of certified connections whose ends still lie in different trees, in the order of proposal.
 pub fn commit_connections(world: &mut World) {
     let proposals = std::mem::take(&mut world.resource_mut::<Connections>().0);
+    world.resource_mut::<StepCounter>().connections += proposals.len() as u64;
     for proposal in proposals {
         let roadmap = world.resource::<Roadmap>();
         let state = roadmap.node(proposal.from).state;

@@ -40,13 +40,16 @@ pub struct StepCounter {
     pub candidates: u64,
     /// Candidates whose waypoints all projected, so that their motions were validated.
     pub validated: u64,
+    /// Motions between two trees that were proposed.
+    pub connections: u64,
 }
 
 impl StepCounter {
-    /// Counted work, by which searches in several worlds take turns: candidates, whatever becomes of them.
+    /// Counted work, by which searches in several worlds take turns: candidates, whatever becomes of them, and connections.
+    /// Where time goes differs from scene to scene, but hardly between searches of one scene.
     #[must_use]
     pub fn work(&self) -> u64 {
-        self.candidates
+        self.candidates + self.connections
     }
 }
 
@@ -56,6 +59,7 @@ impl Sum for StepCounter {
             step: sum.step + one.step,
             candidates: sum.candidates + one.candidates,
             validated: sum.validated + one.validated,
+            connections: sum.connections + one.connections,
         })
     }
 }

@@ -220,7 +220,8 @@ fn empty_world(model: &PlanningModel, settings: SearchSettings, stop: StopSignal
 
 /// Start and goals as they stand in a world.
 fn roots_in(world: &World) -> (Option<Feasible>, Vec<Feasible>) {
-    let (roadmap, leaves, roots) = (world.resource::<Roadmap>(), world.resource::<LeafIndex>(), world.resource::<Roots>());
+    let (roadmap, leaves, roots) =
+        (world.resource::<Roadmap>(), world.resource::<LeafIndex>(), world.resource::<Roots>());
     let root = |node| {
         let row = roadmap.node(node);
         let parameters = leaves.leaf(row.leaf).parameters.iter().map(|&id| *leaves.parameter(id)).collect();

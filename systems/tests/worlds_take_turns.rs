@@ -5,12 +5,13 @@
 mod common;
 
 use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::ScheduleCleanupPolicy;
 use common::{model, search, seeded, stop_within};
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::sample_problems::{boxes_on_a_table, eight_arms_and_ten_boxes, swap_two_boxes};
 use foliate_systems::connection::{certify_connections, propose_connections};
 use foliate_systems::events::EventSink;
-use foliate_systems::schedule::{SearchSet, StepCounter, empty_schedule};
+use foliate_systems::schedule::{SearchSet, empty_schedule};
 use foliate_systems::schedulers::{Scheduler, mrrt::Mrrt, portfolio::Portfolio};
 use foliate_systems::search::Search;
 use foliate_systems::settings::{SearchSettings, Selection};
@@ -73,32 +74,46 @@ impl Scheduler for Listener {
     }
 }
 
+/// `mrrt` that never joins two trees, and so never solves anything.
+struct Grower;
+
+impl Scheduler for Grower {
+    fn name(&self) -> &'static str {
+        "grower"
+    }
+
+    fn schedule(&self, world: &mut World) -> Schedule {
+        let mut schedule = Mrrt.schedule(world);
+        let cleanup = ScheduleCleanupPolicy::RemoveSystemsOnly;
+        schedule.remove_systems_in_set(SearchSet::Connect, world, cleanup).unwrap();
+        schedule
+    }
+}
+
 #[test]
 fn what_one_world_reaches_the_others_can_use() {
-    let model = model(swap_two_boxes().unwrap());
-    let members = vec![Member::new(Listener), Member::new(Mrrt), Member::new(Mrrt)];
+    let problem = swap_two_boxes().unwrap();
+    let model = model(problem.clone());
+    let members = vec![Member::new(Listener), Member::new(Grower), Member::new(Grower)];
     let portfolio = Portfolio { members, quantum: 32 };
-    let mut won = 0;
-    for seed in 1..=6 {
+    for seed in 1..=3 {
         let (outcome, search) = search(&model, &portfolio, seeded(seed), 1);
         assert_eq!(outcome, SearchOutcome::Solved);
-        let counts = counts(&search);
-        assert_eq!(counts.0.iter().filter(|world| world.answers).count(), 1);
-        if counts.0[0].answers {
-            won += 1;
-            // Every motion of its path was certified elsewhere, but for those that join what two others had reached.
-            assert_eq!(search.counter(), StepCounter::default());
-            assert!(search.path().unwrap().segments.len() > 2);
-        }
+        let answers: Vec<_> = counts(&search).0.iter().map(|world| (world.scheduler, world.answers)).collect();
+        assert_eq!(answers, [("listener", true), ("grower", false), ("grower", false)]);
+        assert_eq!(search.counter().candidates, 0);
+        let path = search.path().unwrap();
+        assert!(path.segments.len() > 4 && path.segments[0].knots[0] == problem.start);
+        assert!(path.certificate.min_clearance > 0.0);
     }
-    assert!(won > 0, "the start's branches of one world and a goal's of another never met");
 }
 
 #[test]
 fn who_enters_late_learns_what_is_known() {
     // Out of reach: only a limit ends it.
     let model = model(boxes_on_a_table(&[(0.6, 0.1)], &[(1.45, 0.75)]).unwrap());
-    let portfolio = Portfolio { members: vec![Member::new(Mrrt).entering(0), Member::new(Listener).entering(3)], quantum: 64 };
+    let portfolio =
+        Portfolio { members: vec![Member::new(Mrrt).entering(0), Member::new(Listener).entering(3)], quantum: 64 };
     let mut search = Search::new(&model, &portfolio, seeded(1), stop_within(60), EventSink::default());
     for _ in 0..3 {
         assert_eq!(search.step(), None);
@@ -128,8 +143,9 @@ fn budgets_hold_for_all_worlds_together() {
 
     let (outcome, stepped) = search(&model, &trio(), SearchSettings { max_steps: 9, ..seeded(1) }, 2);
     assert_eq!(outcome, SearchOutcome::StepLimit);
-    // Three worlds, two steps of sixteen candidates each a round.
-    assert_eq!(counts(&stepped).0.iter().map(|world| world.counter.step).sum::<u64>(), 12);
+    // Three worlds, at most two steps each in a round.
+    let steps: u64 = counts(&stepped).0.iter().map(|world| world.counter.step).sum();
+    assert!((9..15).contains(&steps), "{steps}");
 }
 
 #[test]

@@ -15,7 +15,8 @@ pub trait Scheduler: Send + Sync {
 
     /// The systems of one step, in their sets. `world` is the one in which they will run, with all resources in place: a
     /// scheduler may add its own there. One that leaves out [`crate::goals::draw_more_goals`] has only those
-    /// configurations of partial goals that were found before the first step.
+    /// configurations of partial goals that were found before the first step. One whose systems step searches of their own
+    /// hands over the world that answers as [`crate::search::AnswerIn`].
     fn schedule(&self, world: &mut World) -> Schedule;
 }
 

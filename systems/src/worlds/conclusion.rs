@@ -75,7 +75,9 @@ pub fn report_progress(
 /// Once the portfolio has ended, hands over the world that answers: the winner's, or the first where there is none.
 pub fn answer(world: &mut World) {
     let Some(ending) = world.resource::<Ending>().0.clone() else { return };
-    let Some(mut worlds) = world.remove_resource::<Worlds>().filter(|worlds| !worlds.running.is_empty()) else { return };
+    let Some(mut worlds) = world.remove_resource::<Worlds>().filter(|worlds| !worlds.running.is_empty()) else {
+        return;
+    };
     let counts = worlds.counts();
     let mut answer = worlds.running.swap_remove(worlds.leader()).search.into_world();
     answer.insert_resource(Ending(Some(ending)));
