@@ -57,7 +57,7 @@ pub fn conclude(
     } else if solved {
         Some(SearchOutcome::Solved)
     } else if roadmap.nodes().len() >= settings.max_nodes
-        || roadmap.bytes() + grown(&model, &transitions) >= settings.max_bytes
+        || roadmap.bytes() + grown(&model, transitions) >= settings.max_bytes
     {
         Some(SearchOutcome::MemoryLimit)
     } else if let Some(why) = no_goal(&roots, &goals, &model, &settings) {
