@@ -9,9 +9,10 @@ use foliate_components::problem::Problem;
 use foliate_components::robot::PartIndex;
 use foliate_systems::events::{CancelToken, EventSink, SearchEvent, StopSignal};
 use foliate_systems::model::{Model, ModelError, PlanningModel};
-use foliate_systems::schedulers::{self, Scheduler, mrrt::Mrrt};
+use foliate_systems::schedulers::{self, Scheduler};
 use foliate_systems::search::Search;
 use foliate_systems::settings::SearchSettings;
+use foliate_systems::worlds::{WorldCount, WorldCounts};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -47,12 +48,15 @@ pub struct Solution {
 pub struct Report {
     /// Wall time of the search, from the prepared model to the certified path.
     pub solve_time: Duration,
-    /// Steps.
+    /// Steps, of all worlds where there are several.
     pub steps: u64,
-    /// Candidates.
+    /// Candidates, of all worlds.
     pub candidates: u64,
-    /// Candidates whose motions were validated.
+    /// Candidates whose motions were validated, of all worlds.
     pub validated: u64,
+    /// What each of several worlds did (scheduler `portfolio`); empty where the search had but one. What follows is of the one
+    /// that answers.
+    pub worlds: Vec<WorldCount>,
     /// Roadmap nodes.
     pub nodes: usize,
     /// Roadmap edges.
@@ -133,7 +137,7 @@ impl Planner {
         Self {
             model,
             settings: SearchSettings::default(),
-            scheduler: Arc::new(Mrrt),
+            scheduler: schedulers::default_scheduler().into(),
             time_limit: None,
             token: CancelToken::default(),
             events: EventSink::default(),
@@ -227,7 +231,11 @@ impl Planner {
     }
 
     fn report(&self, search: &mut Search, path: Option<&ManipulationPath>) -> Report {
-        let counter = search.counter();
+        let worlds = search.world().get_resource::<WorldCounts>().map(|counts| counts.0.clone()).unwrap_or_default();
+        let counter = match worlds.is_empty() {
+            true => search.counter(),
+            false => worlds.iter().map(|world| world.counter).sum(),
+        };
         let funnel = search.statistics().into_iter().filter(|(_, s)| s.attempts > 0);
         let model = search.model().clone();
         let funnel = funnel.map(|(id, statistics)| funnel_row(&model, id, statistics)).collect();
@@ -242,6 +250,7 @@ impl Planner {
             steps: counter.step,
             candidates: counter.candidates,
             validated: counter.validated,
+            worlds,
             nodes: roadmap.nodes().len(),
             edges: roadmap.edges().len(),
             leaves: search.world().resource::<foliate_components::leaf::LeafIndex>().leaves().len(),

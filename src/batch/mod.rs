@@ -21,7 +21,7 @@ pub use table::{SceneSummary, Spread, Table};
 use crate::path_file::{PathContext, save, write_path};
 use crate::planner::{Planner, Solution};
 use foliate_components::outcome::SearchOutcome;
-use foliate_systems::schedulers::{Scheduler, mrrt::Mrrt};
+use foliate_systems::schedulers::{self, Scheduler};
 use foliate_systems::settings::SearchSettings;
 use record::Recorder;
 use std::any::Any;
@@ -88,7 +88,7 @@ impl Batch {
         if solves > MOST_SOLVES {
             return Err(BatchError::TooMany(solves));
         }
-        Ok(Self { entries, settings, scheduler: Arc::new(Mrrt) })
+        Ok(Self { entries, settings, scheduler: schedulers::default_scheduler().into() })
     }
 
     /// Uses another scheduler.

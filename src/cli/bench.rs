@@ -26,8 +26,8 @@ pub(crate) struct Arguments {
     /// New folder for results.csv, table.md and paths/
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Search scheduler
-    #[arg(long, default_value = "mrrt")]
+    /// Search scheduler; the default is the best over all shipped scenes, a name that does not exist lists all
+    #[arg(long, default_value = schedulers::DEFAULT, value_name = "NAME")]
     scheduler: String,
     #[command(flatten)]
     pub(crate) tuning: Tuning,

@@ -7,6 +7,7 @@ use foliate::kernels::lanes::Level;
 use foliate::path_file::{PathContext, save, write_path};
 use foliate::scene::{PackagePath, Scene, load_scene};
 use foliate::systems::events::SearchEvent;
+use foliate::systems::schedulers;
 use foliate::systems::settings::{SearchSettings, Selection};
 use foliate::{Planner, Solution};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -35,8 +36,8 @@ pub(crate) struct SearchArguments {
     /// Seed of every random stream; same seed, same answer
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Search scheduler
-    #[arg(long, default_value = "mrrt")]
+    /// Search scheduler; the default is the best over all shipped scenes, a name that does not exist lists all
+    #[arg(long, default_value = schedulers::DEFAULT, value_name = "NAME")]
     pub scheduler: String,
     /// Threads for the search; the answer does not depend on it
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=512))]
@@ -130,7 +131,7 @@ pub(crate) fn deadline(seconds: f64) -> Result<Duration, Refusal> {
 
 /// Says which schedulers there are.
 pub(crate) fn no_scheduler(name: &str) -> Refusal {
-    let known: Vec<_> = foliate::systems::schedulers::shipped().iter().map(|s| s.name()).collect();
+    let known: Vec<_> = schedulers::shipped().iter().map(|s| s.name()).collect();
     Refusal(format!("there is no scheduler `{}`; known: {}", name.escape_debug(), known.join(", ")))
 }
 

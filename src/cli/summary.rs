@@ -4,6 +4,7 @@ use super::solve::SearchArguments;
 use super::story;
 use foliate::components::outcome::{Rejection, SearchOutcome};
 use foliate::scene::Scene;
+use foliate::systems::worlds::WorldCount;
 use foliate::{FunnelRow, GoalReport, Solution, StateRow};
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -41,6 +42,12 @@ pub(crate) fn text(loaded: &Loaded<'_>, solution: &Solution) -> String {
         graph.states.len(),
         graph.transitions.len()
     );
+    for world in &report.worlds {
+        let WorldCount { scheduler, answers, counter } = world;
+        let what = if *answers { ", answers" } else { "" };
+        let (steps, candidates) = (counter.step, counter.candidates);
+        let _ = writeln!(out, "    world of {scheduler}: {steps} steps, {candidates} candidates{what}");
+    }
     if let Some(path) = &solution.path {
         let _ = writeln!(
             out,
@@ -131,6 +138,7 @@ pub(crate) fn json(loaded: &Loaded<'_>, search: &SearchArguments, solution: &Sol
         "steps": report.steps,
         "candidates": report.candidates,
         "validated": report.validated,
+        "worlds": report.worlds.iter().map(world_json).collect::<Vec<_>>(),
         "nodes": report.nodes,
         "edges": report.edges,
         "leaves": report.leaves,
@@ -141,6 +149,16 @@ pub(crate) fn json(loaded: &Loaded<'_>, search: &SearchArguments, solution: &Sol
         "states": states,
         "goals": goals_json(&report.goals),
         "certificate": certificate,
+    })
+}
+
+fn world_json(world: &WorldCount) -> Value {
+    json!({
+        "scheduler": world.scheduler,
+        "answers": world.answers,
+        "steps": world.counter.step,
+        "candidates": world.counter.candidates,
+        "validated": world.counter.validated,
     })
 }
 

@@ -58,6 +58,7 @@ pub fn commit_extensions(world: &mut World) {
 /// Adds the edges of certified connections whose ends still lie in different trees, in the order of proposal.
 pub fn commit_connections(world: &mut World) {
     let proposals = std::mem::take(&mut world.resource_mut::<Connections>().0);
+    world.resource_mut::<StepCounter>().connections += proposals.len() as u64;
     for proposal in proposals {
         let roadmap = world.resource::<Roadmap>();
         let state = roadmap.node(proposal.from).state;
@@ -82,6 +83,27 @@ pub(crate) fn expand(world: &mut World, state: StateId) {
 pub fn add_root(world: &mut World, q: &[f64], leaf: Leaf) -> NodeId {
     let leaf_id = intern_leaf(world, leaf);
     let node = add_node(world, q, leaf_id, None);
+    world.resource_mut::<NewNodes>().0.push(node);
+    node
+}
+
+/// Adds a node that was reached in another world: from a node that is here already, along a transition (or backwards, where
+/// not `outwards`), by motions that were certified there, each with the leaf that it stays on. Parameters must be interned
+/// already.
+pub fn add_branch(
+    world: &mut World,
+    (near, along, outwards): (NodeId, TransitionId, bool),
+    q: &[f64],
+    leaf: Leaf,
+    motions: Vec<(Leaf, Motion)>,
+) -> NodeId {
+    let component = world.resource::<Roadmap>().node(near).component;
+    let leaf_here = |(leaf, motion)| Motion { leaf: intern_leaf(world, leaf), ..motion };
+    let motions = motions.into_iter().map(leaf_here).collect();
+    let leaf = intern_leaf(world, leaf);
+    let node = add_node(world, q, leaf, Some(component));
+    let (from, to) = if outwards { (near, node) } else { (node, near) };
+    add_edge(world, from, to, along, motions);
     world.resource_mut::<NewNodes>().0.push(node);
     node
 }

@@ -57,7 +57,7 @@ pub fn conclude(
     } else if solved {
         Some(SearchOutcome::Solved)
     } else if roadmap.nodes().len() >= settings.max_nodes
-        || roadmap.bytes() + grown(&model, &transitions) >= settings.max_bytes
+        || roadmap.bytes() + grown(&model, transitions) >= settings.max_bytes
     {
         Some(SearchOutcome::MemoryLimit)
     } else if let Some(why) = no_goal(&roots, &goals, &model, &settings) {
@@ -70,11 +70,14 @@ pub fn conclude(
 }
 
 /// About how many bytes the search has made a lazy graph and its tables grow by.
-fn grown(model: &PlanningModel, transitions: &Query<'_, '_, (&TransitionId, &TransitionStatistics)>) -> u64 {
+pub(crate) fn grown<'a>(
+    model: &PlanningModel,
+    transitions: impl IntoIterator<Item = (&'a TransitionId, &'a TransitionStatistics)>,
+) -> u64 {
     if !model.graph.lazy {
         return 0;
     }
-    let tried = transitions.iter().filter(|(_, statistics)| statistics.attempts > 0);
+    let tried = transitions.into_iter().filter(|(_, statistics)| statistics.attempts > 0);
     model.graph.bytes() + tried.map(|(&id, _)| model.bytes_to_try(id)).sum::<u64>()
 }
 

@@ -35,3 +35,4 @@ pub mod settings;
 pub mod steering;
 pub mod validation;
 pub mod waypoints;
+pub mod worlds;

@@ -2,6 +2,7 @@
 
 use bevy_ecs::prelude::{IntoScheduleConfigs, Resource, Schedule, SystemSet};
 use bevy_ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
+use std::iter::Sum;
 
 /// The sets of a step, in order. The numbers are the papers' steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, SystemSet)]
@@ -39,6 +40,28 @@ pub struct StepCounter {
     pub candidates: u64,
     /// Candidates whose waypoints all projected, whether or not these were free.
     pub validated: u64,
+    /// Motions between two trees that were proposed.
+    pub connections: u64,
+}
+
+impl StepCounter {
+    /// Counted work, by which searches in several worlds take turns: candidates, whatever becomes of them, and connections.
+    /// Where time goes differs from scene to scene, but hardly between searches of one scene.
+    #[must_use]
+    pub fn work(&self) -> u64 {
+        self.candidates + self.connections
+    }
+}
+
+impl Sum for StepCounter {
+    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
+        all.fold(Self::default(), |sum, one| Self {
+            step: sum.step + one.step,
+            candidates: sum.candidates + one.candidates,
+            validated: sum.validated + one.validated,
+            connections: sum.connections + one.connections,
+        })
+    }
 }
 
 /// An empty schedule with the sets in order.

@@ -1,7 +1,7 @@
 //! A search as a host embeds it: a world, a schedule, and the loop that steps it.
 
 use crate::commit::{self, NewNodes};
-use crate::conclusion::{Ending, Roots};
+use crate::conclusion::{self, Ending, Roots};
 use crate::connection::Connections;
 use crate::events::{EventSink, StopSignal};
 use crate::goals::{GoalSampler, plant};
@@ -14,7 +14,7 @@ use crate::schedule::StepCounter;
 use crate::schedulers::Scheduler;
 use crate::selection::TransitionWeights;
 use crate::settings::SearchSettings;
-use bevy_ecs::prelude::{Mut, Schedule, World};
+use bevy_ecs::prelude::{Mut, Resource, Schedule, World};
 use foliate_components::candidate::CandidateArena;
 use foliate_components::graph::{StateId, TransitionId};
 use foliate_components::leaf::LeafIndex;
@@ -43,30 +43,31 @@ impl Search {
         stop: StopSignal,
         events: EventSink,
     ) -> Self {
-        let mut world = World::new();
-        let size = model.problem.robot.space.size();
-        let candidates = settings.candidates.clamp(1, 4096);
-        world.insert_resource(model.clone());
-        commit::spawn_graph_and_candidates(&mut world, candidates);
-        world.insert_resource(CandidateArena::new(candidates, size));
-        world.insert_resource(Roadmap::new(size));
-        world.init_resource::<LeafIndex>();
-        world.init_resource::<NewNodes>();
-        world.init_resource::<Connections>();
-        world.init_resource::<ReachedLeaves>();
-        world.init_resource::<crate::guidance::aiming::Aims>();
-        world.init_resource::<TransitionWeights>();
-        world.init_resource::<StepCounter>();
-        world.init_resource::<Roots>();
-        world.init_resource::<Ending>();
-        world.init_resource::<GoalSampler>();
-        world.insert_resource(Neighbours::new(model, &settings));
-        world.insert_resource(settings);
-        world.insert_resource(stop);
-        world.insert_resource(events);
+        let mut world = empty_world(model, settings, stop, events);
         let ending = plant_roots(&mut world).err();
         let schedule = scheduler.schedule(&mut world);
         Self { world, schedule, ending }
+    }
+
+    /// Another search of the problem that is searched in `beside`: the same model and stop signal, the same start and the
+    /// goals known there by now, in a world of its own that shares nothing with that one from then on.
+    #[must_use]
+    pub fn beside(beside: &World, scheduler: &dyn Scheduler, settings: SearchSettings, events: EventSink) -> Self {
+        let model = beside.resource::<PlanningModel>();
+        let mut world = empty_world(model, settings, beside.resource::<StopSignal>().clone(), events);
+        let (start, goals) = roots_in(beside);
+        let start = start.map(|root| plant(&mut world, root));
+        let goals = goals.into_iter().map(|root| plant(&mut world, root)).collect();
+        world.insert_resource(Roots { start, goals });
+        world.insert_resource(beside.resource::<GoalSampler>().clone());
+        let schedule = scheduler.schedule(&mut world);
+        Self { world, schedule, ending: None }
+    }
+
+    /// How the search has ended, once it has.
+    #[must_use]
+    pub fn ending(&self) -> Option<&SearchOutcome> {
+        self.ending.as_ref()
     }
 
     /// One step of all candidates. Returns how the search has ended, once it has.
@@ -74,6 +75,9 @@ impl Search {
         if self.ending.is_none() {
             self.schedule.run(&mut self.world);
             self.ending = self.world.resource::<Ending>().0.clone();
+            if let Some(AnswerIn(world)) = self.world.remove_resource() {
+                self.world = *world;
+            }
             if self.ending == Some(SearchOutcome::Solved) {
                 self.expand_backwards();
             }
@@ -124,6 +128,12 @@ impl Search {
         extract_path(self.model(), roadmap, leaves, tolerance, roots.start?, goal)
     }
 
+    /// Leaves the world behind.
+    #[must_use]
+    pub fn into_world(self) -> World {
+        self.world
+    }
+
     /// The world: roadmap, leaves and statistics, for queries.
     #[must_use]
     pub fn world(&self) -> &World {
@@ -139,6 +149,14 @@ impl Search {
     #[must_use]
     pub fn roadmap(&self) -> &Roadmap {
         self.world.resource::<Roadmap>()
+    }
+
+    /// About how much memory it takes: the roadmap, and what it has made a lazy graph and its tables grow by.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        let transitions = self.world.try_query::<(&TransitionId, &TransitionStatistics)>();
+        let grown = transitions.map_or(0, |mut query| conclusion::grown(self.model(), query.iter(&self.world)));
+        self.roadmap().bytes() + grown
     }
 
     /// Work done so far.
@@ -170,6 +188,49 @@ impl Search {
     pub fn goal_statistics(&self) -> &GoalStatistics {
         self.world.resource::<GoalSampler>().statistics()
     }
+}
+
+/// Another world that has the answer: where a step leaves it in its world, that one takes its place once the search has
+/// ended. For schedulers whose systems step searches of their own.
+#[derive(Resource)]
+pub struct AnswerIn(pub Box<World>);
+
+/// A world with all resources in place, and no roots.
+fn empty_world(model: &PlanningModel, settings: SearchSettings, stop: StopSignal, events: EventSink) -> World {
+    let mut world = World::new();
+    let size = model.problem.robot.space.size();
+    let candidates = settings.candidates.clamp(1, 4096);
+    world.insert_resource(model.clone());
+    commit::spawn_graph_and_candidates(&mut world, candidates);
+    world.insert_resource(CandidateArena::new(candidates, size));
+    world.insert_resource(Roadmap::new(size));
+    world.init_resource::<LeafIndex>();
+    world.init_resource::<NewNodes>();
+    world.init_resource::<Connections>();
+    world.init_resource::<ReachedLeaves>();
+    world.init_resource::<crate::guidance::aiming::Aims>();
+    world.init_resource::<TransitionWeights>();
+    world.init_resource::<StepCounter>();
+    world.init_resource::<Roots>();
+    world.init_resource::<Ending>();
+    world.init_resource::<GoalSampler>();
+    world.insert_resource(Neighbours::new(model, &settings));
+    world.insert_resource(settings);
+    world.insert_resource(stop);
+    world.insert_resource(events);
+    world
+}
+
+/// Start and goals as they stand in a world.
+fn roots_in(world: &World) -> (Option<Feasible>, Vec<Feasible>) {
+    let (roadmap, leaves, roots) =
+        (world.resource::<Roadmap>(), world.resource::<LeafIndex>(), world.resource::<Roots>());
+    let root = |node| {
+        let row = roadmap.node(node);
+        let parameters = leaves.leaf(row.leaf).parameters.iter().map(|&id| *leaves.parameter(id)).collect();
+        Feasible { q: roadmap.configuration(node).to_vec(), state: row.state, parameters }
+    };
+    (roots.start.map(root), roots.goals.iter().copied().map(root).collect())
 }
 
 /// Makes start and goals the roots of trees. A goal that leaves something free and of which no configuration was found yet

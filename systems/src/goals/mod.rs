@@ -54,7 +54,7 @@ const MOST_SITES: usize = 1024;
 const MOST_TOLD: usize = 3;
 
 /// The goals of a search that leave something free, and how far each has been looked into.
-#[derive(Debug, Default, Resource)]
+#[derive(Clone, Debug, Default, Resource)]
 pub struct GoalSampler {
     /// The start, from which what is not asked for is kept.
     start: Vec<f64>,
@@ -65,7 +65,7 @@ pub struct GoalSampler {
 }
 
 /// One such goal.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Region {
     /// Its number in the problem.
     number: usize,
@@ -86,7 +86,7 @@ struct Region {
 }
 
 /// A state in which a goal may lie.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Site {
     state: StateId,
     tries: u32,

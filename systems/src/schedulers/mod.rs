@@ -1,6 +1,7 @@
 //! Search schedulers: compositions of systems over one schedule. One file each; a host's own is written the same way.
 
 pub mod mrrt;
+pub mod portfolio;
 
 use bevy_ecs::prelude::{Schedule, World};
 use std::sync::Arc;
@@ -14,7 +15,8 @@ pub trait Scheduler: Send + Sync {
 
     /// The systems of one step, in their sets. `world` is the one in which they will run, with all resources in place: a
     /// scheduler may add its own there. One that leaves out [`crate::goals::draw_more_goals`] has only those
-    /// configurations of partial goals that were found before the first step.
+    /// configurations of partial goals that were found before the first step. One whose systems step searches of their own
+    /// hands over the world that answers as [`crate::search::AnswerIn`].
     fn schedule(&self, world: &mut World) -> Schedule;
 }
 
@@ -28,14 +30,36 @@ impl<S: Scheduler + ?Sized> Scheduler for Arc<S> {
     }
 }
 
+/// Name of the shipped scheduler that is used where none is asked for: the best over all shipped scenes (ARCHITECTURE.md,
+/// Evidence).
+pub const DEFAULT: &str = "mrrt";
+
+/// The scheduler called [`DEFAULT`].
+#[must_use]
+pub fn default_scheduler() -> Box<dyn Scheduler> {
+    named(DEFAULT).unwrap_or_else(|| Box::new(mrrt::Mrrt))
+}
+
 /// The schedulers that Foliate ships.
 #[must_use]
 pub fn shipped() -> Vec<Box<dyn Scheduler>> {
-    vec![Box::new(mrrt::Mrrt)]
+    vec![Box::new(mrrt::Mrrt), Box::new(portfolio::Portfolio::default())]
 }
 
 /// The shipped scheduler of that name.
 #[must_use]
 pub fn named(name: &str) -> Option<Box<dyn Scheduler>> {
     shipped().into_iter().find(|s| s.name() == name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{DEFAULT, default_scheduler, named, shipped};
+
+    #[test]
+    fn schedulers_are_found_by_their_names() {
+        assert!(shipped().iter().all(|s| named(s.name()).is_some_and(|found| found.name() == s.name())));
+        assert!(named("nothing").is_none());
+        assert_eq!(default_scheduler().name(), DEFAULT);
+    }
 }
