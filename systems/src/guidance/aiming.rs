@@ -211,8 +211,8 @@ pub fn measure_leaves(model: Res<'_, PlanningModel>, explored: Explored<'_>, mut
     aims.follow_tries(&explored);
     for born in (0..trees as u32).map(ComponentId) {
         let list = &explored.reached.by_component[born.at()];
-        for number in aims.measured[born.at()].known..list.len() {
-            aims.measure(&model.graph, &explored, born, list[number]);
+        for &leaf in &list[aims.measured[born.at()].known..] {
+            aims.measure(&model.graph, &explored, born, leaf);
         }
     }
 }
