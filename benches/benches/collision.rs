@@ -135,9 +135,8 @@ fn first_arm(model: &PlanningModel) -> Option<std::ops::Range<usize>> {
         _ => None,
     };
     let follows = |index: usize| joints[index].parent.is_some_and(|p| p.at() + 1 == index);
-    let first = (0..joints.len().saturating_sub(6)).find(|&first| {
-        (first..first + 7).all(|i| coordinate(i).is_some()) && (first + 1..first + 7).all(follows)
-    })?;
+    let first = (0..joints.len().saturating_sub(6))
+        .find(|&first| (first..first + 7).all(|i| coordinate(i).is_some()) && (first + 1..first + 7).all(follows))?;
     coordinate(first).map(|q| q..q + 7)
 }
 

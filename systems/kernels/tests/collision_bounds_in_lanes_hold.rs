@@ -27,10 +27,10 @@ struct Scene {
 }
 
 impl Scene {
-    fn new(robot: Robot, carriages: Vec<Carriage>, level: Level) -> Self {
+    fn new(robot: Robot, carriages: Vec<Carriage>) -> Self {
         let ignored = always_colliding(&robot);
         let rule = PairRule { ignored: &ignored, ..PairRule::default() };
-        let scene = CollisionScene::new(&robot, &rule).at_level(level);
+        let scene = CollisionScene::new(&robot, &rule);
         let pairs = PairSet::new(&scene, &carriages, &[]);
         let kinematics = Kinematics::new(&robot);
         Self { robot, scene, kinematics, carriages, pairs }
@@ -79,7 +79,10 @@ impl Scene {
                 let needed = pairs.margin(contact.pair) + guard;
                 let clearance =
                     pair_clearance(scene, contact.pair, &X_WJ, Ask::exact(needed), &mut DVec3::ZERO.clone());
-                assert!(contact.clearance == f64::NEG_INFINITY || clearance < needed + 1e-9, "{contact:?}: {clearance}");
+                assert!(
+                    contact.clearance == f64::NEG_INFINITY || clearance < needed + 1e-9,
+                    "{contact:?}: {clearance}"
+                );
             }
         }
         found.iter().flatten().count()
@@ -131,8 +134,8 @@ fn what_bounds_close_is_free_among_shapes_of_all_kinds() {
         for round in 0..12 {
             // Far from the origin single precision has fewer digits.
             let around = DVec3::new([0.0, 3.0, 40.0][round % 3], 0.0, 0.0);
-            let bench = Scene::new(debris(&mut rng, 50.0), Vec::new(), level);
-            let mut scratch = CollisionScratch::new();
+            let bench = Scene::new(debris(&mut rng, 50.0), Vec::new());
+            let mut scratch = CollisionScratch::at_level(level);
             for guard in [0.0, 1e-4, 0.02] {
                 let block: Vec<_> = (0..16).map(|_| adrift(&bench.robot, &mut rng, around)).collect();
                 let (c, f) = bench.check_bounds(&block, guard, &mut scratch);
@@ -184,9 +187,9 @@ fn verdicts_in_lanes_are_the_verdicts() {
                     X_CO: at(0.23, 0.0, 0.0),
                 }],
             };
-            let bench = Scene::new(robot, carriages, level);
+            let bench = Scene::new(robot, carriages);
             let mut rng = ChaCha8Rng::seed_from_u64(92);
-            let mut scratch = CollisionScratch::new();
+            let mut scratch = CollisionScratch::at_level(level);
             let (mut colliding, mut asked) = (0, 0);
             for _ in 0..60 {
                 for block in blocks(&bench, &mut rng) {
@@ -205,7 +208,7 @@ fn verdicts_in_lanes_are_the_verdicts() {
 fn verdicts_of_meshes_in_lanes_are_the_verdicts() {
     let mut rng = ChaCha8Rng::seed_from_u64(93);
     for _ in 0..10 {
-        let bench = Scene::new(debris(&mut rng, 2.0), Vec::new(), Level::detected());
+        let bench = Scene::new(debris(&mut rng, 2.0), Vec::new());
         let mut scratch = CollisionScratch::new();
         let block: Vec<_> = (0..21).map(|_| adrift(&bench.robot, &mut rng, DVec3::ZERO)).collect();
         bench.check_verdicts(&block, 1e-5, &mut scratch);
@@ -216,7 +219,7 @@ fn verdicts_of_meshes_in_lanes_are_the_verdicts() {
 
 #[test]
 fn hostile_configurations_collide() {
-    let bench = Scene::new(bench(), Vec::new(), Level::detected());
+    let bench = Scene::new(bench(), Vec::new());
     let mut scratch = CollisionScratch::new();
     let mut rng = ChaCha8Rng::seed_from_u64(94);
     let [_, good] = blocks(&bench, &mut rng);

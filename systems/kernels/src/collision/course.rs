@@ -8,7 +8,7 @@ use super::pairs::{ActiveGroup, PairSet};
 use super::scene::{CollisionScene, SceneJoint};
 use super::velocity_bound::FINE;
 use crate::kinematics::{Carriage, Kinematics};
-use crate::lanes::{F32Row, F64Row, Isa, Kernel, Lanes, Rotation, Transform, Vector3, sin_cos};
+use crate::lanes::{F32Row, F64Row, Isa, Kernel, Lanes, Level, Rotation, Transform, Vector3, sin_cos};
 use foliate_components::Pose;
 use foliate_components::configuration::quaternion;
 use foliate_components::pose::exp_so3;
@@ -63,7 +63,8 @@ impl Interval {
 
     /// Whether another interval begins where this one ends.
     pub(super) fn is_followed_by(self, next: Self) -> bool {
-        let end = if self.is_span() || self.k + 1 == 1 << self.depth { (self.last, 0) } else { (self.first, self.k + 1) };
+        let end =
+            if self.is_span() || self.k + 1 == 1 << self.depth { (self.last, 0) } else { (self.first, self.k + 1) };
         // Both as multiples of the shortest part that there is.
         end.0 == next.first && end.1 << (DEEPEST - self.depth) == next.k << (DEEPEST - next.depth)
     }
@@ -203,7 +204,9 @@ impl Course {
                 carried = index..joints;
             }
             // An articulated object's own joints stand directly behind its root.
-            if carried.contains(&index) && (index == carried.start || joint.parent.is_some_and(|p| p.at() >= carried.start)) {
+            if carried.contains(&index)
+                && (index == carried.start || joint.parent.is_some_and(|p| p.at() >= carried.start))
+            {
                 continue;
             }
             carried = 0..0;
@@ -300,24 +303,19 @@ impl Course {
     }
 
     /// The first configuration of a piece, and its difference to the next.
-    pub(super) fn piece<'a>(
-        &'a self,
-        scene: &CollisionScene,
-        knots: &'a [f64],
-        piece: u32,
-    ) -> (&'a [f64], &'a [f64]) {
+    pub(super) fn piece<'a>(&'a self, scene: &CollisionScene, knots: &'a [f64], piece: u32) -> (&'a [f64], &'a [f64]) {
         let (size, dimension) = (scene.space.size(), scene.space.dimension());
         (&knots[piece as usize * size..][..size], &self.deltas[piece as usize * dimension..][..dimension])
     }
 
     /// Goes to a block of at most sixteen intervals; the last of them fills the lanes that are left.
-    pub(super) fn look_at(&mut self, scene: &CollisionScene, knots: &[f64], intervals: &[Interval]) {
+    pub(super) fn look_at(&mut self, scene: &CollisionScene, level: Level, knots: &[f64], intervals: &[Interval]) {
         for lane in 0..LANES {
             let interval = intervals[lane.min(intervals.len() - 1)];
             self.bound_joints(scene, interval.sample(), lane);
             self.write_coordinates(scene, knots, interval.sample(), lane);
         }
-        scene.lanes.run(PlaceBodies {
+        level.run(PlaceBodies {
             steps: &self.steps,
             values: &self.values,
             start: &self.start,

@@ -35,15 +35,9 @@ pub(super) enum Form {
     /// Half of each side.
     Box([f32; 3]),
     /// About the third axis.
-    Cylinder {
-        radius: f32,
-        half_length: f32,
-    },
+    Cylinder { radius: f32, half_length: f32 },
     /// About the third axis; a ball where it has no length.
-    Capsule {
-        radius: f32,
-        half_length: f32,
-    },
+    Capsule { radius: f32, half_length: f32 },
 }
 
 impl Outer {
@@ -61,7 +55,9 @@ impl Outer {
         let axes = DMat3::from_quat(X_JS.rotation);
         let (hull, hull_slack) = match solid {
             Solid::Convex(_) => (Vec::new(), 0.0),
-            Solid::Mesh(mesh) => (mesh.hull.points.iter().map(|&p| single(p - center)).collect(), mesh.hull.slack as f32),
+            Solid::Mesh(mesh) => {
+                (mesh.hull.points.iter().map(|&p| single(p - center)).collect(), mesh.hull.slack as f32)
+            }
         };
         let ball = match form {
             Form::Box(_) => super::bounds::farthest(solid, center).distance(center) as f32,
@@ -87,9 +83,7 @@ impl Form {
     fn of(core: &Core, radius: f64) -> Self {
         match *core {
             Core::Point => Self::Capsule { radius: radius as f32, half_length: 0.0 },
-            Core::Segment { half_length } => {
-                Self::Capsule { radius: radius as f32, half_length: half_length as f32 }
-            }
+            Core::Segment { half_length } => Self::Capsule { radius: radius as f32, half_length: half_length as f32 },
             Core::Box { half_extents } => Self::Box(single(half_extents + radius)),
             Core::Cylinder { radius: r, half_length } => {
                 Self::Cylinder { radius: (r + radius) as f32, half_length: (half_length + radius) as f32 }

@@ -40,17 +40,16 @@ pub(super) struct ProofScratch {
     rest: Vec<Open>,
 }
 
-impl ProofScratch {
-    fn spare(&mut self, round: usize) -> &mut Block {
-        if self.used[round] == self.rounds[round].len() {
-            self.rounds[round].push(Block::default());
-        }
-        self.used[round] += 1;
-        let block = &mut self.rounds[round][self.used[round] - 1];
-        block.intervals.clear();
-        block.open.clear();
-        block
+/// An empty block.
+fn spare<'a>(blocks: &'a mut Vec<Block>, used: &mut usize) -> &'a mut Block {
+    if *used == blocks.len() {
+        blocks.push(Block::default());
     }
+    let block = &mut blocks[*used];
+    *used += 1;
+    block.intervals.clear();
+    block.open.clear();
+    block
 }
 
 /// What has been found out about a motion.
@@ -112,8 +111,11 @@ impl<'a> Proof<'a> {
 
     fn run(&mut self, pieces: u32, buffers: &mut ProofScratch, scratch: &mut CollisionScratch) {
         buffers.used = [0, 0];
-        let block = buffers.spare(0);
-        cut_up(&[Interval::whole(pieces)], &mut block.intervals);
+        let block = spare(&mut buffers.rounds[0], &mut buffers.used[0]);
+        let mut parts = Parts::default();
+        parts.push((Interval::whole(pieces), 0));
+        parts.cut_up();
+        block.intervals.extend(parts.iter().map(|(interval, _)| *interval));
         self.open_all(block, scratch);
         let mut round = 0;
         while buffers.used[round] > 0 && !self.given_up() {
@@ -157,9 +159,9 @@ impl<'a> Proof<'a> {
             return;
         }
         let Look { scene, pairs, settings } = self.look;
-        scratch.course.look_at(scene, self.knots, &block.intervals);
+        scratch.course.look_at(scene, scratch.level, self.knots, &block.intervals);
         buffers.rest.clear();
-        let free = scene.lanes.run(Sweep {
+        let free = scratch.level.run(Sweep {
             scene,
             pairs,
             course: &scratch.course,
@@ -239,7 +241,7 @@ impl<'a> Proof<'a> {
             }
             let others = open.lanes & self.lanes_of_interest(&block.intervals) & !(1 << lane);
             if n != DVec3::ZERO && others != 0 {
-                let (left, free) = scene.lanes.run(Along {
+                let (left, free) = scratch.level.run(Along {
                     scene,
                     pairs,
                     course: &scratch.course,
@@ -286,7 +288,8 @@ impl<'a> Proof<'a> {
 
     /// Cuts up what is open for the next round.
     fn hand_on(&mut self, block: &Block, buffers: &mut ProofScratch, next: usize) {
-        let mut lanes = buffers.rest.iter().fold(0, |lanes, open| lanes | open.lanes);
+        let ProofScratch { rounds, used, rest } = buffers;
+        let mut lanes = rest.iter().fold(0, |lanes, open| lanes | open.lanes);
         for (lane, interval) in block.intervals.iter().enumerate() {
             if lanes >> lane & 1 == 0 {
                 continue;
@@ -301,31 +304,23 @@ impl<'a> Proof<'a> {
             }
         }
         while lanes != 0 {
+            let child = spare(&mut rounds[next], &mut used[next]);
+            let mut parts = Parts::default();
             // No more than can be cut in two.
-            let mut taken = lanes;
-            while taken.count_ones() > LANES as u32 / 2 {
-                taken &= !(1 << (15 - taken.leading_zeros()));
+            while lanes != 0 && parts.count < LANES / 2 {
+                let lane = lanes.trailing_zeros() as usize;
+                lanes &= lanes - 1;
+                parts.push((block.intervals[lane], lane));
             }
-            lanes &= !taken;
-            let parents: Vec<(usize, Interval)> =
-                block.intervals.iter().copied().enumerate().filter(|(lane, _)| taken >> lane & 1 == 1).collect();
-            let rest = std::mem::take(&mut buffers.rest);
-            let child = buffers.spare(next);
-            let mut parts = Vec::with_capacity(LANES);
-            cut_up(&parents.iter().map(|(_, i)| *i).collect::<Vec<_>>(), &mut parts);
-            for open in &rest {
-                let mut inherited = 0;
-                for (place, part) in parts.iter().enumerate() {
-                    let parent = parents.iter().rfind(|(_, i)| i.left() <= part.left());
-                    let parent = parent.map_or(0, |(lane, _)| *lane);
-                    inherited |= (open.lanes >> parent & 1) << place;
-                }
+            parts.cut_up();
+            child.intervals.extend(parts.iter().map(|(interval, _)| *interval));
+            for open in rest.iter() {
+                let lane = |(place, (_, parent)): (usize, &(Interval, usize))| (open.lanes >> parent & 1) << place;
+                let inherited = parts.iter().enumerate().map(lane).fold(0, |a, b| a | b);
                 if inherited != 0 {
                     child.open.push(Open { lanes: inherited, ..*open });
                 }
             }
-            child.intervals = parts;
-            buffers.rest = rest;
         }
     }
 
@@ -364,16 +359,38 @@ fn reached(intervals: &[Interval], lane: usize, left: f64, closer: impl Fn(usize
     (lanes, least)
 }
 
-/// Halves intervals, all of them at a time, as often as lanes allow; those that are as short as they get stay.
-fn cut_up(intervals: &[Interval], parts: &mut Vec<Interval>) {
-    parts.clear();
-    parts.extend_from_slice(intervals);
-    while 2 * parts.len() <= LANES && parts.iter().any(|i| i.halves().is_some()) {
-        let whole = std::mem::take(parts);
-        for interval in whole {
-            match interval.halves() {
-                Some(halves) => parts.extend(halves),
-                None => parts.push(interval),
+/// Intervals of a block, each with the lane that its parent had.
+#[derive(Clone, Copy, Debug)]
+struct Parts {
+    parts: [(Interval, usize); LANES],
+    count: usize,
+}
+
+impl Default for Parts {
+    fn default() -> Self {
+        Self { parts: [(Interval::whole(0), 0); LANES], count: 0 }
+    }
+}
+
+impl Parts {
+    fn push(&mut self, part: (Interval, usize)) {
+        self.parts[self.count] = part;
+        self.count += 1;
+    }
+
+    fn iter(&self) -> std::slice::Iter<'_, (Interval, usize)> {
+        self.parts[..self.count].iter()
+    }
+
+    /// Halves intervals, all of them at a time, as often as lanes allow; those that are as short as they get stay.
+    fn cut_up(&mut self) {
+        while 2 * self.count <= LANES && self.iter().any(|(i, _)| i.halves().is_some()) {
+            let whole = std::mem::take(self);
+            for &(interval, parent) in whole.iter() {
+                match interval.halves() {
+                    Some(halves) => halves.into_iter().for_each(|half| self.push((half, parent))),
+                    None => self.push((interval, parent)),
+                }
             }
         }
     }

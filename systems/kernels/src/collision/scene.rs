@@ -4,7 +4,6 @@ use super::bounds::{Ball, Capsule};
 use super::distance::Solid;
 use super::outer::Outer;
 use super::pair_rule::{PairRule, Rules};
-use crate::lanes::Level;
 use foliate_components::Pose;
 use foliate_components::configuration::ConfigurationSpace;
 use foliate_components::robot::{JointIndex, LinkIndex, Motion, Robot, ShapeIndex, Source};
@@ -31,7 +30,6 @@ pub struct CollisionScene {
     pub(super) pairs: Vec<Pair>,
     pub(super) joints: Vec<SceneJoint>,
     pub(super) space: ConfigurationSpace,
-    pub(super) lanes: Level,
 }
 
 /// A collision shape as queries want it.
@@ -122,18 +120,10 @@ impl CollisionScene {
             pairs: Vec::new(),
             joints: (0..robot.joints.len()).map(|j| SceneJoint::new(robot, j, rule.locked)).collect(),
             space: robot.space.clone(),
-            lanes: Level::detected(),
         };
         scene.gather_clusters(robot.joints.len());
         scene.list_pairs(&Rules::new(robot, rule));
         scene
-    }
-
-    /// The same scene with another SIMD level for its bounds; the best that this machine has is the default. Answers may
-    /// differ between levels in doubt, and in last digits.
-    #[must_use]
-    pub fn at_level(self, level: Level) -> Self {
-        Self { lanes: level, ..self }
     }
 
     /// The shapes, in the robot's order.

@@ -8,11 +8,14 @@ use super::scene::{CollisionScene, PairId};
 use super::sweep::SweepScratch;
 use super::velocity_bound::MotionBound;
 use super::verdicts::VerdictScratch;
+use crate::lanes::Level;
 use foliate_components::Pose;
 
-/// Buffers, one set per thread. Any scene and any robot may use them in turn; nothing that they hold changes an answer.
+/// Buffers, one set per thread, and the level at which lanes work. Any scene and any robot may use them in turn; nothing
+/// else that they hold changes an answer.
 #[derive(Clone, Debug, Default)]
 pub struct CollisionScratch {
+    pub(super) level: Level,
     pub(super) knots: Vec<f64>,
     pub(super) X_WJ: Vec<Pose>,
     /// By cluster, in the world.
@@ -27,10 +30,17 @@ pub struct CollisionScratch {
 }
 
 impl CollisionScratch {
-    /// Empty buffers; they grow with the first queries.
+    /// Empty buffers, which grow with the first queries, and the best level that this machine has.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// Empty buffers at a level. Answers may differ between levels where bounds decide what is in doubt, and in last
+    /// digits.
+    #[must_use]
+    pub fn at_level(level: Level) -> Self {
+        Self { level, ..Self::default() }
     }
 
     pub(super) fn forget_hints(&mut self, scene: &CollisionScene) {

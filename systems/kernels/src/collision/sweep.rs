@@ -100,8 +100,8 @@ impl Kernel for Sweep<'_> {
     fn run<I: Isa>(self, isa: I) -> f32 {
         let Sweep { scene, pairs, course, scratch, guard, lanes, open, rest } = self;
         scratch.block += 1;
-        place_clusters(isa, scene, course, scratch);
-        place_axes(isa, scene, course, scratch);
+        let most = place_axes(isa, scene, course, scratch);
+        place_clusters(isa, scene, course, scratch, most);
         let slack = I::F32::load(isa, &scratch.slack);
         let mut least = I::F32::constant(isa, f64::INFINITY);
         let mut at = 0;
@@ -118,7 +118,8 @@ impl Kernel for Sweep<'_> {
             let closer = approach(isa, scene, pairs, course, scratch, active);
             let (a, b) = (&scratch.centers[group.first as usize], &scratch.centers[group.second as usize]);
             let apart = Vector3::<I::F32>::load(isa, a).minus(Vector3::load(isa, b));
-            let radii = scene.clusters[group.first as usize].ball.radius + scene.clusters[group.second as usize].ball.radius;
+            let radii =
+                scene.clusters[group.first as usize].ball.radius + scene.clusters[group.second as usize].ball.radius;
             let free = apart.dot(apart).sqrt() - I::F32::constant(isa, radii) - closer - slack;
             let near = !I::F32::constant(isa, active.margin + guard).le(free);
             least = I::F32::select(near, least, least.min(free));
@@ -145,7 +146,8 @@ impl Kernel for Sweep<'_> {
                 }
                 let [a, b] = sides.map(|i| (&scene.solids[i as usize].outer, i as usize));
                 let keep = I::F32::constant(isa, pairs.margins[item.pair as usize] + guard);
-                let (free, still) = look::<I>(isa, [a.0, b.0], [&scratch.solids[a.1], &scratch.solids[b.1]], taken, keep, mask);
+                let (free, still) =
+                    look::<I>(isa, [a.0, b.0], [&scratch.solids[a.1], &scratch.solids[b.1]], taken, keep, mask);
                 let open = I::F32::select(still, I::F32::constant(isa, f64::INFINITY), free);
                 least = least.min(open);
                 let mask = mask & still.bits() as u16;
@@ -184,9 +186,11 @@ fn look<I: Isa>(
         let at = rotation_b.turn_back(apart);
         free = free.max(beside_box(isa, outer[1], &rotation_b, outer[0], &rotation_a, at) - taken);
     }
-    if (outer[0].is_long || !boxes[0] || outer[1].is_long || !boxes[1]) && ((!keep.le(free)).bits() as u16 & mask) != 0 {
+    if (outer[0].is_long || !boxes[0] || outer[1].is_long || !boxes[1]) && ((!keep.le(free)).bits() as u16 & mask) != 0
+    {
         let n = between_axes(isa, outer, &rotation_a, &rotation_b, apart);
-        let gap = n.dot(apart) - reach_along(isa, outer[0], &rotation_a, n) - reach_along(isa, outer[1], &rotation_b, n);
+        let gap =
+            n.dot(apart) - reach_along(isa, outer[0], &rotation_a, n) - reach_along(isa, outer[1], &rotation_b, n);
         free = free.max(gap - taken);
     }
     (free, !keep.le(free))
@@ -270,8 +274,13 @@ fn between_axes<I: Isa>(
 
 /// Centres of the clusters' balls, and from them how much rounding there is.
 #[inline(always)]
-fn place_clusters<I: Isa>(isa: I, scene: &CollisionScene, course: &Course, scratch: &mut SweepScratch) {
-    let mut most = I::F32::constant(isa, 0.0);
+fn place_clusters<I: Isa>(
+    isa: I,
+    scene: &CollisionScene,
+    course: &Course,
+    scratch: &mut SweepScratch,
+    mut most: I::F32,
+) {
     for index in 0..scene.clusters.len() {
         let (cluster, rows) = (&scene.clusters[index], &mut scratch.centers[index]);
         if scratch.block == 1 || course.body_moves(cluster.body) {
@@ -289,20 +298,25 @@ fn place_clusters<I: Isa>(isa: I, scene: &CollisionScene, course: &Course, scrat
     (most * SLACK).store(&mut scratch.slack);
 }
 
+/// Axes of the joints that move; also the largest coordinate of their origins.
 #[inline(always)]
-fn place_axes<I: Isa>(isa: I, scene: &CollisionScene, course: &Course, scratch: &mut SweepScratch) {
+fn place_axes<I: Isa>(isa: I, scene: &CollisionScene, course: &Course, scratch: &mut SweepScratch) -> I::F32 {
+    let mut most = I::F32::constant(isa, 0.0);
     for index in 0..scene.joints.len() {
-        let joint = &scene.joints[index];
-        let axis = match joint.motion {
+        if !course.joint_moves(index as u32) {
+            continue;
+        }
+        let origin = Vector3::<I::F32>::load(isa, &course.poses[index][9..]);
+        most = most.max(origin.x.abs()).max(origin.y.abs()).max(origin.z.abs());
+        let axis = match scene.joints[index].motion {
             Motion::Revolute { axis } => axis,
             Motion::Planar => DVec3::Z,
             Motion::Prismatic { .. } | Motion::FreeFlyer => continue,
         };
-        if course.joint_moves(index as u32) {
-            let rotation = Rotation::<I::F32>::load(isa, &course.poses[index][..9]);
-            rotation.turn(Vector3::splat(isa, axis)).store(&mut scratch.axes[index]);
-        }
+        let rotation = Rotation::<I::F32>::load(isa, &course.poses[index][..9]);
+        rotation.turn(Vector3::splat(isa, axis)).store(&mut scratch.axes[index]);
     }
+    most
 }
 
 #[inline(always)]

@@ -91,14 +91,14 @@ impl Block<'_> {
         if count == 0 {
             return;
         }
-        scratch.course.look_at(scene, configurations, &buffers.intervals);
+        scratch.course.look_at(scene, scratch.level, configurations, &buffers.intervals);
         let all = all_lanes(count);
         buffers.open.clear();
         for (number, active) in pairs.moving.iter().chain(&pairs.constant).enumerate() {
             let moves = scratch.course.moves_between(active);
             buffers.open.push(Open { active: number as u32, pair: ALL, lanes: if moves { all } else { 1 } });
         }
-        scene.lanes.run(Sweep {
+        scratch.level.run(Sweep {
             scene,
             pairs,
             course: &scratch.course,
@@ -131,12 +131,7 @@ impl Block<'_> {
         buffers.rest = rest;
     }
 
-    fn ask(
-        &self,
-        mut open: Open,
-        scratch: &mut CollisionScratch,
-        found: &mut [Option<Contact>],
-    ) {
+    fn ask(&self, mut open: Open, scratch: &mut CollisionScratch, found: &mut [Option<Contact>]) {
         let (scene, pairs, id) = (self.scene, self.pairs, PairId(open.pair));
         let moves = scratch.course.moves_between(pairs.active(open.active));
         let needed = pairs.margins[id.at()] + self.guard;
@@ -163,7 +158,7 @@ impl Block<'_> {
                 Some(contact) if moves => found[lane] = Some(contact),
                 Some(contact) => found.iter_mut().for_each(|f| *f = f.or(Some(contact))),
                 None if open.lanes != 0 && n != DVec3::ZERO && scene.is_convex(id) => {
-                    let (near, _) = scene.lanes.run(Along {
+                    let (near, _) = scratch.level.run(Along {
                         scene,
                         pairs,
                         course: &scratch.course,
