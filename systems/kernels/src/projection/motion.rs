@@ -6,6 +6,7 @@
 //! ([`MotionSettings::jump`]) merely finds out sooner.
 
 use super::newton::{Settings, project};
+use super::point_rates::BoundMemory;
 use super::program::ConstraintProgram;
 use super::scratch::Scratch;
 use foliate_components::Pose;
@@ -61,6 +62,7 @@ pub struct MotionScratch {
     correction: Vec<f64>,
     /// The straight way's next point, before it is corrected.
     straight: Vec<f64>,
+    bound: BoundMemory,
     /// Length of the last step's straight way; infinite before there was one.
     stride: f64,
 }
@@ -148,11 +150,12 @@ impl Walk<'_> {
     fn goal_in_sight(&mut self) -> bool {
         let s = &mut *self.scratch;
         self.space.difference(&s.current, &s.goal, &mut s.chord);
-        self.is_certified(&self.scratch.chord)
+        self.is_certified(false)
     }
 
-    fn is_certified(&self, delta: &[f64]) -> bool {
-        self.bound(delta) <= self.budget()
+    /// Whether `step` or `chord`, taken straight from the current knot, keeps the rows.
+    fn is_certified(&mut self, of_step: bool) -> bool {
+        self.bound(of_step) <= self.budget()
     }
 
     fn take_goal(&mut self) {
@@ -188,7 +191,7 @@ impl Walk<'_> {
         while fraction > 1e-6 {
             let s = &mut *self.scratch;
             s.step.iter_mut().zip(&s.chord).for_each(|(x, c)| *x = c * fraction);
-            let bound = self.bound(&self.scratch.step);
+            let bound = self.bound(true);
             let guess = (self.budget() / bound).sqrt();
             if bound <= self.budget() {
                 return (0.9 * fraction * guess.min(LARGEST_GROWTH)).min(0.5);
@@ -198,8 +201,9 @@ impl Walk<'_> {
         0.0
     }
 
-    fn bound(&self, delta: &[f64]) -> f64 {
-        self.program.residual_bound().between(delta, &self.scratch.poses)
+    fn bound(&mut self, of_step: bool) -> f64 {
+        let MotionScratch { step, chord, poses, bound, .. } = &mut *self.scratch;
+        self.program.residual_bound().between_with(if of_step { step } else { chord }, poses, bound)
     }
 
     /// What the rows may add between two knots that are solved already.
@@ -221,7 +225,7 @@ impl Walk<'_> {
         s.correction.iter_mut().for_each(|c| *c /= stride);
         self.space.difference(&s.current, &s.next, &mut s.step);
         let stepped = self.length(true);
-        if stepped > self.settings.jump * stride || !self.is_certified(&self.scratch.step) {
+        if stepped > self.settings.jump * stride || !self.is_certified(true) {
             return false;
         }
         // What is left must get shorter, or the walk could circle.
