@@ -3,8 +3,9 @@
 use crate::events::StopSignal;
 use crate::model::PlanningModel;
 use crate::schedule::StepCounter;
+use crate::scratch_pool::ScratchPool;
 use crate::settings::SearchSettings;
-use bevy_ecs::prelude::{Query, Res, ResMut};
+use bevy_ecs::prelude::{Local, Query, Res, ResMut};
 use foliate_components::Pose;
 use foliate_components::candidate::{Candidate, CandidateArena, PlannedLeg};
 use foliate_components::graph::{StateId, TransitionId, TransitionKind};
@@ -17,18 +18,20 @@ use foliate_kernels::kinematics::Carriage;
 use rayon::prelude::*;
 
 /// Buffers of one thread.
-struct Scratch {
+#[derive(Debug, Default)]
+pub struct ValidationScratch {
     collision: CollisionScratch,
     X_WJ: Vec<Pose>,
 }
 
-impl Scratch {
-    fn new(model: &PlanningModel) -> Self {
-        Self { collision: CollisionScratch::new(), X_WJ: vec![Pose::identity(); model.kinematics.bodies()] }
+impl ValidationScratch {
+    fn fit(&mut self, model: &PlanningModel) {
+        self.X_WJ.resize(model.kinematics.bodies(), Pose::identity());
     }
 }
 
 /// Certifies every candidate's legs in order; after the first that is only free in part, nothing more is kept.
+#[allow(clippy::too_many_arguments, reason = "a system's parameters are what it reads and writes")]
 pub fn certify_legs(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
@@ -37,15 +40,18 @@ pub fn certify_legs(
     mut counter: ResMut<'_, StepCounter>,
     mut arena: ResMut<'_, CandidateArena>,
     mut candidates: Query<'_, '_, &mut Candidate>,
+    buffers: Local<'_, ScratchPool<ValidationScratch>>,
 ) {
     let mut pool: Vec<_> = candidates.iter_mut().collect();
     pool.sort_unstable_by_key(|c| c.index);
+    let buffers = &*buffers;
     counter.validated += pool.iter().filter(|c| c.is_alive()).count() as u64;
     let CandidateArena { legs, complete, .. } = &mut *arena;
     let slots = legs.par_iter_mut().zip(complete.par_iter_mut());
     pool.par_iter_mut().zip(slots).for_each_init(
-        || Scratch::new(&model),
+        || buffers.borrow(),
         |scratch, (candidate, (legs, complete))| {
+            scratch.fit(&model);
             if stop.is_raised() {
                 candidate.reject(Rejection::Stopped);
             }
@@ -65,7 +71,7 @@ fn certify_candidate(
     leaves: &LeafIndex,
     candidate: &mut Candidate,
     legs: &mut Vec<PlannedLeg>,
-    scratch: &mut Scratch,
+    scratch: &mut ValidationScratch,
 ) -> bool {
     let Some(transition) = candidate.transition else { return false };
     let is_loop = model.graph.transition(transition).kind == TransitionKind::Loop;
@@ -104,7 +110,7 @@ fn keep_margins(
     leaves: &LeafIndex,
     transition: TransitionId,
     legs: &mut Vec<PlannedLeg>,
-    scratch: &mut Scratch,
+    scratch: &mut ValidationScratch,
 ) {
     if model.problem.margins.is_empty() || model.graph.transition(transition).kind == TransitionKind::Loop {
         return;
@@ -142,7 +148,7 @@ fn waypoints_are_free(
     settings: &SearchSettings,
     candidate: &mut Candidate,
     legs: &[PlannedLeg],
-    scratch: &mut Scratch,
+    scratch: &mut ValidationScratch,
 ) -> bool {
     let size = model.problem.robot.space.size();
     let Some(transition) = candidate.transition else { return false };
