@@ -137,45 +137,47 @@ fn bench_verdicts(group: &mut Group<'_>, place: &Place<'_>, what: &str, samples:
     });
 }
 
+/// Two configurations.
+type Ends = (Vec<f64>, Vec<f64>);
+
 /// Motions of one radian (root of the sum of squares) from free configurations towards others, as VAMP's figures have them, and
-/// what a search asks for: motions to the other configuration, cut at an eighth of their length where they are blocked.
+/// motions all the way there, as a search asks for them: cut at an eighth of their length where they are blocked.
 fn bench_motions(group: &mut Group<'_>, place: &Place<'_>, free: &[Vec<f64>]) {
     let Place { model, pairs } = place;
-    let space = &model.problem.robot.space;
-    let ones = vec![1.0; space.dimension()];
-    let short = |ends: &[Vec<f64>]| {
-        let share = (1.0 / space.distance(&ends[0], &ends[1], &ones)).min(1.0);
-        let mut end = ends[1].clone();
-        space.interpolate(&ends[0], &ends[1], share, &mut end);
-        (ends[0].clone(), end)
-    };
-    let long = |ends: &[Vec<f64>]| (ends[0].clone(), ends[1].clone());
     let settings = CertificateSettings {
         start_is_free: true,
         prefix_resolution: SearchSettings::default().prefix_resolution,
         ..CertificateSettings::default()
     };
     let mut scratch = CollisionScratch::new();
-    let mut certify = |(a, b): &(Vec<f64>, Vec<f64>)| {
-        certify_motion(&model.collision, &model.kinematics, &[], a, b, pairs, &settings, &mut scratch)
-    };
-    let pick = |motions: Vec<_>, certify: &mut dyn FnMut(&(Vec<f64>, Vec<f64>)) -> MotionVerdict| {
-        motions.into_iter().partition::<Vec<_>, _>(|motion| matches!(certify(motion), MotionVerdict::Free { .. }))
-    };
-    let ends = || free.windows(2).take(400);
-    let (short_free, short_cut) = pick(ends().map(short).collect(), &mut certify);
-    let (long_free, long_cut) = pick(ends().map(long).collect(), &mut certify);
-    println!("of 400 motions {} of one radian and {} of full length are free", short_free.len(), long_free.len());
-    for (what, motions) in [
-        ("certificate, one radian, free", &short_free),
-        ("certificate, one radian, cut", &short_cut),
-        ("certificate, full length, free", &long_free),
-        ("certificate, full length, cut", &long_cut),
-    ] {
-        let Some(first) = motions.first() else { continue };
-        let mut next = motions.iter().cycle();
-        group.bench_function(what, |b| b.iter(|| black_box(certify(next.next().unwrap_or(first)))));
+    let mut certify =
+        |(a, b): &Ends| certify_motion(&model.collision, &model.kinematics, &[], a, b, pairs, &settings, &mut scratch);
+    for (length, most) in [("one radian", 1.0), ("full length", f64::INFINITY)] {
+        let motions = motions(model, free, most);
+        let (whole, cut): (Vec<_>, Vec<_>) =
+            motions.into_iter().partition(|motion| matches!(certify(motion), MotionVerdict::Free { .. }));
+        println!("{length}: {} motions are free, {} are not", whole.len(), cut.len());
+        for (what, motions) in [("free", whole), ("cut", cut)] {
+            let Some(first) = motions.first() else { continue };
+            let mut next = motions.iter().cycle();
+            group.bench_function(format!("certificate, {length}, {what}"), |b| {
+                b.iter(|| black_box(certify(next.next().unwrap_or(first))));
+            });
+        }
     }
+}
+
+/// From each of some configurations towards the next, `most` radians at most.
+fn motions(model: &PlanningModel, free: &[Vec<f64>], most: f64) -> Vec<Ends> {
+    let space = &model.problem.robot.space;
+    let ones = vec![1.0; space.dimension()];
+    let motion = |ends: &[Vec<f64>]| {
+        let share = (most / space.distance(&ends[0], &ends[1], &ones)).min(1.0);
+        let mut end = ends[1].clone();
+        space.interpolate(&ends[0], &ends[1], share, &mut end);
+        (ends[0].clone(), end)
+    };
+    free.windows(2).take(400).map(motion).collect()
 }
 
 fn bench(c: &mut Criterion) {
