@@ -17,6 +17,9 @@ const BAXTER: [&str; 5] = ["baxter-case1", "baxter-case2", "baxter-case3", "baxt
 const OTHERS: [&str; 5] =
     ["ur3-spheres", "hpp-tutorial-3", "pr2-manipulation-two-hand", "pr2-manipulation-kitchen", "pr2-in-iai-kitchen"];
 
+/// Plain motion planning: one state, nothing to hold.
+const PANDA: [&str; 4] = ["panda-table", "panda-shelf", "panda-box", "panda-cage"];
+
 /// Closed chains, balance, steps, a door held open, magnets.
 const WHAT_ELSE_HOLDS: [&str; 6] = [
     "romeo-placard",
@@ -90,7 +93,7 @@ fn every_other_scene_is_solved_once_and_proven_again() {
     let folder = Folder::new("others");
     let python = python();
     let has_python = common::imports(&python, "pinocchio, coal");
-    for scene in OTHERS.into_iter().chain(WHAT_ELSE_HOLDS) {
+    for scene in OTHERS.into_iter().chain(PANDA).chain(WHAT_ELSE_HOLDS) {
         let path = solve(&folder, scene, 1, 2);
         let output = foliate(&["check", &path.to_string_lossy()]);
         assert!(output.status.success(), "{scene}: {}", String::from_utf8_lossy(&output.stdout));

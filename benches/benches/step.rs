@@ -1,28 +1,12 @@
 //! What does one step of the search cost with 8, 64 and 512 candidates, and what per candidate?
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
-use foliate_benches::{criterion, long_model, one_thread, scene_model};
-use foliate_systems::events::{EventSink, StopSignal};
+use foliate_benches::{criterion, long_model, one_thread, scene_model, under_way};
 use foliate_systems::model::PlanningModel;
-use foliate_systems::schedulers::mrrt::Mrrt;
-use foliate_systems::search::Search;
-use foliate_systems::settings::SearchSettings;
 
 /// A step is measured when the search has tried this many candidates, whatever their number per step, so that the
 /// roadmaps are of like size.
 const WARM_UP: usize = 512;
-
-/// A search under way, of the next seed that is not solved by then.
-fn under_way(model: &PlanningModel, candidates: usize, seed: &mut u64) -> Search {
-    loop {
-        *seed += 1;
-        let settings = SearchSettings { seed: *seed, candidates, ..SearchSettings::default() };
-        let mut search = Search::new(model, &Mrrt, settings, StopSignal::default(), EventSink::default());
-        if (0..WARM_UP / candidates).all(|_| search.step().is_none()) {
-            return search;
-        }
-    }
-}
 
 fn bench_scene(c: &mut Criterion, name: &str, model: &PlanningModel) {
     let mut group = c.benchmark_group(format!("step/{name}"));
@@ -33,9 +17,9 @@ fn bench_scene(c: &mut Criterion, name: &str, model: &PlanningModel) {
         group.bench_function(format!("{candidates} candidates"), |b| {
             // The search goes back to criterion, which drops it outside the measured time.
             b.iter_batched(
-                || under_way(model, candidates, &mut seed),
+                || under_way(model, candidates, WARM_UP, u64::MAX, &mut seed),
                 |mut search| {
-                    let _over = search.step();
+                    let _over = search.as_mut().map(|search| search.step().is_some());
                     search
                 },
                 BatchSize::PerIteration,

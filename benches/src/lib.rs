@@ -7,7 +7,11 @@ use foliate::batch::Entry;
 use foliate::scene::PackagePath;
 use foliate_components::robot::Robot;
 use foliate_components::sample_problems::{boxes_on_a_table, swap_two_boxes};
+use foliate_systems::events::{EventSink, StopSignal};
 use foliate_systems::model::{Model, PlanningModel};
+use foliate_systems::schedulers::mrrt::Mrrt;
+use foliate_systems::search::Search;
+use foliate_systems::settings::SearchSettings;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::sync::Arc;
@@ -41,6 +45,27 @@ pub fn long_model() -> PlanningModel {
     goals.rotate_left(1);
     let problem = boxes_on_a_table(&places, &goals).expect("fixed models");
     PlanningModel(Arc::new(Model::new(problem).expect("a sound problem")))
+}
+
+/// A search that has tried `warm_up` candidates, so many a step: that of the next seed which is not solved by then; none where all
+/// up to `seeds` are.
+#[must_use]
+pub fn under_way(
+    model: &PlanningModel,
+    candidates: usize,
+    warm_up: usize,
+    seeds: u64,
+    seed: &mut u64,
+) -> Option<Search> {
+    while *seed < seeds {
+        *seed += 1;
+        let settings = SearchSettings { seed: *seed, candidates, ..SearchSettings::default() };
+        let mut search = Search::new(model, &Mrrt, settings, StopSignal::default(), EventSink::default());
+        if (0..warm_up / candidates).all(|_| search.step().is_none()) {
+            return Some(search);
+        }
+    }
+    None
 }
 
 /// The model of a shipped scene; `None`, and said so, where its published robots are not at hand.

@@ -71,6 +71,18 @@ const KITCHEN: Embedded = &[
 const TUTORIAL: Embedded =
     &[("box.urdf", scene_file!("hpp-tutorial-3/box.urdf")), ("box.srdf", scene_file!("hpp-tutorial-3/box.srdf"))];
 
+/// What stands in the way of the Panda.
+const TABLE: Embedded = &[("table.urdf", scene_file!("panda-table/table.urdf"))];
+
+/// The same.
+const SHELF: Embedded = &[("shelf.urdf", scene_file!("panda-shelf/shelf.urdf"))];
+
+/// The same.
+const BOXES: Embedded = &[("boxes.urdf", scene_file!("panda-box/boxes.urdf"))];
+
+/// The same.
+const CAGE: Embedded = &[("cage.urdf", scene_file!("panda-cage/cage.urdf"))];
+
 const SCENES: &[ShippedScene] = &[
     ShippedScene {
         name: "demo",
@@ -92,6 +104,34 @@ const SCENES: &[ShippedScene] = &[
         text: scene_file!("drawer/scene.toml"),
         needs_models: false,
         files: DRAWER,
+    },
+    ShippedScene {
+        name: "panda-table",
+        summary: "A Panda moves its hand from over a table to under it (motion planning only)",
+        text: scene_file!("panda-table/scene.toml"),
+        needs_models: true,
+        files: TABLE,
+    },
+    ShippedScene {
+        name: "panda-shelf",
+        summary: "A Panda moves its hand from one bay of a shelf into another (motion planning only)",
+        text: scene_file!("panda-shelf/scene.toml"),
+        needs_models: true,
+        files: SHELF,
+    },
+    ShippedScene {
+        name: "panda-box",
+        summary: "A Panda moves its hand out of one box into another (motion planning only)",
+        text: scene_file!("panda-box/scene.toml"),
+        needs_models: true,
+        files: BOXES,
+    },
+    ShippedScene {
+        name: "panda-cage",
+        summary: "A Panda moves its hand out of one window of a cage into another (motion planning only)",
+        text: scene_file!("panda-cage/scene.toml"),
+        needs_models: true,
+        files: CAGE,
     },
     ShippedScene {
         name: "baxter-case1",

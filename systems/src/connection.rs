@@ -9,9 +9,10 @@ use crate::events::StopSignal;
 use crate::model::PlanningModel;
 use crate::neighbours::Neighbours;
 use crate::parallel::each;
+use crate::scratch_pool::ScratchPool;
 use crate::settings::SearchSettings;
 use crate::{steering, validation};
-use bevy_ecs::prelude::{Res, ResMut, Resource};
+use bevy_ecs::prelude::{Local, Res, ResMut, Resource};
 use foliate_components::leaf::LeafIndex;
 use foliate_components::roadmap::{Motion, NodeId, Roadmap};
 use foliate_kernels::collision::CollisionScratch;
@@ -62,20 +63,25 @@ pub fn certify_connections(
     roadmap: Res<'_, Roadmap>,
     leaves: Res<'_, LeafIndex>,
     mut connections: ResMut<'_, Connections>,
+    buffers: Local<'_, ScratchPool<(CollisionScratch, MotionScratch)>>,
 ) {
-    let scratch = || (CollisionScratch::new(), MotionScratch::default());
+    let buffers = &*buffers;
     let bridges = Bridges::new(&connections.0, &roadmap);
     // In order: what stands in front makes what is behind needless.
     let mut proposals: Vec<_> = connections.0.iter_mut().enumerate().collect();
-    each(&mut proposals, scratch, |scratch, (index, connection)| {
-        let index = *index;
-        if !stop.is_raised() && !bridges.is_needless(index) {
-            connection.certified = connect(&model, &settings, &roadmap, &leaves, connection, scratch);
-            if connection.certified.is_some() {
-                bridges.build(index);
+    each(
+        &mut proposals,
+        || buffers.borrow(),
+        |scratch, (index, connection)| {
+            let index = *index;
+            if !stop.is_raised() && !bridges.is_needless(index) {
+                connection.certified = connect(&model, &settings, &roadmap, &leaves, connection, scratch);
+                if connection.certified.is_some() {
+                    bridges.build(index);
+                }
             }
-        }
-    });
+        },
+    );
     // What other threads have certified behind the first is no part of the answer.
     let needless = connections.0.iter_mut().enumerate().filter(|&(index, _)| bridges.is_needless(index));
     needless.for_each(|(_, connection)| connection.certified = None);

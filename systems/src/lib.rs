@@ -29,6 +29,7 @@ pub mod rendezvous;
 pub mod sampling;
 pub mod schedule;
 pub mod schedulers;
+pub mod scratch_pool;
 pub mod search;
 pub mod selection;
 pub mod settings;

@@ -11,8 +11,9 @@ use crate::model::PlanningModel;
 use crate::parallel::each;
 use crate::random::{Purpose, stream};
 use crate::schedule::StepCounter;
+use crate::scratch_pool::ScratchPool;
 use crate::settings::SearchSettings;
-use bevy_ecs::prelude::{Mut, Query, Res, ResMut};
+use bevy_ecs::prelude::{Local, Mut, Query, Res, ResMut};
 use foliate_components::Pose;
 use foliate_components::candidate::{Candidate, CandidateArena, LegParameter, PlannedLeg};
 use foliate_components::graph::{ConstraintId, ConstraintKind, Leg, StateId, Transition, TransitionId, TransitionKind};
@@ -51,7 +52,8 @@ struct Lane<'a> {
 }
 
 /// Buffers of one thread.
-struct Scratch {
+#[derive(Debug, Default)]
+pub struct ProjectionScratch {
     newton: NewtonScratch,
     X_WJ: Vec<Pose>,
 }
@@ -67,6 +69,7 @@ pub fn project_waypoints(
     leaves: Res<'_, LeafIndex>,
     mut arena: ResMut<'_, CandidateArena>,
     mut candidates: Query<'_, '_, &mut Candidate>,
+    buffers: Local<'_, ScratchPool<ProjectionScratch>>,
 ) {
     let context = Context {
         model: &model,
@@ -93,13 +96,15 @@ pub fn project_waypoints(
     for same in lanes.chunk_by_mut(|a, b| a.candidate.transition == b.candidate.transition) {
         blocks.extend(same.chunks_mut(longest));
     }
-    each(&mut blocks, || Scratch::new(&model), |scratch, block| context.project_block(block, scratch));
-}
-
-impl Scratch {
-    fn new(model: &PlanningModel) -> Self {
-        Self { newton: NewtonScratch::default(), X_WJ: vec![Pose::identity(); model.kinematics.bodies()] }
-    }
+    let buffers = &*buffers;
+    each(
+        &mut blocks,
+        || buffers.borrow(),
+        |scratch, block| {
+            scratch.X_WJ.resize(model.kinematics.bodies(), Pose::identity());
+            context.project_block(block, scratch);
+        },
+    );
 }
 
 impl<'a> Lane<'a> {
@@ -131,7 +136,7 @@ impl<'a> Lane<'a> {
 
 impl Context<'_> {
     /// Projects candidates of one transition, all legs.
-    fn project_block(&self, lanes: &mut [Lane<'_>], scratch: &mut Scratch) {
+    fn project_block(&self, lanes: &mut [Lane<'_>], scratch: &mut ProjectionScratch) {
         let Some(id) = lanes.first().and_then(|lane| lane.candidate.transition) else { return };
         let transition = self.model.graph.transition(id);
         if self.stop.is_raised() {
@@ -168,7 +173,14 @@ impl Context<'_> {
         }
     }
 
-    fn project_leg(&self, id: TransitionId, number: usize, leg: &Leg, lanes: &mut [Lane<'_>], scratch: &mut Scratch) {
+    fn project_leg(
+        &self,
+        id: TransitionId,
+        number: usize,
+        leg: &Leg,
+        lanes: &mut [Lane<'_>],
+        scratch: &mut ProjectionScratch,
+    ) {
         let Ok(program) = self.model.leg_program(id, number) else {
             let lost = Rejection::ProjectionFailed(number as u8);
             return lanes.iter_mut().for_each(|lane| lane.candidate.reject(lost));

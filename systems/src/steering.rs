@@ -8,8 +8,9 @@ use crate::constraint_programs::LegProgram;
 use crate::events::StopSignal;
 use crate::model::PlanningModel;
 use crate::parallel::each;
+use crate::scratch_pool::ScratchPool;
 use crate::settings::SearchSettings;
-use bevy_ecs::prelude::{Query, Res, ResMut};
+use bevy_ecs::prelude::{Local, Query, Res, ResMut};
 use foliate_components::Pose;
 use foliate_components::candidate::{Candidate, CandidateArena, LegParameter, PlannedLeg};
 use foliate_components::leaf::{Leaf, LeafIndex};
@@ -36,26 +37,32 @@ pub fn steer_legs(
     leaves: Res<'_, LeafIndex>,
     mut arena: ResMut<'_, CandidateArena>,
     mut candidates: Query<'_, '_, &mut Candidate>,
+    buffers: Local<'_, ScratchPool<MotionScratch>>,
 ) {
     let mut pool: Vec<_> = candidates.iter_mut().collect();
     pool.sort_unstable_by_key(|c| c.index);
+    let buffers = &*buffers;
     let mut alive: Vec<_> = pool.iter_mut().zip(&mut arena.legs).filter(|(c, _)| c.is_alive()).collect();
-    each(&mut alive, MotionScratch::default, |scratch, (candidate, legs)| {
-        for index in 0..legs.len() {
-            // A leg with implicit rows of a humanoid may take long.
-            if stop.is_raised() {
-                candidate.reject(Rejection::Stopped);
-                legs.clear();
-                return;
+    each(
+        &mut alive,
+        || buffers.borrow(),
+        |scratch, (candidate, legs)| {
+            for index in 0..legs.len() {
+                // A leg with implicit rows of a humanoid may take long.
+                if stop.is_raised() {
+                    candidate.reject(Rejection::Stopped);
+                    legs.clear();
+                    return;
+                }
+                let kept = steer_leg(&model, &settings, &leaves, &mut legs[index], scratch);
+                if kept != Kept::Whole {
+                    candidate.reject(Rejection::SteeringFailed(legs[index].leg as u8));
+                    legs.truncate(index + usize::from(kept == Kept::Part));
+                    return;
+                }
             }
-            let kept = steer_leg(&model, &settings, &leaves, &mut legs[index], scratch);
-            if kept != Kept::Whole {
-                candidate.reject(Rejection::SteeringFailed(legs[index].leg as u8));
-                legs.truncate(index + usize::from(kept == Kept::Part));
-                return;
-            }
-        }
-    });
+        },
+    );
 }
 
 /// What is left of a leg.

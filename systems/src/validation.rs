@@ -4,9 +4,10 @@ use crate::events::StopSignal;
 use crate::model::PlanningModel;
 use crate::parallel::each;
 use crate::schedule::StepCounter;
+use crate::scratch_pool::ScratchPool;
 use crate::settings::SearchSettings;
 use crate::waypoints::waypoints_are_free;
-use bevy_ecs::prelude::{Query, Res, ResMut};
+use bevy_ecs::prelude::{Local, Query, Res, ResMut};
 use foliate_components::Pose;
 use foliate_components::candidate::{Candidate, CandidateArena, PlannedLeg};
 use foliate_components::graph::{StateId, TransitionId, TransitionKind};
@@ -18,18 +19,20 @@ use foliate_kernels::collision::{
 use foliate_kernels::kinematics::Carriage;
 
 /// Buffers of one thread.
-struct Scratch {
+#[derive(Debug, Default)]
+pub struct ValidationScratch {
     collision: CollisionScratch,
     X_WJ: Vec<Pose>,
 }
 
-impl Scratch {
-    fn new(model: &PlanningModel) -> Self {
-        Self { collision: CollisionScratch::new(), X_WJ: vec![Pose::identity(); model.kinematics.bodies()] }
+impl ValidationScratch {
+    fn fit(&mut self, model: &PlanningModel) {
+        self.X_WJ.resize(model.kinematics.bodies(), Pose::identity());
     }
 }
 
 /// Certifies every candidate's legs in order; after the first that is only free in part, nothing more is kept.
+#[allow(clippy::too_many_arguments, reason = "a system's parameters are what it reads and writes")]
 pub fn certify_legs(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
@@ -38,17 +41,20 @@ pub fn certify_legs(
     mut counter: ResMut<'_, StepCounter>,
     mut arena: ResMut<'_, CandidateArena>,
     mut candidates: Query<'_, '_, &mut Candidate>,
+    buffers: Local<'_, ScratchPool<ValidationScratch>>,
 ) {
     let mut pool: Vec<_> = candidates.iter_mut().collect();
     pool.sort_unstable_by_key(|c| c.index);
+    let buffers = &*buffers;
     let projected = |c: &Candidate| c.is_alive() || matches!(c.rejected, Some(Rejection::WaypointBlocked(_)));
     counter.validated += pool.iter().filter(|c| projected(c)).count() as u64;
     let CandidateArena { legs, complete, .. } = &mut *arena;
     let mut slots: Vec<_> = pool.iter_mut().zip(legs.iter_mut().zip(complete)).collect();
     each(
         &mut slots,
-        || Scratch::new(&model),
+        || buffers.borrow(),
         |scratch, (candidate, (legs, complete))| {
+            scratch.fit(&model);
             if stop.is_raised() {
                 candidate.reject(Rejection::Stopped);
             }
@@ -68,11 +74,11 @@ fn certify_candidate(
     leaves: &LeafIndex,
     candidate: &mut Candidate,
     legs: &mut Vec<PlannedLeg>,
-    scratch: &mut Scratch,
+    scratch: &mut ValidationScratch,
 ) -> bool {
     let Some(transition) = candidate.transition else { return false };
     // A scheduler may leave out the check in front of Steer, never the verdict itself.
-    let Scratch { collision, X_WJ } = scratch;
+    let ValidationScratch { collision, X_WJ } = scratch;
     if !candidate.waypoints_are_free && !waypoints_are_free(model, settings, candidate, legs, (collision, X_WJ)) {
         legs.clear();
         return false;
@@ -108,7 +114,7 @@ fn keep_margins(
     leaves: &LeafIndex,
     transition: TransitionId,
     legs: &mut Vec<PlannedLeg>,
-    scratch: &mut Scratch,
+    scratch: &mut ValidationScratch,
 ) {
     if model.problem.margins.is_empty() || model.graph.transition(transition).kind == TransitionKind::Loop {
         return;

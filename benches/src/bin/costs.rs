@@ -1,11 +1,16 @@
-//! What Foliate costs besides time per problem: dependencies, build time, memory, start-up.
+//! What Foliate costs besides time per problem: dependencies, build time, memory, start-up, and what steps of a search ask
+//! of the allocator.
 //!
 //! `cargo run --release -p foliate_benches --bin costs [-- --build] [--bin PATH]`. With `--build` the kernel crate is built
 //! afresh into a folder of its own, which takes minutes. The program to run is `foliate` beside this one, or `--bin`.
 #![forbid(unsafe_code)]
 
+use allocation_counter::measure;
 use foliate::batch::{Machine, today};
+use foliate_benches::{long_model, one_thread, scene_model, under_way};
 use foliate_components::roadmap::Roadmap;
+use foliate_systems::model::PlanningModel;
+use foliate_systems::search::Search;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -35,6 +40,14 @@ fn main() -> Result<()> {
         match peak_memory(&program, &["solve", scene, "--json", "--time-limit", "300"])? {
             (_, 2) => println!("SKIPPED peak memory of {scene}: its models are not at hand"),
             (peak, code) => println!("peak memory of `foliate solve {scene}` (exit code {code}): {peak:.0} MB"),
+        }
+    }
+    println!("what steps ask of the allocator, after {WARM_UP} candidates and over as many more:");
+    one_thread();
+    steps("four boxes", &long_model());
+    for scene in ["panda-cage", "baxter-case4"] {
+        if let Some(model) = scene_model(scene) {
+            steps(scene, &model);
         }
     }
     if arguments.iter().any(|a| a == "--build") {
@@ -97,6 +110,43 @@ fn high_water_mark(status: &str) -> Option<f64> {
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     let kibibytes: f64 = line.trim().trim_end_matches(" kB").trim().parse().ok()?;
     Some(kibibytes * 1024.0 / 1e6)
+}
+
+/// Candidates before steps are looked at, and while they are.
+const WARM_UP: usize = 256;
+
+/// Seeds that are tried for a search which lasts long enough.
+const SEEDS: u64 = 100;
+
+/// Says how often a candidate asks for memory, how much it gets, and how much of that stays for each new node (with the
+/// motion to it): of whole steps with default settings. The counter counts this thread alone, which is all there is.
+fn steps(name: &str, model: &PlanningModel) {
+    let mut seed = 0;
+    while let Some(mut search) = under_way(model, 16, WARM_UP, SEEDS, &mut seed) {
+        let before = (search.counter().candidates, search.roadmap().nodes().len());
+        let asked = measure(|| go_on(&mut search));
+        let candidates = search.counter().candidates - before.0;
+        let nodes = search.roadmap().nodes().len() - before.1;
+        if candidates < WARM_UP as u64 || nodes == 0 {
+            continue;
+        }
+        let per_candidate = |n: u64| n as f64 / candidates as f64;
+        let own = size_of::<f64>() * model.problem.robot.space.size();
+        println!(
+            "  {name}: {:.1} allocations and {:.0} bytes a candidate; {:.0} bytes kept a node, beyond its configuration of {own}",
+            per_candidate(asked.count_total),
+            per_candidate(asked.bytes_total),
+            asked.bytes_current as f64 / nodes as f64 - own as f64,
+        );
+        return;
+    }
+    println!("  {name}: SKIPPED, every search ends too soon");
+}
+
+/// As many candidates as before, or to the end of the search.
+fn go_on(search: &mut Search) {
+    let last = search.counter().candidates + WARM_UP as u64;
+    while search.counter().candidates < last && search.step().is_none() {}
 }
 
 /// Builds the kernel crate alone: first with all that it stands on, then itself.

@@ -9,6 +9,7 @@ use foliate_components::constraint::{Curvature, Custom, Frame, Gradient, Row};
 #[derive(Clone, Debug, Default)]
 pub struct FunctionMemory {
     X_WF: Vec<Pose>,
+    values: Vec<f64>,
     gradients: Vec<Gradient>,
 }
 
@@ -65,13 +66,20 @@ impl FunctionColumns {
     /// # Panics
     /// If `X_WJ` is too short.
     #[must_use]
-    pub fn stays_satisfied(&self, X_WJ: &[Pose], change: f64) -> bool {
+    pub fn stays_satisfied(&self, X_WJ: &[Pose], change: f64, memory: &mut FunctionMemory) -> bool {
         self.rows.iter().all(|&row| row == Row::Inequality) && {
-            let X_WF: Vec<Pose> = self.frames.iter().map(|frame| placement_of(frame).in_world(X_WJ)).collect();
-            let mut values = vec![0.0; self.rows.len()];
-            self.own.0.value(&X_WF, &mut values);
-            values.iter().all(|&value| value >= change)
+            self.go_to(X_WJ, memory);
+            memory.values.clear();
+            memory.values.resize(self.rows.len(), 0.0);
+            self.own.0.value(&memory.X_WF, &mut memory.values);
+            memory.values.iter().all(|&value| value >= change)
         }
+    }
+
+    /// Poses of the frames.
+    fn go_to(&self, X_WJ: &[Pose], memory: &mut FunctionMemory) {
+        memory.X_WF.clear();
+        memory.X_WF.extend(self.frames.iter().map(|frame| placement_of(frame).in_world(X_WJ)));
     }
 
     /// Writes the rows and their Jacobian. A satisfied inequality has value and Jacobian zero.
@@ -81,8 +89,7 @@ impl FunctionColumns {
     pub fn linearise(&self, X_WJ: &[Pose], memory: &mut FunctionMemory, out: RowsOut<'_>) {
         let RowsOut { values, jacobian, stride } = out;
         let frames = self.frames.len();
-        memory.X_WF.clear();
-        memory.X_WF.extend(self.frames.iter().map(|frame| placement_of(frame).in_world(X_WJ)));
+        self.go_to(X_WJ, memory);
         self.own.0.value(&memory.X_WF, values);
         if jacobian.is_empty() {
             return silence(values, self.rows.iter().copied());

@@ -5,7 +5,7 @@
 
 use super::blocks::{Block, Kind};
 use super::hessian_bound::Link;
-use super::point_rates::{PointRates, Rates};
+use super::point_rates::{BoundMemory, PointRates, Rates};
 use crate::constraints::centre_of_mass::{self, weighted};
 use crate::constraints::custom::FunctionColumns;
 use crate::constraints::placement_of;
@@ -74,12 +74,13 @@ impl FunctionBound {
     }
 
     /// At least what any row adds between the knots; infinite where nothing is known.
-    pub(super) fn bound(&self, delta: &[f64], start: &[Pose]) -> f64 {
+    pub(super) fn bound(&self, delta: &[f64], start: &[Pose], memory: &mut BoundMemory) -> f64 {
+        let mut of = |rates: &PointRates| rates.rates(delta, start, memory);
         let second = match self {
-            Self::Balance { balance, rates } => of_balance(balance, &rates.rates(delta, start), start),
-            Self::Between(rates) => of_stance(rates.each_ref().map(|rates| rates.rates(delta, start))),
-            Self::Distance { distance, rates } => of_distance(distance, &rates.rates(delta, start), start),
-            Self::Function { function, frames } => of_function(function, frames, delta, start),
+            Self::Balance { balance, rates } => of_balance(balance, &of(rates), start),
+            Self::Between(rates) => of_stance(rates.each_ref().map(of)),
+            Self::Distance { distance, rates } => of_distance(distance, &of(rates), start),
+            Self::Function { function, frames } => of_function(function, frames, delta, start, memory),
         };
         // What is not a number bounds nothing.
         if second >= 0.0 { 0.125 * second } else { f64::INFINITY }
@@ -133,17 +134,23 @@ fn of_distance(distance: &Distance, rates: &Rates, start: &[Pose]) -> f64 {
     if nearest <= 0.0 { f64::INFINITY } else { rates.acceleration + rates.speed * rates.speed / nearest }
 }
 
-fn of_function(function: &FunctionColumns, frames: &[PointRates], delta: &[f64], start: &[Pose]) -> f64 {
+fn of_function(
+    function: &FunctionColumns,
+    frames: &[PointRates],
+    delta: &[f64],
+    start: &[Pose],
+    memory: &mut BoundMemory,
+) -> f64 {
     let (mut speed, mut acceleration) = (0.0, 0.0);
     for frame in frames {
-        let (point, (turn, turning)) = (frame.rates(delta, start), frame.turning(delta));
+        let (point, (turn, turning)) = (frame.rates(delta, start, memory), frame.turning(delta));
         speed += point.speed + turn;
         acceleration += point.acceleration + turning;
     }
     match function.curvature() {
         _ if speed == 0.0 => 0.0,
         Some(Curvature { lipschitz, bend }) if lipschitz >= 0.0 && bend >= 0.0 => {
-            if function.stays_satisfied(start, lipschitz * speed) {
+            if function.stays_satisfied(start, lipschitz * speed, &mut memory.function) {
                 0.0
             } else {
                 lipschitz * acceleration + bend * speed * speed

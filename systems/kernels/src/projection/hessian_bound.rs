@@ -14,6 +14,7 @@
 
 use super::blocks::{Block, ContactBlock, Kind as BlockKind, Part};
 use super::function_bound::FunctionBound;
+use super::point_rates::BoundMemory;
 use crate::kinematics::{AttachmentTree, Placement};
 use foliate_components::Pose;
 use foliate_components::constraint::{Frame, Placement as Contact, Row, Rows};
@@ -91,8 +92,17 @@ impl ResidualBound {
     /// If a slice is too short.
     #[must_use]
     pub fn between(&self, delta: &[f64], start: &[Pose]) -> f64 {
+        self.between_with(delta, start, &mut BoundMemory::default())
+    }
+
+    /// As [`Self::between`], with the caller's buffers.
+    ///
+    /// # Panics
+    /// If a slice is too short.
+    #[must_use]
+    pub fn between_with(&self, delta: &[f64], start: &[Pose], memory: &mut BoundMemory) -> f64 {
         let pairs = self.pairs.iter().map(|pair| pair.bound(delta, start)).fold(0.0, f64::max);
-        self.functions.iter().map(|function| function.bound(delta, start)).fold(pairs, f64::max)
+        self.functions.iter().map(|function| function.bound(delta, start, memory)).fold(pairs, f64::max)
     }
 }
 

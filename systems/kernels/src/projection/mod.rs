@@ -28,6 +28,7 @@ pub use compile::CompileError;
 pub use hessian_bound::ResidualBound;
 pub use motion::{MotionEnd, MotionScratch, MotionSettings, project_motion};
 pub use newton::{Outcome, Settings, project};
+pub use point_rates::BoundMemory;
 pub use program::{ConstraintProgram, Deviation};
 pub use scratch::Scratch;
 pub use seeds::{SEEDS, SeedTable, SeedTarget};

@@ -10,6 +10,7 @@
 //! ([`MotionSettings::jump`]) merely finds out sooner.
 
 use super::newton::{Settings, project};
+use super::point_rates::BoundMemory;
 use super::program::ConstraintProgram;
 use super::scratch::Scratch;
 use foliate_components::Pose;
@@ -75,6 +76,7 @@ pub struct MotionScratch {
     bound: f64,
     /// What the rows did half-way through the last step, as a share of the bound.
     bend: f64,
+    bound_memory: BoundMemory,
 }
 
 /// Into how many parts a step is divided at most.
@@ -200,7 +202,7 @@ impl Walk<'_> {
         if self.length(false) > SIGHT * self.scratch.strides[0] {
             return false;
         }
-        let bound = self.bound(&self.scratch.chord);
+        let bound = self.bound(false);
         bound <= self.promising() && self.holds(bound, true)
     }
 
@@ -295,7 +297,7 @@ impl Walk<'_> {
         while fraction > 1e-6 {
             let s = &mut *self.scratch;
             s.step.iter_mut().zip(&s.chord).for_each(|(x, c)| *x = c * fraction);
-            let bound = self.bound(&self.scratch.step);
+            let bound = self.bound(true);
             let guess = (promising / bound).sqrt();
             if bound <= promising {
                 return (0.95 * fraction * guess.min(LARGEST_GROWTH)).min(0.5);
@@ -305,8 +307,10 @@ impl Walk<'_> {
         0.0
     }
 
-    fn bound(&self, delta: &[f64]) -> f64 {
-        self.program.residual_bound().between(delta, &self.scratch.poses[0])
+    /// The bound on the rows between the current knot and `step` (or `chord`) away.
+    fn bound(&mut self, of_step: bool) -> f64 {
+        let MotionScratch { step, chord, poses, bound_memory, .. } = &mut *self.scratch;
+        self.program.residual_bound().between_with(if of_step { step } else { chord }, &poses[0], bound_memory)
     }
 
     /// What the rows may add between two knots that are solved already.
@@ -325,7 +329,7 @@ impl Walk<'_> {
         s.poses[1].clear();
         s.poses[1].extend_from_slice(s.solve.poses());
         self.space.difference(&s.current, &s.next, &mut s.step);
-        let (stepped, bound) = (self.length(true), self.bound(&self.scratch.step));
+        let (stepped, bound) = (self.length(true), self.bound(true));
         if stepped > self.settings.jump * stride {
             self.forget();
             return Step::Lost;

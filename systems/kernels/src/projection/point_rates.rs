@@ -7,6 +7,7 @@
 //! different points, so they do not mix.
 
 use super::hessian_bound::Link;
+use crate::constraints::custom::FunctionMemory;
 use crate::kinematics::{AttachmentTree, PointTree, WeightedPoint};
 use foliate_components::Pose;
 use foliate_components::robot::JointIndex;
@@ -18,6 +19,16 @@ pub(super) struct PointRates {
     tree: PointTree,
     /// For each node, from the body outwards.
     links: Vec<Vec<Link>>,
+}
+
+/// Buffers of the bounds, so that none of them allocates once they are warm. Any bound may use them in turn; nothing that they
+/// hold changes an answer.
+#[derive(Clone, Debug, Default)]
+pub struct BoundMemory {
+    moments: Vec<DVec3>,
+    turned: Vec<f64>,
+    travelled: Vec<f64>,
+    pub(super) function: FunctionMemory,
 }
 
 /// Where a sum starts, and how it moves over one interval of unit length.
@@ -52,16 +63,18 @@ impl PointRates {
     }
 
     /// For a motion with the velocity `delta` from where bodies are at `start`.
-    pub(super) fn rates(&self, delta: &[f64], start: &[Pose]) -> Rates {
+    pub(super) fn rates(&self, delta: &[f64], start: &[Pose], memory: &mut BoundMemory) -> Rates {
         let nodes = self.tree.nodes();
-        let mut moments = vec![DVec3::ZERO; nodes.len()];
-        let total = self.tree.moments(start, &mut moments);
-        let mut turned = vec![0.0; nodes.len()];
+        let BoundMemory { moments, turned, travelled, .. } = memory;
+        moments.resize(nodes.len(), DVec3::ZERO);
+        let total = self.tree.moments(start, moments);
+        turned.resize(nodes.len(), 0.0);
         for (index, node) in nodes.iter().enumerate() {
             turned[index] = node.parent.map_or(0.0, |parent| turned[parent]) + turn_of(&self.links[index], delta);
         }
         // From the outermost joint inwards: the moment about an axis changes at most as fast as the joints beyond move it.
-        let mut travelled = vec![0.0; nodes.len()];
+        travelled.clear();
+        travelled.resize(nodes.len(), 0.0);
         let mut rates = Rates { start: total, speed: 0.0, acceleration: 0.0 };
         for (index, node) in nodes.iter().enumerate().rev() {
             let (mut travel, mut turned_before): (f64, f64) = (travelled[index], turned[index]);
