@@ -43,7 +43,8 @@ def main() -> int:
     except SceneError as error:
         _tell(answers, {"error": str(error)})
         return 2
-    _tell(answers, {"ready": True, "setup_s": time.process_time() - start, "pairs": problem.model.pairs})
+    setup = time.process_time() - start
+    _tell(answers, {"ready": True, "setup_s": setup, "pairs": problem.model.pairs, "moved": problem.moved})
     for line in sys.stdin:
         _tell(answers, _solve_in_child(problem, json.loads(line)))
     return 0

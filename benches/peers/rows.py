@@ -16,8 +16,8 @@ SOLVED, FAILED, TIMEOUT, CRASHED = "solved", "failed", "timeout", "crashed"
 
 @dataclass(frozen=True)
 class Row:
-    """One solve. `solver`: `mrrt`, `spf`, `diffusing`, `birrt` or `foliate`. `series`: `main`, or `control` for one that
-    is repeated to see whether the machine is as fast as it was. `outcome`: `solved`, `failed` (the planner gave up, or
+    """One solve. `solver`: `mrrt`, `spf`, `diffusing`, `birrt` or `foliate`. `series`: `main`, or `control` and
+    a commit for one that is repeated beside that build of Foliate, to see whether the machine is as fast as it was. `outcome`: `solved`, `failed` (the planner gave up, or
     its answer is none), `timeout` (of `limit_s` of processor time), `crashed`. `solve_s`: what is compared, processor
     time of HPP, wall time of Foliate. `version`: of the planner, for Foliate the commit. `answer`: the path's file
     below the run's folder."""
