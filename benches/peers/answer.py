@@ -14,6 +14,7 @@ import coal
 import numpy as np
 
 import independent  # noqa: F401  (puts the independent checker's folder on the path)
+from check_file import BREAKS, COLLIDES, MISSES, VALID
 from clearance import ExactQueries, Placed, select_pairs
 from constraints import frozen_errors, zero_errors
 from leaves import placement_errors
@@ -24,6 +25,7 @@ from report import Report
 from rigid import Poses, rotation_angle
 from scene import Scene as Models
 from scene_file import Manipulated, Relation, Scene
+from settings import Settings
 
 STEP = 5e-3
 """No point of any shape moves farther (m) between samples that are tested,"""
@@ -31,6 +33,8 @@ PENETRATION = 1e-4
 """and pairs may overlap by so much (m) there: HPP moves what it holds within its tolerance."""
 TOLERANCES = 10.0
 """What is held, put down or fixed may be off by so many times HPP's own error threshold."""
+COARSE = 0.02
+"""Where the choice of samples begins (rad or m)."""
 CHUNK = 256
 
 
@@ -57,18 +61,20 @@ class Finding:
         if error > self.error:
             self.error, self.what = float(error), what
 
-    def verdict(self, threshold: float) -> str:
-        """`collides`, `breaks` (lets go, moves what nobody holds, leaves a fixed pose), or `valid`."""
+    def verdict(self, settings: Settings) -> str:
+        """Collides, breaks (lets go, moves what nobody holds, leaves a fixed pose), misses the goal, or is valid."""
         if self.depth > PENETRATION:
-            return "collides"
-        return "breaks" if self.error > TOLERANCES * threshold else "valid"
+            return COLLIDES
+        if self.error > TOLERANCES * settings.threshold:
+            return BREAKS
+        return MISSES if self.goal_off > settings.may_move else VALID
 
 
 class AnswerCheck:
     """For one scene. `template` is a path file of Foliate for the scene: it names models, documents and pairs."""
 
-    def __init__(self, scene: Scene, template: Path, threshold: float):
-        self.scene, self.threshold, self.allowed = scene, threshold, TOLERANCES * threshold
+    def __init__(self, scene: Scene, template: Path, settings: Settings):
+        self.scene, self.settings, self.allowed = scene, settings, TOLERANCES * settings.threshold
         self.models = Models(read_path_file(template), search_directories())
         report = Report()
         self.pairs = select_pairs(self.models, report)
@@ -106,39 +112,42 @@ class AnswerCheck:
 
     def _collisions(self, motion: SegmentMotion, finding: Finding) -> np.ndarray:
         """Tests the samples that are kept, and tells which they are."""
-        kept: list[int] = []
-        last: Poses | None = None
-        previous: Poses | None = None
-        for first in range(0, motion.last + 1, CHUNK):
-            indices = np.arange(first, min(first + CHUNK, motion.last + 1))
-            poses = motion.written_body_poses(indices)[:, self.bodies] @ self.body_from_shape
-            chosen = []
-            for row, index in enumerate(indices):
-                here = poses[row]
-                if last is None or index == motion.last:
-                    chosen.append((index, here))
-                    last = here
-                elif self._moved(last, here) > STEP:
-                    # the one before was still near enough, unless it is the last one kept itself
-                    if previous is not None and previous is not last:
-                        chosen.append((index - 1, previous))
-                        last = previous
-                    step = self._moved(last, here)
-                    finding.step = max(finding.step, step)
-                    if step > STEP:
-                        chosen.append((index, here))
-                        last = here
-                previous = here
-            for index, placed in chosen:
-                self._test(placed, finding)
-                kept.append(int(index))
-        return np.array(sorted(set(kept)))
+        kept, poses, finding.step = self._keep(motion)
+        for sample in range(len(kept)):
+            self._test(poses[sample], finding)
+        return kept
 
-    def _moved(self, one: Poses, other: Poses) -> float:
-        """No point of any shape is farther from where it was (m)."""
-        shift = np.linalg.norm(other.apply(self.centers) - one.apply(self.centers), axis=1)
-        chord = np.linalg.norm(other.rotation - one.rotation, axis=(1, 2)) / np.sqrt(2.0)
-        return float((shift + self.radii * chord).max())
+    def _keep(self, motion: SegmentMotion) -> tuple[np.ndarray, Poses, float]:
+        """Samples between which no point of any shape moves farther than `STEP`, as far as the answer has them: a coarse
+        choice, halved where something moves too far. Also the shapes' poses there, and the longest step."""
+        kept = _coarse(motion.knots)
+        poses = self._shape_poses(motion, kept)
+        while True:
+            moved = self._moved(poses)
+            wide = np.flatnonzero((moved > STEP) & (np.diff(kept) > 1))
+            if not len(wide):
+                return kept, poses, float(moved.max(initial=0.0))
+            middles = (kept[wide] + kept[wide + 1]) // 2
+            between = self._shape_poses(motion, middles)
+            kept = np.insert(kept, wide + 1, middles)
+            poses = Poses(np.insert(poses.rotation, wide + 1, between.rotation, axis=0),
+                          np.insert(poses.translation, wide + 1, between.translation, axis=0))
+
+    def _shape_poses(self, motion: SegmentMotion, samples: np.ndarray) -> Poses:
+        chunks = [motion.written_body_poses(samples[first:first + CHUNK])[:, self.bodies] @ self.body_from_shape
+                  for first in range(0, len(samples), CHUNK)]
+        return Poses(np.concatenate([chunk.rotation for chunk in chunks]),
+                     np.concatenate([chunk.translation for chunk in chunks]))
+
+    def _moved(self, poses: Poses) -> np.ndarray:
+        """From each sample to the next: no point of any shape is farther from where it was (m)."""
+        longest = []
+        for first in range(0, len(poses.translation) - 1, CHUNK):
+            here = poses[first:first + CHUNK + 1]
+            shift = np.linalg.norm(np.diff(here.apply(self.centers), axis=0), axis=-1)
+            chord = np.linalg.norm(np.diff(here.rotation, axis=0), axis=(-2, -1)) / np.sqrt(2.0)
+            longest.append((shift + self.radii * chord).max(axis=1))
+        return np.concatenate(longest) if longest else np.zeros(0)
 
     def _test(self, poses: Poses, finding: Finding) -> None:
         placed = Placed(poses)
@@ -251,6 +260,13 @@ class AnswerCheck:
         centres = roots.apply(member.part.centre_of_mass(member.joint_values(rows)))
         local = frames.inverse().apply(centres)
         return float(np.linalg.norm((local - local[0])[:, relation.mask], axis=1).max())
+
+
+def _coarse(knots: np.ndarray) -> np.ndarray:
+    """First and last sample, and others between which all numbers together change by about `COARSE`."""
+    travelled = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(knots, axis=0)).sum(axis=1))])
+    wanted = np.arange(0.0, travelled[-1], COARSE)
+    return np.unique(np.concatenate([np.searchsorted(travelled, wanted), [len(knots) - 1]]))
 
 
 def _runs(flags: np.ndarray) -> list[slice]:

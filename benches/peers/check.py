@@ -5,63 +5,19 @@ from __future__ import annotations
 import datetime
 import sys
 import time
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 
 import independent
 from answer import AnswerCheck
-from packages import search_directories  # noqa: F401
+from check_file import BREAKS, COLLIDES, COLUMNS, UNREADABLE, VALID, Check, read_verdicts
 from recheck import recheck
-from rows import FOLIATE, Row, append, read_records, read_rows
+from rows import FOLIATE, Row, append, read_rows
 from scene_file import read_scene
 from settings import SCENES
 from solvers import scene_file
-
-VALID, COLLIDES, BREAKS, UNREADABLE = "valid", "collides", "breaks", "unreadable"
-
-
-@dataclass(frozen=True)
-class Check:
-    """One proof. `mode`: how Foliate's answers (the continuum, certified) and HPP's (samples) are tested; the other
-    columns are those of `answer.Finding`, for Foliate only the verdict and what was found first."""
-
-    scene: str
-    solver: str
-    seed: int
-    series: str
-    version: str
-    verdict: str
-    depth: float
-    pair: str
-    error: float
-    what: str
-    samples: int
-    step: float
-    goal_off: float
-    centre_off: float
-    mode: str
-    seconds: float
-    date: str
-
-    @property
-    def key(self) -> tuple[str, str, int, str, str]:
-        return self.scene, self.solver, self.seed, self.series, self.version
-
-
-COLUMNS = [column.name for column in fields(Check)]
-
-
-def read_verdicts(file: Path) -> dict[tuple, str]:
-    """The verdict of every answer that has one; the last counts."""
-    if not file.exists():
-        return {}
-    return {
-        (record["scene"], record["solver"], int(record["seed"]), record["series"], record["version"]): record["verdict"]
-        for _, record in read_records(file, COLUMNS)
-    }
-
 
 def check_all(results: Path, work: Path, scenes: list[str]) -> None:
     """Proves every answer of `scenes` that has no verdict yet."""
@@ -71,8 +27,8 @@ def check_all(results: Path, work: Path, scenes: list[str]) -> None:
         waiting = [row for row in rows if row.scene == scene and row.key not in known]
         checker = None
         for row in waiting:
-            if not (work / row.answer).exists():
-                print(f"{row.scene} {row.solver} seed {row.seed}: {work / row.answer} is gone", file=sys.stderr)
+            if not (work / row.answer).is_file():
+                print(f"{row.scene} {row.solver} seed {row.seed}: no {work / row.answer}", file=sys.stderr)
                 continue
             if row.solver != FOLIATE and checker is None:
                 checker = _checker(scene, work)
@@ -81,22 +37,23 @@ def check_all(results: Path, work: Path, scenes: list[str]) -> None:
                     break
             found = _check(row, work, checker)
             append(results / "checks.csv", COLUMNS, asdict(found))
-            print(f"{row.scene} {row.solver} seed {row.seed}: {found.verdict} {found.what} {found.pair}", flush=True)
+            why = "" if found.verdict == VALID else f": {found.pair} {found.depth:g} m; {found.what} {found.error:g}"
+            print(f"{row.scene} {row.solver} seed {row.seed}: {found.verdict}{why}", flush=True)
 
 
 def _checker(scene: str, work: Path) -> AnswerCheck | None:
     templates = sorted((work / scene).glob(f"{FOLIATE}-*.json"))
     if not templates:
         return None
-    return AnswerCheck(read_scene(scene_file(scene)), templates[0], SCENES[scene].threshold)
+    return AnswerCheck(read_scene(scene_file(scene)), templates[0], SCENES[scene])
 
 
 def _check(row: Row, work: Path, checker: AnswerCheck | None) -> Check:
-    started = time.perf_counter()
+    started = time.process_time()
     found = _foliate(work / row.answer) if row.solver == FOLIATE else _hpp(work / row.answer, checker)
     return Check(
         scene=row.scene, solver=row.solver, seed=row.seed, series=row.series, version=row.version,
-        seconds=round(time.perf_counter() - started, 1),
+        seconds=round(time.process_time() - started, 1),
         date=datetime.datetime.now().isoformat(timespec="seconds"), **found,
     )
 
@@ -105,7 +62,7 @@ def _hpp(file: Path, checker: AnswerCheck) -> dict:
     with np.load(file) as stored:
         finding = checker.check(stored["configurations"])
     found = {name: round(value, 7) if isinstance(value, float) else value for name, value in asdict(finding).items()}
-    return {**found, "verdict": finding.verdict(checker.threshold), "mode": "sampled every 5 mm"}
+    return {**found, "verdict": finding.verdict(checker.settings), "mode": "sampled every 5 mm"}
 
 
 def _foliate(file: Path) -> dict:

@@ -64,6 +64,7 @@ class Runner:
             self._leave()
             self.server, self.served = HppServer(solve.scene), solve.scene
         answer = self._answer(solve, "npz")
+        (self.options.work / answer).unlink(missing_ok=True)
         told = self.server.solve(solve.solver, solve.seed, LIMIT_S, self.options.work / answer)
         time = LIMIT_S if told["outcome"] == TIMEOUT else told["cpu_s"]
         return self._row(solve, told, self.hpp, answer, solve_s=time, limit_s=LIMIT_S, reason=told.get("reason", ""),

@@ -106,7 +106,12 @@ def append(file: Path, columns: list[str], record: dict) -> None:
         writer = csv.DictWriter(lines, columns, lineterminator="\n")
         if fresh:
             writer.writeheader()
-        writer.writerow({name: "" if value is None else value for name, value in record.items()})
+        writer.writerow({name: _cell(value) for name, value in record.items()})
+
+
+def _cell(value) -> str:
+    """A line of the file is a row, so that one which was not finished can be told."""
+    return "" if value is None else " ".join(str(value).split())
 
 
 def _row(record: dict[str, str]) -> Row:
