@@ -12,19 +12,20 @@ import numpy as np
 
 import independent
 from answer import AnswerCheck
-from check_file import BREAKS, COLLIDES, COLUMNS, UNREADABLE, VALID, Check, read_verdicts
+from check_file import BREAKS, COLLIDES, COLUMNS, UNREADABLE, VALID, Check, Verdicts
 from recheck import recheck
 from rows import FOLIATE, Row, append, read_rows
 from scene_file import read_scene
 from settings import SCENES
 from solvers import scene_file
 
+
 def check_all(results: Path, work: Path, scenes: list[str]) -> None:
     """Proves every answer of `scenes` that has no verdict yet."""
     rows = [row for row in read_rows(results / "rows.csv") if row.solved and row.scene in scenes]
-    known = read_verdicts(results / "checks.csv")
+    verdicts = Verdicts(results / "checks.csv")
     for scene in scenes:
-        waiting = [row for row in rows if row.scene == scene and row.key not in known]
+        waiting = [row for row in rows if row.scene == scene and verdicts.of(row) is None]
         checker = None
         for row in waiting:
             if not (work / row.answer).is_file():

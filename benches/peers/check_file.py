@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from pathlib import Path
 
-from rows import read_records
+from rows import Row, read_records
 
 VALID, COLLIDES, BREAKS, MISSES, UNREADABLE = "valid", "collides", "breaks", "misses", "unreadable"
 
@@ -39,11 +39,17 @@ class Check:
 COLUMNS = [column.name for column in fields(Check)]
 
 
-def read_verdicts(file: Path) -> dict[tuple, str]:
-    """The verdict of every answer that has one, by the key of its row; the last counts."""
-    if not file.exists():
-        return {}
-    return {
-        (record["scene"], record["solver"], int(record["seed"]), record["series"], record["version"]): record["verdict"]
-        for _, record in read_records(file, COLUMNS)
-    }
+class Verdicts:
+    """What was found about answers; the last proof of one counts, unless the solve was made again after it."""
+
+    def __init__(self, file: Path | None = None):
+        self.known: dict[tuple, tuple[str, str]] = {}
+        if file is not None and file.exists():
+            for _, record in read_records(file, COLUMNS):
+                key = record["scene"], record["solver"], int(record["seed"]), record["series"], record["version"]
+                self.known[key] = record["date"], record["verdict"]
+
+    def of(self, row: Row) -> str | None:
+        """None for an answer that is not proved."""
+        date, verdict = self.known.get(row.key, ("", None))
+        return verdict if date >= row.date else None

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 
-from check_file import VALID, read_verdicts
+from check_file import VALID, Verdicts
 from rows import FOLIATE, Row, read_rows
 from schedule import CONTROL, MAIN
 from settings import BIRRT, CANNOT_STATE, DIFFUSING, MRRT, SCENES, SPF
@@ -38,18 +38,18 @@ class Summary:
     whole_s: float
 
 
-def summarise(rows: list[Row], verdicts: dict[tuple, str]) -> Summary | None:
+def summarise(rows: list[Row], verdicts: Verdicts) -> Summary | None:
     """None without rows."""
     if not rows:
         return None
     times = [row.solve_s if row.solved else row.limit_s for row in rows]
-    good = [row.solved and verdicts.get(row.key, VALID) == VALID for row in rows]
+    good = [row.solved and verdicts.of(row) in (None, VALID) for row in rows]
     valid = [time if fine else row.limit_s for time, fine, row in zip(times, good, rows)]
     solved = sum(row.solved for row in rows)
     return Summary(
         runs=len(rows), solved=solved, wrong=solved - sum(good),
         crashed=sum(row.outcome == "crashed" for row in rows),
-        unproved=sum(row.solved and row.key not in verdicts for row in rows),
+        unproved=sum(row.solved and verdicts.of(row) is None for row in rows),
         low_s=min(times), high_s=max(times), median_s=median(times), valid_median_s=median(valid),
         at_limit=2 * solved <= len(rows), valid_at_limit=2 * sum(good) <= len(rows),
         whole_s=median(time + row.setup_s for time, row in zip(times, rows)),
@@ -89,7 +89,7 @@ def newest(rows: list[Row]) -> list[Row]:
 def markdown(results: Path) -> str:
     """The table of `results`, with what must be known to read it."""
     rows = read_rows(results / "rows.csv")
-    verdicts = read_verdicts(results / "checks.csv")
+    verdicts = Verdicts(results / "checks.csv")
     main = [row for row in rows if row.series == MAIN]
     lines = [
         "| scene | HPP M-RRT | HPP StatesPathFinder | Foliate | ratio | ratio, valid only | required | from files |",
@@ -101,7 +101,7 @@ def markdown(results: Path) -> str:
     return "\n".join([*lines, "", *_about(rows, main, verdicts)])
 
 
-def _line(scene: str, rows: list[Row], verdicts: dict[tuple, str]) -> str | None:
+def _line(scene: str, rows: list[Row], verdicts: Verdicts) -> str | None:
     foliate = summarise(newest([row for row in rows if row.solver == FOLIATE]), verdicts)
     solvers = SCENES[scene].solvers
     hpp = {solver: summarise(newest([row for row in rows if row.solver == solver]), verdicts) for solver in solvers}
@@ -130,13 +130,13 @@ def _seconds(value: float) -> str:
     return f"{value:.3g}"
 
 
-def _about(rows: list[Row], main: list[Row], verdicts: dict[tuple, str]) -> list[str]:
+def _about(rows: list[Row], main: list[Row], verdicts: Verdicts) -> list[str]:
     versions = sorted({row.version for row in main if row.solver != FOLIATE})
     foliate = [row for row in main if row.solver == FOLIATE]
     machines = sorted({row.machine for row in main})
     days = sorted({row.date[:10] for row in main})
     limits = sorted({row.limit_s for row in main})
-    unproved = sum(row.solved and row.key not in verdicts for row in main)
+    unproved = sum(row.solved and verdicts.of(row) is None for row in main)
     lines = [
         f"Machine: {'; '.join(machines)}; {' to '.join(sorted({days[0], days[-1]}))}; one core, others busy. "
         f"{', '.join(versions)}; {foliate[-1].version if foliate else 'no Foliate'}.",

@@ -17,7 +17,7 @@ sys.path.insert(0, str(HERE))
 import schedule  # noqa: E402
 import table  # noqa: E402
 from check_file import COLUMNS as CHECK_COLUMNS  # noqa: E402
-from check_file import read_verdicts  # noqa: E402
+from check_file import Verdicts  # noqa: E402
 from rows import Results, ResultsError, Row, append, read_rows  # noqa: E402
 from scene_file import SceneError, read_scene  # noqa: E402
 from settings import CANNOT_STATE, SCENES  # noqa: E402
@@ -26,6 +26,12 @@ from watch import watch  # noqa: E402
 SCENES_FOLDER = HERE.parents[1] / "scenes"
 ROW = Row("demo", "spf", 1, "main", "solved", 2.0, 2.0, 2.5, 0.5, 60.0, 10, 4, 1.5, "", "hpp-python 9.0.2", "a machine",
           "2026-01-01T00:00:00", "demo/spf-1.npz")
+
+
+def found(verdicts: dict[Row, str]) -> Verdicts:
+    known = Verdicts()
+    known.known = {one.key: (one.date, verdict) for one, verdict in verdicts.items()}
+    return known
 
 
 def row(**values) -> Row:
@@ -107,45 +113,45 @@ class SolvesAreInterleaved(unittest.TestCase):
 class MediansAndRatios(unittest.TestCase):
     def test_what_has_no_answer_counts_as_the_limit(self):
         rows = [row(seed=1, solve_s=1.0), row(seed=2, solve_s=0.1, outcome="crashed"), row(seed=3, outcome="timeout")]
-        summary = table.summarise(rows, {})
+        summary = table.summarise(rows, Verdicts())
         self.assertEqual((summary.median_s, summary.solved, summary.crashed), (60.0, 1, 1))
         self.assertTrue(summary.at_limit)
-        self.assertFalse(table.summarise(rows[:1], {}).at_limit)
+        self.assertFalse(table.summarise(rows[:1], Verdicts()).at_limit)
 
     def test_half_unsolved_is_at_the_limit_too(self):
-        summary = table.summarise([row(seed=1, solve_s=1.0), row(seed=2, outcome="timeout")], {})
+        summary = table.summarise([row(seed=1, solve_s=1.0), row(seed=2, outcome="timeout")], Verdicts())
         self.assertTrue(summary.at_limit)
         self.assertEqual(summary.median_s, 30.5)
 
     def test_wrong_answers_count_in_one_column_only(self):
         rows = [row(seed=seed, solve_s=float(seed)) for seed in (1, 2, 3)]
-        verdicts = {rows[0].key: "collides", rows[1].key: "valid"}
+        verdicts = found({rows[0]: "collides", rows[1]: "valid"})
         summary = table.summarise(rows, verdicts)
         self.assertEqual((summary.median_s, summary.valid_median_s), (2.0, 3.0))
         self.assertEqual((summary.wrong, summary.unproved), (1, 1))
 
     def test_the_better_solver_is_divided_by_foliate(self):
-        slow, fast = table.summarise([row(solve_s=30.0)], {}), table.summarise([row(solve_s=2.0)], {})
-        foliate = table.summarise([row(solver="foliate", solve_s=0.01)], {})
+        slow, fast = table.summarise([row(solve_s=30.0)], Verdicts()), table.summarise([row(solve_s=2.0)], Verdicts())
+        foliate = table.summarise([row(solver="foliate", solve_s=0.01)], Verdicts())
         known = table.ratio([slow, fast], foliate, False)
         self.assertAlmostEqual(known.value, 200.0)
         self.assertEqual((known.required, known.at_least, str(known)), (50.0, False, "200"))
 
     def test_less_is_required_where_hpp_is_short(self):
-        fast = table.summarise([row(solve_s=0.5)], {})
-        foliate = table.summarise([row(solver="foliate", solve_s=0.05)], {})
+        fast = table.summarise([row(solve_s=0.5)], Verdicts())
+        foliate = table.summarise([row(solver="foliate", solve_s=0.05)], Verdicts())
         known = table.ratio([fast], foliate, False)
         self.assertEqual(known.required, 20.0)
         self.assertEqual(str(known), "**10** (short)")
 
     def test_a_limit_makes_a_lower_bound(self):
-        never = table.summarise([row(outcome="timeout")], {})
-        foliate = table.summarise([row(solver="foliate", solve_s=0.5)], {})
+        never = table.summarise([row(outcome="timeout")], Verdicts())
+        foliate = table.summarise([row(solver="foliate", solve_s=0.5)], Verdicts())
         self.assertEqual(str(table.ratio([never], foliate, False)), "≥ 120")
 
     def test_validity_can_change_the_better_solver(self):
         quick, sound = row(solver="spf", solve_s=1.5), row(solver="mrrt", solve_s=6.0)
-        verdicts = {quick.key: "collides", sound.key: "valid"}
+        verdicts = found({quick: "collides", sound: "valid"})
         hpp = [table.summarise([quick], verdicts), table.summarise([sound], verdicts)]
         foliate = table.summarise([row(solver="foliate", solve_s=0.1)], verdicts)
         self.assertAlmostEqual(table.ratio(hpp, foliate, False).value, 15.0)
@@ -176,13 +182,15 @@ class TheTable(Folder):
         for scene in CANNOT_STATE:
             self.assertIn(scene, text)
 
-    def test_the_last_verdict_counts(self):
+    def test_the_last_verdict_counts_unless_the_solve_was_made_again(self):
         file = self.folder / "checks.csv"
         for verdict in ("collides", "valid"):
             known = dict.fromkeys(CHECK_COLUMNS, "")
             append(file, CHECK_COLUMNS, known | {"scene": "demo", "solver": "spf", "seed": 1, "series": "main",
-                                                 "version": ROW.version, "verdict": verdict})
-        self.assertEqual(read_verdicts(file), {ROW.key: "valid"})
+                                                 "version": ROW.version, "verdict": verdict, "date": ROW.date})
+        self.assertEqual(Verdicts(file).of(ROW), "valid")
+        self.assertIsNone(Verdicts(file).of(row(date="2026-01-02T00:00:00")))
+        self.assertIsNone(Verdicts(file).of(row(seed=2)))
 
 
 class ProcessesAreEnded(unittest.TestCase):
