@@ -89,11 +89,12 @@ class AnswerCheck:
         self.half_extents = np.array([shape.half_extents for shape in shapes]).reshape(-1, 3)
         self.radii = np.array([shape.radius for shape in shapes])
 
-    def check(self, configurations: np.ndarray) -> Finding:
-        """`configurations` (N, coordinates), in the order of the scene's coordinates."""
+    def check(self, configurations: np.ndarray, pieces: np.ndarray) -> Finding:
+        """`configurations` (N, coordinates), in the order of the scene's coordinates; `pieces` (N,) says of which
+        sub-path each is."""
         finding = Finding()
         motion = SegmentMotion(self.models, Segment(0, "", "", [], [], self._in_file_order(configurations), None))
-        kept = self._collisions(motion, finding)
+        kept = self._collisions(motion, pieces, finding)
         finding.samples = len(kept)
         worlds = motion.written_body_poses(kept)
         held = self._grasps(motion, worlds, finding)
@@ -110,17 +111,16 @@ class AnswerCheck:
 
     # Collisions
 
-    def _collisions(self, motion: SegmentMotion, finding: Finding) -> np.ndarray:
+    def _collisions(self, motion: SegmentMotion, pieces: np.ndarray, finding: Finding) -> np.ndarray:
         """Tests the samples that are kept, and tells which they are."""
-        kept, poses, finding.step = self._keep(motion)
+        kept, poses, finding.step = self._keep(motion, _coarse(motion.knots, pieces))
         for sample in range(len(kept)):
             self._test(poses[sample], finding)
         return kept
 
-    def _keep(self, motion: SegmentMotion) -> tuple[np.ndarray, Poses, float]:
+    def _keep(self, motion: SegmentMotion, kept: np.ndarray) -> tuple[np.ndarray, Poses, float]:
         """Samples between which no point of any shape moves farther than `STEP`, as far as the answer has them: a coarse
         choice, halved where something moves too far. Also the shapes' poses there, and the longest step."""
-        kept = _coarse(motion.knots)
         poses = self._shape_poses(motion, kept)
         while True:
             moved = self._moved(poses)
@@ -262,11 +262,13 @@ class AnswerCheck:
         return float(np.linalg.norm((local - local[0])[:, relation.mask], axis=1).max())
 
 
-def _coarse(knots: np.ndarray) -> np.ndarray:
-    """First and last sample, and others between which all numbers together change by about `COARSE`."""
+def _coarse(knots: np.ndarray, pieces: np.ndarray) -> np.ndarray:
+    """The ends of all sub-paths, where grasps begin and end, and samples between them from one to the next of which all
+    numbers together change by about `COARSE`."""
     travelled = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(knots, axis=0)).sum(axis=1))])
-    wanted = np.arange(0.0, travelled[-1], COARSE)
-    return np.unique(np.concatenate([np.searchsorted(travelled, wanted), [len(knots) - 1]]))
+    between = np.searchsorted(travelled, np.arange(0.0, travelled[-1], COARSE))
+    changes = np.flatnonzero(np.diff(pieces))
+    return np.unique(np.concatenate([between, changes, changes + 1, [0, len(knots) - 1]]))
 
 
 def _runs(flags: np.ndarray) -> list[slice]:

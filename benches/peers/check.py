@@ -61,7 +61,7 @@ def _check(row: Row, work: Path, checker: AnswerCheck | None) -> Check:
 
 def _hpp(file: Path, checker: AnswerCheck) -> dict:
     with np.load(file) as stored:
-        finding = checker.check(stored["configurations"])
+        finding = checker.check(stored["configurations"], stored["segments"])
     found = {name: round(value, 7) if isinstance(value, float) else value for name, value in asdict(finding).items()}
     return {**found, "verdict": finding.verdict(checker.settings), "mode": "sampled every 5 mm"}
 

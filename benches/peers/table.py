@@ -65,7 +65,7 @@ class Ratio:
     required: float
 
     def __str__(self) -> str:
-        text = f"{'≥ ' if self.at_least else ''}{self.value:.0f}"
+        text = f"{'≥ ' if self.at_least else ''}{self.value:.{0 if self.value >= 10.0 else 1}f}"
         return text if self.value >= self.required else f"**{text}** (short)"
 
 
