@@ -18,8 +18,8 @@ SOLVED, FAILED, TIMEOUT, CRASHED = "solved", "failed", "timeout", "crashed"
 class Row:
     """One solve. `solver`: `mrrt`, `spf`, `diffusing`, `birrt` or `foliate`. `series`: `main`, or `control` and
     a commit for one that is repeated beside that build of Foliate, to see whether the machine is as fast as it was. `outcome`: `solved`, `failed` (the planner gave up, or
-    its answer is none), `timeout` (of `limit_s` of processor time), `crashed`. `solve_s`: what is compared, processor
-    time of HPP, wall time of Foliate. `version`: of the planner, for Foliate the commit. `answer`: the path's file
+    its answer is none), `timeout` (of `limit_s` of processor time), `crashed`. `solve_s`: processor
+    time of HPP, wall time of Foliate; `cpu_s`: processor time of HPP's solve, of Foliate's whole process. `version`: of the planner, for Foliate the commit. `answer`: the path's file
     below the run's folder."""
 
     scene: str
@@ -45,6 +45,12 @@ class Row:
     def key(self) -> tuple[str, str, int, str, str]:
         """What makes a row the same solve: HPP's version is part of it, Foliate's too."""
         return self.scene, self.solver, self.seed, self.series, self.version
+
+    @property
+    def compared_s(self) -> float:
+        """What ratios are made of: at least the solve's processor time, and of Foliate's two bounds of it the smaller
+        one. Its wall time grows on a busy core; that of the whole process has loading in it."""
+        return min(self.solve_s, self.cpu_s) if self.solver == FOLIATE else self.solve_s
 
     @property
     def solved(self) -> bool:

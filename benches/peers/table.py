@@ -42,7 +42,7 @@ def summarise(rows: list[Row], verdicts: Verdicts) -> Summary | None:
     """None without rows."""
     if not rows:
         return None
-    times = [row.solve_s if row.solved else row.limit_s for row in rows]
+    times = [row.compared_s if row.solved else row.limit_s for row in rows]
     good = [row.solved and verdicts.of(row) in (None, VALID) for row in rows]
     valid = [time if fine else row.limit_s for time, fine, row in zip(times, good, rows)]
     solved = sum(row.solved for row in rows)
@@ -143,7 +143,7 @@ def _about(rows: list[Row], main: list[Row], verdicts: Verdicts) -> list[str]:
         "Cells: solved/runs: min / **median** / max, seconds; a solve that gave no answer counts as the limit "
         f"({', '.join(f'{limit:g}' for limit in limits)} s), `>` marks a median that is the limit.",
         "HPP: processor time of the solve, its graph already built. Foliate: wall time from the loaded problem, graph "
-        "building included. Last column: medians with reading models and building the problem (HPP / Foliate, s).",
+        "building included, or processor time of the whole process where that is less. Last column: medians with reading models and building the problem (HPP / Foliate, s).",
     ]
     if unproved:
         lines.append(f"{unproved} answers are not proved yet, and count as valid.")

@@ -118,6 +118,11 @@ class MediansAndRatios(unittest.TestCase):
         self.assertTrue(summary.at_limit)
         self.assertFalse(table.summarise(rows[:1], Verdicts()).at_limit)
 
+    def test_a_busy_core_costs_foliate_no_more_than_its_whole_process(self):
+        busy = row(solver="foliate", solve_s=0.3, wall_s=0.3, cpu_s=0.1)
+        idle = row(solver="foliate", solve_s=0.05, wall_s=0.05, cpu_s=0.1)
+        self.assertEqual([table.summarise([one], Verdicts()).median_s for one in (busy, idle)], [0.1, 0.05])
+
     def test_half_unsolved_is_at_the_limit_too(self):
         summary = table.summarise([row(seed=1, solve_s=1.0), row(seed=2, outcome="timeout")], Verdicts())
         self.assertTrue(summary.at_limit)
