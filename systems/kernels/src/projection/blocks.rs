@@ -125,6 +125,16 @@ impl Block {
         !self.columns_mut().is_empty()
     }
 
+    /// How many of its rows come before those of rotations.
+    pub(super) fn translations(&self) -> usize {
+        match &self.kind {
+            Kind::Pose(pose) => pose.rows[..3].iter().flatten().count(),
+            Kind::Contact(contact) if matches!(contact.part, Part::Complement(_)) => 2,
+            Kind::Contact(_) => 3,
+            _ => self.rows,
+        }
+    }
+
     /// How many moments it works with.
     pub(super) fn moments(&self) -> usize {
         match &self.kind {

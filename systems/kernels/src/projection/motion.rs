@@ -229,7 +229,7 @@ impl Walk<'_> {
             let s = &mut *self.scratch;
             let end = if to_goal { &s.goal } else { &s.next };
             self.space.interpolate(&s.current, end, f64::from(k) / f64::from(parts), &mut s.probe);
-            let residual = self.program.residual(&s.probe, self.arguments, &mut s.solve).unwrap_or(f64::INFINITY);
+            let residual = self.program.longest_error(&s.probe, self.arguments, &mut s.solve).unwrap_or(f64::INFINITY);
             if 2 * k == parts {
                 s.bend = residual / bound;
             }

@@ -189,6 +189,24 @@ impl ConstraintProgram {
     /// configuration or arguments do not fit the program. Objects and locked joints in `q` are not compared.
     #[must_use]
     pub fn residual(&self, q: &[f64], arguments: &[Pose], scratch: &mut Scratch) -> Option<f64> {
+        let checks = self.measure_all(q, arguments, scratch)?;
+        Some(checks.max(largest(&scratch.values[..self.rows()])))
+    }
+
+    /// As [`Self::residual`], but of what is one vector (a translation, a rotation, what a balance asks) the length, which is
+    /// what the bound on second derivatives bounds and what is claimed of a motion.
+    pub(super) fn longest_error(&self, q: &[f64], arguments: &[Pose], scratch: &mut Scratch) -> Option<f64> {
+        let checks = self.measure_all(q, arguments, scratch)?;
+        let length = |rows: &[f64]| rows.iter().map(|e| e * e).sum::<f64>().sqrt();
+        let of_block = |block: &Block| {
+            let (first, second) = scratch.values[block.first..block.first + block.rows].split_at(block.translations());
+            length(first).max(length(second))
+        };
+        Some(self.blocks.iter().map(of_block).fold(checks * 3.0_f64.sqrt(), f64::max))
+    }
+
+    /// Writes the values of all implicit rows, and returns the largest of the checks.
+    fn measure_all(&self, q: &[f64], arguments: &[Pose], scratch: &mut Scratch) -> Option<f64> {
         if !self.fits(q, arguments) {
             return None;
         }
@@ -200,16 +218,11 @@ impl ConstraintProgram {
             bodies::run(steps, q, &scratch.carriages, &mut scratch.X_WJ);
         }
         let checks = self.failed_check(q, arguments, 0.0, scratch).1;
-        Some(checks.max(self.measure(q, arguments, scratch)))
-    }
-
-    /// Values of the implicit rows at the current poses; returns the largest absolute value.
-    fn measure(&self, q: &[f64], arguments: &[Pose], scratch: &mut Scratch) -> f64 {
         let Scratch { X_WJ, decoded, memory, values, .. } = scratch;
         for block in &self.blocks {
             block.linearise(Inputs { q, arguments, decoded, X_WJ }, memory, values, &mut [], 0);
         }
-        largest(&values[..self.rows()])
+        Some(checks)
     }
 
     /// Whether every row is one and the same smooth function everywhere: with a placement that does not keep to its leaf's
