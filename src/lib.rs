@@ -12,7 +12,5 @@ pub mod scene;
 pub use foliate_components as components;
 pub use foliate_kernels as kernels;
 pub use foliate_systems as systems;
-/// The SIMD level of the arithmetic; results are equal bit for bit only at one level.
-pub const SIMD_LEVEL: &str = "scalar";
 
 pub use planner::{FunnelRow, GoalReport, Planner, Report, Solution, StateRow};

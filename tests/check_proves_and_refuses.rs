@@ -58,7 +58,7 @@ fn a_planned_path_passes_and_survives_its_file() {
         models: &models,
         seed: 1,
         scheduler: "mrrt",
-        simd: foliate::SIMD_LEVEL,
+        simd: foliate::kernels::lanes::Level::detected().name(),
     };
     save::save(&write_path(&context, &solution.path.unwrap()), &out).unwrap();
     let file = save::read(&out).unwrap();

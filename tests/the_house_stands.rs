@@ -64,8 +64,20 @@ fn clocks_do_not_reach_the_search() {
 /// Outside `lanes/` nobody names a set of instructions, or the crate that knows them.
 #[test]
 fn only_the_lanes_know_instruction_sets() {
-    let sets =
-        ["fearless_simd", "avx", "Avx", "sse", "Sse", "neon", "Neon", "target_feature", "core::arch", "std::arch"];
+    let sets = [
+        "fearless_simd",
+        "avx",
+        "Avx",
+        "sse2",
+        "Sse2",
+        "sse4",
+        "Sse4",
+        "neon",
+        "Neon",
+        "target_feature",
+        "core::arch",
+        "std::arch",
+    ];
     for folder in ["components/src", "systems/src", "src", "benches", "examples"] {
         assert_absent(folder, &sets, &[]);
     }

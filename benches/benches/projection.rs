@@ -5,115 +5,95 @@
 
 use criterion::{BatchSize, BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main, measurement};
 use foliate::scene::{PackagePath, read_model};
-use foliate_benches::{criterion, random_configurations, sample_model, skipped};
+use foliate_benches::{criterion, random_configurations, sample_model, scene_model, skipped};
 use foliate_components::Pose;
 use foliate_components::constraint::{CentreOfMass, Constraint, Masses, PlaneRow, Row};
-use foliate_components::constraint::{Frame, Grasp, Reference, RelativePose};
+use foliate_components::constraint::{Frame, Reference, RelativePose};
 use foliate_components::pose::pose_to_array;
 use foliate_components::robot::model::Model as RobotModel;
 use foliate_components::robot::{PartIndex, PartKind, PartPlacement, Robot, RootJoint, Source};
 use foliate_components::sample_models;
 use foliate_kernels::constraints::{centre_of_mass, placement_of};
 use foliate_kernels::kinematics::Kinematics;
+use foliate_kernels::lanes::Level;
 use foliate_kernels::projection::{
-    ArgumentBlock, ConstraintProgram, LANES, LaneBlock, LaneMask, Outcome, Scratch, Settings, project, project_batch,
+    ConstraintProgram, Job, Outcome, Scratch, SeedTable, Settings, project, project_batch,
 };
 use foliate_systems::model::PlanningModel;
 use glam::{DQuat, DVec3};
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::time::Instant;
 
-/// Targets; a multiple of the lanes.
+/// Targets.
 const TRIES: usize = 4096;
 
-/// Where a hand that holds a box from above is: over the table, x down, any turn about the vertical. A low-discrepancy
-/// sequence, so that the targets are spread evenly and the same in every run. Not all can be reached.
-fn top_down_targets() -> Vec<Pose> {
+/// Where a hand that holds something from above is: over the table in front of a robot, its x axis down, any turn about the
+/// vertical. A low-discrepancy sequence, so that the targets are spread evenly and the same in every run. Not all can be
+/// reached.
+fn top_down_targets(X_WR: &Pose) -> Vec<Pose> {
     let target = |i: usize| {
         let share = |step: f64| (0.5 + i as f64 * step).fract();
         let at =
             DVec3::new(0.35 + 0.6 * share(0.754_877), -0.6 + 1.2 * share(0.569_840), 0.03 + 0.1 * share(0.819_172));
-        Pose::from_parts(at, DQuat::from_rotation_z(TAU * share(0.671_043)) * DQuat::from_rotation_y(FRAC_PI_2))
+        let turn = DQuat::from_rotation_z(TAU * share(0.671_043)) * DQuat::from_rotation_y(FRAC_PI_2);
+        *X_WR * Pose::from_parts(at, turn)
     };
     (0..TRIES).map(target).collect()
 }
 
-/// The hand at a pose that is an argument: six rows, seven columns.
-fn reach(model: &PlanningModel) -> ConstraintProgram {
+/// A gripper at a pose that is an argument: six rows, seven columns.
+fn reach(model: &PlanningModel, gripper: &str) -> ConstraintProgram {
     let robot = &model.problem.robot;
-    let grasp = Grasp::new(robot, robot.gripper("arm/hand").unwrap(), robot.handle("box0/top").unwrap()).unwrap();
-    let rows = RelativePose::rigid(Frame::world(Pose::identity()), grasp.gripper, Reference::Argument(0));
+    let gripper = &robot.grippers[robot.gripper(gripper).unwrap().at()];
+    let frame = Frame::on_link(robot, gripper.link, &gripper.link_from_gripper);
+    let rows = RelativePose::rigid(Frame::world(Pose::identity()), frame, Reference::Argument(0));
     let program =
         ConstraintProgram::compile(robot, &model.kinematics, &[Constraint::RelativePose(rows)], &[], &[]).unwrap();
     assert_eq!((program.active().len(), program.rows()), (7, 6));
     program
 }
 
-/// Blocks of starts.
-fn blocks_of(starts: &[Vec<f64>]) -> Vec<LaneBlock> {
-    let block = |lanes: &[Vec<f64>]| {
-        let mut block = LaneBlock::new(lanes[0].len());
-        lanes.iter().enumerate().for_each(|(lane, q)| block.set(lane, q));
-        block
-    };
-    starts.chunks(LANES).map(block).collect()
+/// Starts from the table of seeds: for each target the nearest.
+fn seeded(model: &PlanningModel, program: &ConstraintProgram, starts: &[Vec<f64>], targets: &[Pose]) -> Vec<Vec<f64>> {
+    let started = Instant::now();
+    let table = SeedTable::new(&model.problem.robot, program.hand().unwrap()).unwrap();
+    println!("a table of seeds: {:.1} ms, {} bytes", started.elapsed().as_secs_f64() * 1e3, table.bytes());
+    let mut scratch = Scratch::default();
+    let mut starts = starts.to_vec();
+    let started = Instant::now();
+    for (q, target) in starts.iter_mut().zip(targets) {
+        let target = program.seed_target(q, std::slice::from_ref(target), &mut scratch).unwrap();
+        let nearest = table.nearest(Level::detected(), &target)[0];
+        table.coordinates().iter().zip(table.seed(nearest as usize)).for_each(|(&i, &x)| q[i] = x);
+    }
+    println!("looking one up: {:.2} us", started.elapsed().as_secs_f64() * 1e6 / targets.len() as f64);
+    starts
 }
 
-fn arguments_of(targets: &[Pose]) -> Vec<ArgumentBlock> {
-    let block = |lanes: &[Pose]| {
-        let mut block = ArgumentBlock::new(1);
-        lanes.iter().enumerate().for_each(|(lane, pose)| block.set(0, lane, pose));
-        block
-    };
-    targets.chunks(LANES).map(block).collect()
-}
-
-/// Of many configurations the one whose hand is nearest to each target: what a table of reachable seeds would give.
-fn seeded(model: &PlanningModel, targets: &[Pose]) -> Vec<Vec<f64>> {
-    let robot = &model.problem.robot;
-    let hand = robot.gripper("arm/hand").unwrap();
-    let frame = placement_of(&Frame::on_link(
-        robot,
-        robot.grippers[hand.at()].link,
-        &robot.grippers[hand.at()].link_from_gripper,
-    ));
-    let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
-    let table: Vec<(Vec<f64>, Pose)> = random_configurations(robot, 20_000)
-        .into_iter()
-        .map(|q| {
-            model.kinematics.forward(&q, &mut X_WJ);
-            (q, frame.in_world(&X_WJ))
-        })
-        .collect();
-    let gap = |a: &Pose, b: &Pose| {
-        let turn = 1.0 - a.rotation.dot(b.rotation).abs();
-        a.translation.distance(b.translation) + turn
-    };
-    let nearest = |target: &Pose| table.iter().min_by(|a, b| gap(&a.1, target).total_cmp(&gap(&b.1, target))).unwrap();
-    targets.iter().map(|target| nearest(target).0.clone()).collect()
-}
-
-/// One pass over all blocks: how many tries succeed, and in how many iterations.
+/// One pass over all problems: how many succeed, and in how many evaluations of the rows.
 fn pass(
     program: &ConstraintProgram,
-    blocks: &mut [LaneBlock],
-    arguments: &[ArgumentBlock],
+    starts: &mut [Vec<f64>],
+    targets: &[Pose],
+    settings: &Settings,
     scratch: &mut Scratch,
 ) -> (u32, u32) {
-    let (mut solved, mut iterations) = (0, 0);
-    let mut outcomes = [Outcome::Idle; LANES];
-    for (block, arguments) in blocks.iter_mut().zip(arguments) {
-        project_batch(program, block, arguments, LaneMask::ALL, &Settings::default(), &mut outcomes, scratch);
-        for outcome in &outcomes {
-            match outcome {
-                Outcome::Converged { iterations: n, .. } => (solved, iterations) = (solved + 1, iterations + n),
-                Outcome::Stagnated { iterations: n, .. } => iterations += n,
-                _ => iterations += Settings::default().iterations,
-            }
+    let jobs = starts.iter_mut().zip(targets.chunks(1));
+    let mut jobs: Vec<_> = jobs.map(|(q, target)| Job::new(q, target)).collect();
+    project_batch(program, &mut jobs, settings, scratch);
+    let (mut solved, mut evaluations) = (0, 0);
+    for job in &jobs {
+        match job.outcome {
+            Outcome::Converged { iterations: n, .. } => (solved, evaluations) = (solved + 1, evaluations + n + 1),
+            Outcome::Stagnated { iterations: n, .. } => evaluations += n + 1,
+            _ => evaluations += settings.iterations + 1,
         }
     }
-    (solved, iterations)
+    (solved, evaluations)
 }
+
+/// Problems between two looks at the clock: few enough for one turn on a busy machine.
+const SLICE: usize = 256;
 
 fn bench_starts(
     group: &mut BenchmarkGroup<'_, measurement::WallTime>,
@@ -122,31 +102,40 @@ fn bench_starts(
     starts: &[Vec<f64>],
     targets: &[Pose],
 ) {
-    let (blocks, arguments) = (blocks_of(starts), arguments_of(targets));
     let mut scratch = Scratch::default();
-    let mut best = f64::INFINITY;
-    let (mut solved, mut iterations) = (0, 0);
-    for _ in 0..5 {
-        let mut fresh = blocks.clone();
-        let started = Instant::now();
-        (solved, iterations) = pass(program, &mut fresh, &arguments, &mut scratch);
-        best = best.min(started.elapsed().as_secs_f64());
-    }
-    println!(
-        "{name}: of {} tries {:.1} % succeed, {:.1} Newton steps and {:.2} us per try, {:.2} us per success",
-        starts.len(),
-        100.0 * f64::from(solved) / starts.len() as f64,
-        f64::from(iterations) / starts.len() as f64,
-        best * 1e6 / starts.len() as f64,
-        best * 1e6 / f64::from(solved.max(1)),
-    );
-    group.bench_function(name, |b| {
-        b.iter_batched_ref(
-            || blocks.clone(),
-            |blocks| pass(program, blocks, &arguments, &mut scratch),
-            BatchSize::LargeInput,
+    let levels = if program.is_for_lanes() { Level::available() } else { vec![Level::scalar()] };
+    for level in levels {
+        let settings = Settings { level, ..Settings::default() };
+        let (mut time, mut solved, mut evaluations) = (0.0, 0, 0);
+        for (starts, targets) in starts.chunks(SLICE).zip(targets.chunks(SLICE)) {
+            let mut best = f64::INFINITY;
+            let mut counts = (0, 0);
+            for _ in 0..20 {
+                let mut fresh = starts.to_vec();
+                let started = Instant::now();
+                counts = pass(program, &mut fresh, targets, &settings, &mut scratch);
+                best = best.min(started.elapsed().as_secs_f64());
+            }
+            (time, solved, evaluations) = (time + best, solved + counts.0, evaluations + counts.1);
+        }
+        println!(
+            "{name}, {level}: of {} tries {:.1} % succeed; {:.1} evaluations and {:.2} us per try, {:.2} us per success, \
+             {:.0} ns per evaluation and step",
+            starts.len(),
+            100.0 * f64::from(solved) / starts.len() as f64,
+            f64::from(evaluations) / starts.len() as f64,
+            time * 1e6 / starts.len() as f64,
+            time * 1e6 / f64::from(solved.max(1)),
+            time * 1e9 / f64::from(evaluations.max(1)),
         );
-    });
+        group.bench_function(format!("{name}, {level}"), |b| {
+            b.iter_batched_ref(
+                || starts.to_vec(),
+                |starts| pass(program, starts, targets, &settings, &mut scratch),
+                BatchSize::LargeInput,
+            );
+        });
+    }
 }
 
 /// A humanoid that stands: the sample in code, or a published one.
@@ -273,14 +262,22 @@ fn bench_humanoid(c: &mut Criterion, humanoid: &Humanoid) {
 fn bench(c: &mut Criterion) {
     bench_humanoid(c, &Humanoid::sample());
     Humanoid::talos().iter().for_each(|talos| bench_humanoid(c, talos));
-    let model = sample_model();
-    let (program, targets) = (reach(&model), top_down_targets());
+    bench_reach(c, "sample arm", &sample_model(), "arm/hand", &Pose::identity());
+    // The shoulders stand over the pedestal, a table's top a little below them.
+    let baxter = scene_model("baxter-case4");
+    let below = Pose::from_translation(DVec3::new(-0.8, 0.8, 0.726));
+    baxter.iter().for_each(|model| bench_reach(c, "baxter", model, "baxter/l_gripper", &below));
+}
+
+fn bench_reach(c: &mut Criterion, name: &str, model: &PlanningModel, gripper: &str, X_WR: &Pose) {
+    let (program, targets) = (reach(model, gripper), top_down_targets(X_WR));
     assert!(targets.iter().all(|t| pose_to_array(t).iter().all(|x| x.is_finite())));
-    let mut group = c.benchmark_group("projection/7x6");
+    let mut group = c.benchmark_group(format!("projection/{name} 7x6"));
     group.throughput(Throughput::Elements(TRIES as u64)).sample_size(20);
     let random = random_configurations(&model.problem.robot, TRIES);
     bench_starts(&mut group, "random start", &program, &random, &targets);
-    bench_starts(&mut group, "seeded start", &program, &seeded(&model, &targets), &targets);
+    let seeded = seeded(model, &program, &random, &targets);
+    bench_starts(&mut group, "seeded start", &program, &seeded, &targets);
     group.finish();
 }
 

@@ -215,7 +215,7 @@ impl Batch {
             models: &models,
             seed,
             scheduler: self.scheduler.name(),
-            simd: crate::SIMD_LEVEL,
+            simd: self.settings.search.level.name(),
         };
         save::save(&write_path(&context, path), &file)
     }

@@ -94,7 +94,7 @@ impl Table {
             env!("CARGO_PKG_VERSION"),
             self.scheduler,
             changed(&self.search),
-            crate::SIMD_LEVEL,
+            self.search.level,
             self.machine,
             self.date
         );
@@ -133,6 +133,7 @@ fn changed(search: &SearchSettings) -> String {
         seed: default.seed,
         candidates: default.candidates,
         selection: default.selection,
+        level: default.level,
         ..search.clone()
     };
     if told != default {

@@ -255,7 +255,7 @@ mod tests {
             models: &models,
             seed: 1,
             scheduler: "mrrt",
-            simd: crate::SIMD_LEVEL,
+            simd: foliate_kernels::lanes::Level::detected().name(),
         };
         write_path(&context, &planner.solve().path.unwrap())
     }

@@ -30,7 +30,7 @@ pub(crate) struct Arguments {
     #[arg(long, default_value = "mrrt")]
     scheduler: String,
     #[command(flatten)]
-    tuning: Tuning,
+    pub(crate) tuning: Tuning,
     /// One JSON object instead of text
     #[arg(long)]
     json: bool,
@@ -101,7 +101,7 @@ fn object(table: &Table, rows: &[Row]) -> Value {
         "machine": table.machine.to_string(),
         "date": table.date,
         "scheduler": table.scheduler,
-        "simd": foliate::SIMD_LEVEL,
+        "simd": table.search.level.name(),
         "candidates": table.search.candidates,
         "selection": format!("{:?}", table.search.selection),
         "seeds": table.seeds.to_string(),

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]
-    search: SearchArguments,
+    pub(crate) search: SearchArguments,
     /// Write the path to this file
     #[arg(long, value_name = "PATH.json")]
     out: Option<PathBuf>,

@@ -12,6 +12,7 @@ mod story;
 mod summary;
 
 use clap::{Parser, Subcommand};
+use foliate::kernels::lanes::Level;
 use foliate::scene::{PackagePath, SceneError};
 use std::io::Write;
 use std::path::PathBuf;
@@ -24,9 +25,10 @@ struct Cli {
     /// Directory that holds packages, for package:// URLs; may be given several times
     #[arg(long, global = true, value_name = "DIR")]
     package_path: Vec<PathBuf>,
-    /// SIMD level of the arithmetic; results are equal bit for bit only at one level
-    #[arg(long, global = true, value_name = "LEVEL", value_parser = [foliate::SIMD_LEVEL])]
-    simd: Option<String>,
+    /// SIMD level of the arithmetic, instead of the best that this machine has; results are equal bit for bit only at one
+    /// level
+    #[arg(long, global = true, value_name = "LEVEL", value_parser = Level::named)]
+    simd: Option<Level>,
     #[command(subcommand)]
     command: Command,
 }
@@ -41,6 +43,19 @@ enum Command {
     Inspect(inspect::Arguments),
     Models(models::Arguments),
     Scenes(scenes::Arguments),
+}
+
+impl Command {
+    /// Makes a command that searches do so at a level.
+    fn force(&mut self, level: Level) {
+        match self {
+            Self::Demo(arguments) => arguments.search.tuning.level = level,
+            Self::Solve(arguments) => arguments.search.tuning.level = level,
+            Self::Bench(arguments) => arguments.tuning.level = level,
+            // These do not search.
+            Self::Check(_) | Self::Graph(_) | Self::Inspect(_) | Self::Models(_) | Self::Scenes(_) => {}
+        }
+    }
 }
 
 /// How a command ended that did what it was asked.
@@ -62,7 +77,10 @@ impl From<SceneError> for Refusal {
 
 /// Reads the command line, runs the command, tells how it ended.
 pub(crate) fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let mut cli = Cli::parse();
+    if let Some(level) = cli.simd {
+        cli.command.force(level);
+    }
     let packages = PackagePath::from_environment(&cli.package_path);
     let ending = match &cli.command {
         Command::Demo(arguments) => demo::run(arguments, &packages),

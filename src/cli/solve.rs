@@ -3,6 +3,7 @@
 use super::summary::{self, Loaded};
 use super::{Ending, Refusal, print, print_json, say};
 use foliate::components::outcome::SearchOutcome;
+use foliate::kernels::lanes::Level;
 use foliate::path_file::{PathContext, save, write_path};
 use foliate::scene::{PackagePath, Scene, load_scene};
 use foliate::systems::events::SearchEvent;
@@ -19,7 +20,7 @@ pub(crate) struct Arguments {
     /// A shipped scene's name, or a scene file
     scene: String,
     #[command(flatten)]
-    search: SearchArguments,
+    pub(crate) search: SearchArguments,
     /// Write the path to this file
     #[arg(long, value_name = "PATH.json")]
     out: Option<PathBuf>,
@@ -56,6 +57,9 @@ pub(crate) struct Tuning {
     /// How a node to extend is chosen
     #[arg(long, value_enum, default_value_t = SelectionRule::Guided, value_name = "RULE")]
     pub selection: SelectionRule,
+    /// What `--simd` says, or the best that this machine has.
+    #[arg(skip)]
+    pub level: Level,
 }
 
 impl Tuning {
@@ -64,6 +68,7 @@ impl Tuning {
             seed,
             candidates: usize::from(self.candidates),
             selection: self.selection.into(),
+            level: self.level,
             ..SearchSettings::default()
         }
     }
@@ -214,7 +219,7 @@ pub(crate) fn write(
         models: &models,
         seed: arguments.seed,
         scheduler: &arguments.scheduler,
-        simd: foliate::SIMD_LEVEL,
+        simd: arguments.tuning.level.name(),
     };
     save::save(&write_path(&context, path), out).map_err(|e| Refusal(e.to_string()))
 }

@@ -123,7 +123,7 @@ pub(crate) fn json(loaded: &Loaded<'_>, search: &SearchArguments, solution: &Sol
         "seed": search.seed,
         "scheduler": search.scheduler,
         "threads": search.threads,
-        "simd": foliate::SIMD_LEVEL,
+        "simd": search.tuning.level.name(),
         "outcome": solution.outcome.name(),
         "reason": reason,
         "load_ms": loaded.load_time.as_secs_f64() * 1e3,

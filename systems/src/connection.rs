@@ -85,7 +85,7 @@ pub fn certify_connections(
     leaves: Res<'_, LeafIndex>,
     mut connections: ResMut<'_, Connections>,
 ) {
-    let scratch = || (CollisionScratch::new(), MotionScratch::default());
+    let scratch = || (CollisionScratch::at_level(settings.level), MotionScratch::default());
     let bridges = Bridges::new(&connections.0, &roadmap);
     connections.0.par_iter_mut().enumerate().for_each_init(scratch, |scratch, (index, connection)| {
         if !stop.is_raised() && !bridges.is_needless(index) {

@@ -25,7 +25,7 @@ use foliate_kernels::collision::{
     CollisionScene, CollisionScratch, Contact, PairId, PairRule, PairSet, first_collision,
 };
 use foliate_kernels::kinematics::{Carriage, Kinematics};
-use foliate_kernels::projection::CompileError;
+use foliate_kernels::projection::{CompileError, SeedTable};
 use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
 
@@ -102,6 +102,9 @@ pub struct ProblemTables {
     locked: Vec<(usize, f64)>,
     /// Every pair, for verdicts.
     all_pairs: PairSet,
+    /// Starts for solves that bring a gripper somewhere, by the body that carries it; 0.4 MB each. They follow from the
+    /// robots' models alone.
+    seeds: Vec<SeedTable>,
 }
 
 /// What is compiled of a state.
@@ -634,7 +637,22 @@ impl Model {
     }
 }
 
+/// One table for each body that carries a gripper and hangs on an arm of its own.
+fn seed_tables(robot: &Robot) -> Vec<SeedTable> {
+    let mut tips: Vec<JointIndex> =
+        robot.grippers.iter().filter_map(|gripper| robot.links[gripper.link.at()].joint).collect();
+    tips.sort_unstable();
+    tips.dedup();
+    tips.into_iter().filter_map(|tip| SeedTable::new(robot, tip)).collect()
+}
+
 impl ProblemTables {
+    /// Starts for solves that bring this body somewhere, where there are any.
+    #[must_use]
+    pub fn seeds(&self, tip: JointIndex) -> Option<&SeedTable> {
+        self.seeds.iter().find(|table| table.tip() == tip)
+    }
+
     fn new(problem: Problem, objects: Vec<ObjectModel>) -> Self {
         let robot = &problem.robot;
         let locked_joints = locked_joints(&problem);
@@ -660,6 +678,7 @@ impl ProblemTables {
             robot_weights,
             locked: locked_coordinates(&problem),
             all_pairs: PairSet::new(&collision, &[], &[]),
+            seeds: seed_tables(robot),
             collision,
             objects,
             problem,

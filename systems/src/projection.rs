@@ -1,7 +1,7 @@
 //! Set Project: the waypoints of each candidate, leg by leg (P1 Alg. 2 lines 2-6, with P0's waypoints).
 //!
-//! Candidates that try the same transition share its constraint programs, so they are projected side by side in blocks of
-//! lanes. Right-hand sides (where the near node's leaf has the objects, which leaf was drawn) are arguments of the solve.
+//! Candidates that try the same transition share its constraint programs, so they are projected side by side, one per lane.
+//! Right-hand sides (where the near node's leaf has the objects, which leaf was drawn) are arguments of the solve.
 
 use crate::constraint_programs::{LegProgram, parameter_in};
 use crate::events::StopSignal;
@@ -19,12 +19,15 @@ use foliate_components::leaf::{LeafIndex, Parameter, ParameterId};
 use foliate_components::outcome::Rejection;
 use foliate_components::roadmap::Roadmap;
 use foliate_kernels::kinematics::Carriage;
-use foliate_kernels::projection::{
-    ArgumentBlock, LANES, LaneBlock, LaneMask, Outcome, Scratch as NewtonScratch, Settings as NewtonSettings,
-    project_batch,
-};
+use foliate_kernels::projection::{Job, Scratch as NewtonScratch, Settings as NewtonSettings, project_batch};
 use rand::RngExt;
 use rayon::prelude::*;
+
+/// Fewer candidates than these are not worth another thread.
+const LEAST_SHARED: usize = 8;
+
+/// Seeds among which one is drawn, of the sixteen that are found near a grasp.
+const NEAR_SEEDS: usize = 8;
 
 /// What a system reads of the world.
 struct Context<'a> {
@@ -50,8 +53,6 @@ struct Lane<'a> {
 /// Buffers of one thread.
 struct Scratch {
     newton: NewtonScratch,
-    block: LaneBlock,
-    arguments: ArgumentBlock,
     X_WJ: Vec<Pose>,
 }
 
@@ -85,11 +86,12 @@ pub fn project_waypoints(
         .zip(random.chunks_exact(size))
         .filter_map(|((candidate, legs), random)| Lane::start(&context, candidate, legs, random))
         .collect();
-    // Stable: within a transition the order stays that of the candidates, so blocks do not depend on anything else.
+    // What becomes of a candidate does not depend on who shares its queue, so queues may be as long as threads allow.
     lanes.sort_by_key(|lane| lane.candidate.transition);
+    let longest = lanes.len().div_ceil(rayon::current_num_threads()).max(LEAST_SHARED);
     let mut blocks: Vec<&mut [Lane<'_>]> = Vec::new();
     for same in lanes.chunk_by_mut(|a, b| a.candidate.transition == b.candidate.transition) {
-        blocks.extend(same.chunks_mut(LANES));
+        blocks.extend(same.chunks_mut(longest));
     }
     blocks
         .into_par_iter()
@@ -98,12 +100,7 @@ pub fn project_waypoints(
 
 impl Scratch {
     fn new(model: &PlanningModel) -> Self {
-        Self {
-            newton: NewtonScratch::default(),
-            block: LaneBlock::new(model.problem.robot.space.size()),
-            arguments: ArgumentBlock::default(),
-            X_WJ: vec![Pose::identity(); model.kinematics.bodies()],
-        }
+        Self { newton: NewtonScratch::default(), X_WJ: vec![Pose::identity(); model.kinematics.bodies()] }
     }
 }
 
@@ -135,7 +132,7 @@ impl<'a> Lane<'a> {
 }
 
 impl Context<'_> {
-    /// Projects up to eight candidates of one transition, all legs.
+    /// Projects candidates of one transition, all legs.
     fn project_block(&self, lanes: &mut [Lane<'_>], scratch: &mut Scratch) {
         let Some(id) = lanes.first().and_then(|lane| lane.candidate.transition) else { return };
         let transition = self.model.graph.transition(id);
@@ -179,39 +176,31 @@ impl Context<'_> {
             return lanes.iter_mut().for_each(|lane| lane.candidate.reject(lost));
         };
         let next_state = self.state_after(id, number);
-        let mut active = LaneMask::default();
-        scratch.arguments = ArgumentBlock::new(program.program.arguments());
-        for (slot, lane) in lanes.iter().enumerate().filter(|(_, lane)| lane.candidate.is_alive()) {
-            active.0 |= 1 << slot;
-            scratch.block.set(slot, &self.seed(program, leg, lane));
-            let drawn = lane.candidate.drawn;
-            let arguments = program.arguments(self.model, self.leaves, leg.state, &lane.parameters, drawn);
-            for (number, argument) in arguments.iter().enumerate().take(scratch.arguments.slots()) {
-                scratch.arguments.set(number, slot, argument);
-            }
-        }
         let settings = NewtonSettings {
             tolerance: self.settings.projection_tolerance,
             iterations: self.settings.projection_iterations,
+            level: self.settings.level,
             ..NewtonSettings::default()
         };
-        let mut outcomes = [Outcome::Idle; LANES];
-        project_batch(
-            &program.program,
-            &mut scratch.block,
-            &scratch.arguments,
-            active,
-            &settings,
-            &mut outcomes,
-            &mut scratch.newton,
-        );
-        for (slot, lane) in lanes.iter_mut().enumerate().filter(|&(slot, _)| active.contains(slot)) {
-            if !outcomes[slot].is_converged() {
+        let mut solves: Vec<(Vec<f64>, Vec<Pose>)> = Vec::new();
+        let mut lanes: Vec<_> = lanes.iter_mut().filter(|lane| lane.candidate.is_alive()).collect();
+        for lane in &lanes {
+            let drawn = lane.candidate.drawn;
+            let arguments = program.arguments(self.model, self.leaves, leg.state, &lane.parameters, drawn);
+            let mut start = self.start(program, leg, lane);
+            if !leg.short {
+                self.start_near(program, &arguments, lane, number, &mut start, &mut scratch.newton);
+            }
+            solves.push((start, arguments));
+        }
+        let mut jobs: Vec<_> = solves.iter_mut().map(|(q, arguments)| Job::new(q, arguments)).collect();
+        project_batch(&program.program, &mut jobs, &settings, &mut scratch.newton);
+        let converged: Vec<bool> = jobs.iter().map(|job| job.outcome.is_converged()).collect();
+        for ((lane, (mut end, _)), converged) in lanes.iter_mut().zip(solves).zip(converged) {
+            if !converged {
                 lane.candidate.reject(Rejection::ProjectionFailed(number as u8));
                 continue;
             }
-            let mut end = lane.q.clone();
-            scratch.block.get(slot, &mut end);
             let parameters = self.arrive(leg.state, next_state, lane, &mut end, &mut scratch.X_WJ);
             let mut knots = std::mem::take(&mut lane.q);
             knots.extend_from_slice(&end);
@@ -239,7 +228,7 @@ impl Context<'_> {
 
     /// Where the solve starts: at the leg's own start for short legs, else at q_rand, with idle coordinates keeping still
     /// for some candidates.
-    fn seed(&self, program: &LegProgram, leg: &Leg, lane: &Lane<'_>) -> Vec<f64> {
+    fn start(&self, program: &LegProgram, leg: &Leg, lane: &Lane<'_>) -> Vec<f64> {
         if leg.short {
             return lane.q.clone();
         }
@@ -252,6 +241,37 @@ impl Context<'_> {
         }
         self.model.lock(&mut seed);
         seed
+    }
+
+    /// For some candidates, moves the joints of the arm that a leg brings to a grasp to where its hand is near it: to one of
+    /// the nearest configurations of a table, drawn at random so that candidates differ.
+    fn start_near(
+        &self,
+        program: &LegProgram,
+        arguments: &[Pose],
+        lane: &Lane<'_>,
+        leg: usize,
+        start: &mut [f64],
+        scratch: &mut NewtonScratch,
+    ) {
+        if self.settings.seeded_probability <= 0.0 {
+            return;
+        }
+        let Some(table) = program.program.hand().and_then(|tip| self.model.seeds(tip)) else { return };
+        let mut rng = stream(self.settings.seed, Purpose::Seed, self.step, lane.candidate.index);
+        // Legs draw one after another.
+        let mut numbers = [0.0; 2];
+        (0..=leg).for_each(|_| numbers = rng.random());
+        let [chance, which] = numbers;
+        if chance >= self.settings.seeded_probability {
+            return;
+        }
+        let Some(target) = program.program.seed_target(start, arguments, scratch) else { return };
+        let nearest = table.nearest(self.settings.level, &target);
+        let drawn = nearest[((which * NEAR_SEEDS as f64) as usize).min(NEAR_SEEDS - 1)];
+        for (&coordinate, &x) in table.coordinates().iter().zip(table.seed(drawn as usize)) {
+            start[coordinate] = x;
+        }
     }
 
     /// Whether a lane's configuration, which lies in `state`, lies in `next` too: what `next` demands beyond `state` holds

@@ -17,6 +17,8 @@ pub enum Purpose {
     Still = 4,
     /// Choosing leaves to extend and to aim at.
     Aim = 6,
+    /// Choosing among seeds that are near a grasp.
+    Seed = 9,
     /// Configurations for goals that name only object poses.
     Goal = 5,
 }

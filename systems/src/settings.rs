@@ -1,6 +1,7 @@
 //! What a user may change about a search. Each field states its meaning and unit; defaults serve every shipped scene.
 
 use bevy_ecs::prelude::Resource;
+use foliate_kernels::lanes::Level;
 
 /// How a node to extend is chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -48,6 +49,11 @@ pub struct SearchSettings {
     pub projection_tolerance: f64,
     /// Newton iterations per projection.
     pub projection_iterations: u32,
+    /// Probability that the joints of an arm which a waypoint brings to a grasp start from a configuration whose hand is near
+    /// it already (a table of 4096 per arm), instead of from q_rand.
+    pub seeded_probability: f64,
+    /// Instructions with which lanes work. Part of the answer: results are equal bit for bit only at one level.
+    pub level: Level,
     /// Bound that residuals keep between knots, metres and radians.
     pub path_tolerance: f64,
     /// Clearance demanded beyond every margin, metres: room for the rounding of other people's checkers.
@@ -82,6 +88,8 @@ impl Default for SearchSettings {
             connect_neighbours: 7,
             projection_tolerance: 1e-6,
             projection_iterations: 40,
+            seeded_probability: 0.0,
+            level: Level::detected(),
             path_tolerance: 2e-4,
             clearance_guard: 1e-5,
             prefix_resolution: 0.125,

@@ -14,6 +14,7 @@ use foliate_kernels::collision::{
     CertificateSettings, CollisionScratch, Contact, PairSet, PolylineVerdict, certify_polyline,
 };
 use foliate_kernels::kinematics::Carriage;
+use foliate_kernels::lanes::Level;
 use rayon::prelude::*;
 
 /// Buffers of one thread.
@@ -23,8 +24,8 @@ struct Scratch {
 }
 
 impl Scratch {
-    fn new(model: &PlanningModel) -> Self {
-        Self { collision: CollisionScratch::new(), X_WJ: vec![Pose::identity(); model.kinematics.bodies()] }
+    fn new(model: &PlanningModel, level: Level) -> Self {
+        Self { collision: CollisionScratch::at_level(level), X_WJ: vec![Pose::identity(); model.kinematics.bodies()] }
     }
 }
 
@@ -44,7 +45,7 @@ pub fn certify_legs(
     let CandidateArena { legs, complete, .. } = &mut *arena;
     let slots = legs.par_iter_mut().zip(complete.par_iter_mut());
     pool.par_iter_mut().zip(slots).for_each_init(
-        || Scratch::new(&model),
+        || Scratch::new(&model, settings.level),
         |scratch, (candidate, (legs, complete))| {
             if stop.is_raised() {
                 candidate.reject(Rejection::Stopped);

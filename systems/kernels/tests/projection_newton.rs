@@ -12,8 +12,7 @@ use foliate_components::sample_models as models;
 use foliate_kernels::constraints::{placement, placement_of, relative_pose};
 use foliate_kernels::kinematics::Kinematics;
 use foliate_kernels::projection::{
-    ArgumentBlock, CarriageTemplate, CompileError, ConstraintProgram, LANES, LaneBlock, LaneMask, Outcome, Relation,
-    Scratch, Settings, project, project_batch,
+    CarriageTemplate, CompileError, ConstraintProgram, Outcome, Relation, Scratch, Settings, project,
 };
 use glam::DVec3;
 use rand::SeedableRng;
@@ -308,42 +307,6 @@ fn a_leaf_parameter_never_drifts() {
         let first = written.get_or_insert_with(|| numbers.clone());
         assert!(first.iter().zip(&numbers).all(|(a, b)| a.to_bits() == b.to_bits()));
     }
-}
-
-#[test]
-fn lanes_are_the_scalar_solve_bit_for_bit() {
-    let mut bench = Bench::new(19);
-    let program = reach(&bench);
-    let gripper = placement_of(&bench.grasp("left/hand", "block/top").gripper);
-    let settings = Settings::default();
-    for round in 0..20 {
-        let active = if round % 2 == 0 { LaneMask::ALL } else { LaneMask(0b0101_1010) };
-        let mut block = LaneBlock::new(bench.robot.space.size());
-        let mut arguments = ArgumentBlock::new(program.arguments());
-        let mut expected = Vec::new();
-        for lane in 0..LANES {
-            let target = bench.random();
-            let X_WT = gripper.in_world(&bench.poses(&target));
-            let mut q = bench.random();
-            block.set(lane, &q);
-            arguments.set(0, lane, &X_WT);
-            let mut outcome = Outcome::Idle;
-            if active.contains(lane) {
-                outcome = project(&program, &mut q, &[X_WT], &settings, &mut bench.scratch);
-            }
-            expected.push((q, outcome));
-        }
-        let mut outcomes = [Outcome::Malformed; LANES];
-        project_batch(&program, &mut block, &arguments, active, &settings, &mut outcomes, &mut bench.scratch);
-        let mut q = bench.robot.space.neutral();
-        for (lane, (expected, outcome)) in expected.iter().enumerate() {
-            block.get(lane, &mut q);
-            assert!(q.iter().zip(expected).all(|(a, b)| a.to_bits() == b.to_bits()));
-            assert_eq!(outcomes[lane], *outcome);
-        }
-    }
-    assert_eq!(LaneMask::first(3), LaneMask(0b111));
-    assert_eq!(LaneMask::first(8), LaneMask::ALL);
 }
 
 #[test]

@@ -2,7 +2,9 @@
 
 use super::scalar::Portable;
 use super::vector::Isa;
-use fearless_simd::{Level as Detected, Simd};
+#[cfg(any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64", target_arch = "wasm32"))]
+use fearless_simd::Level as Detected;
+use fearless_simd::Simd;
 
 /// A set of instructions for the lanes that this machine has. Results are equal bit for bit only at one level.
 #[derive(Clone, Copy, Debug)]
@@ -44,7 +46,34 @@ impl Level {
     /// The best that this machine has.
     #[must_use]
     pub fn detected() -> Self {
-        Self::available().first().copied().unwrap_or_else(Self::scalar)
+        Self::best().unwrap_or_else(Self::scalar)
+    }
+
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    fn best() -> Option<Self> {
+        let detected = Detected::new();
+        let wide = detected.as_avx512().map(|isa| Self(Kind::Avx512(isa)));
+        wide.or_else(|| detected.as_avx2().map(|isa| Self(Kind::Avx2(isa))))
+    }
+
+    #[cfg(target_arch = "aarch64")]
+    fn best() -> Option<Self> {
+        Detected::new().as_neon().map(|isa| Self(Kind::Neon(isa)))
+    }
+
+    #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+    fn best() -> Option<Self> {
+        Detected::new().as_wasm_simd128().map(|isa| Self(Kind::Simd128(isa)))
+    }
+
+    #[cfg(not(any(
+        target_arch = "x86",
+        target_arch = "x86_64",
+        target_arch = "aarch64",
+        all(target_arch = "wasm32", target_feature = "simd128")
+    )))]
+    fn best() -> Option<Self> {
+        None
     }
 
     /// One lane after another, on every machine.
@@ -56,18 +85,11 @@ impl Level {
     /// All that this machine has, best first; `scalar` is the last.
     #[must_use]
     pub fn available() -> Vec<Self> {
-        let mut levels = Vec::new();
-        let detected = Detected::new();
+        let mut levels: Vec<Self> = Self::best().into_iter().collect();
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        {
-            levels.extend(detected.as_avx512().map(|isa| Self(Kind::Avx512(isa))));
-            levels.extend(detected.as_avx2().map(|isa| Self(Kind::Avx2(isa))));
+        if matches!(levels.as_slice(), [Self(Kind::Avx512(_))]) {
+            levels.extend(Detected::new().as_avx2().map(|isa| Self(Kind::Avx2(isa))));
         }
-        #[cfg(target_arch = "aarch64")]
-        levels.extend(detected.as_neon().map(|isa| Self(Kind::Neon(isa))));
-        #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-        levels.extend(detected.as_wasm_simd128().map(|isa| Self(Kind::Simd128(isa))));
-        let _ = detected;
         levels.push(Self::scalar());
         levels
     }

@@ -1,5 +1,7 @@
 //! Small dense linear algebra on slices that the caller owns; nothing here allocates.
 
+mod lane_ldlt;
 mod ldlt;
 
+pub(crate) use lane_ldlt::{LaneMatrix, solve_damped_lanes};
 pub use ldlt::{damped_gram, factor, solve, solve_damped};

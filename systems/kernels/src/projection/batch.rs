@@ -1,155 +1,140 @@
-//! Blocks of candidates: one candidate per lane.
-//!
-//! The arithmetic inside is scalar still; the layout and the signature are those of the lanes to come.
+//! Many problems of one program: one per lane, refilled from the queue as lanes end.
 
+use super::bodies;
+use super::lane_newton::{End, LaneMemory, Queue, solve};
+use super::lane_program::LaneProgram;
 use super::newton::{Outcome, Settings, project};
 use super::program::ConstraintProgram;
 use super::scratch::Scratch;
+use crate::kinematics::POSE_ROWS;
+use crate::lanes::Level;
 use foliate_components::Pose;
-use foliate_components::pose::pose_to_array;
-use glam::{DQuat, DVec3};
+use glam::DMat3;
 
-/// Candidates in a block.
-pub const LANES: usize = 8;
-
-/// Configurations, `[coordinate][lane]`.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct LaneBlock {
-    values: Vec<[f64; LANES]>,
+/// A configuration that is to be moved onto a program's constraints, with arguments of its own.
+#[derive(Debug)]
+pub struct Job<'a> {
+    /// Where the solve starts, and where it ended.
+    pub q: &'a mut [f64],
+    /// Right-hand sides, as [`project`](super::project()) takes them.
+    pub arguments: &'a [Pose],
+    /// How it ended; written.
+    pub outcome: Outcome,
 }
 
-/// Arguments, `[slot][x y z qx qy qz qw][lane]`.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ArgumentBlock {
-    values: Vec<[[f64; LANES]; 7]>,
-}
-
-/// Which lanes of a block hold a candidate: bit `lane`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct LaneMask(pub u8);
-
-impl LaneMask {
-    /// Every lane.
-    pub const ALL: Self = Self(u8::MAX);
-
-    /// The first `count` lanes.
-    #[must_use]
-    pub fn first(count: usize) -> Self {
-        if count >= LANES { Self::ALL } else { Self((1 << count) - 1) }
-    }
-
-    /// Whether the lane is set.
-    #[must_use]
-    pub fn contains(self, lane: usize) -> bool {
-        lane < LANES && self.0 >> lane & 1 == 1
+impl<'a> Job<'a> {
+    /// A job that has not been done.
+    pub fn new(q: &'a mut [f64], arguments: &'a [Pose]) -> Self {
+        Self { q, arguments, outcome: Outcome::Idle }
     }
 }
 
-impl LaneBlock {
-    /// Zeros, for configurations of that size.
-    #[must_use]
-    pub fn new(size: usize) -> Self {
-        Self { values: vec![[0.0; LANES]; size] }
-    }
-
-    /// Length of a configuration.
-    #[must_use]
-    pub fn size(&self) -> usize {
-        self.values.len()
-    }
-
-    /// `[coordinate][lane]`.
-    #[must_use]
-    pub fn values(&self) -> &[[f64; LANES]] {
-        &self.values
-    }
-
-    /// `[coordinate][lane]`.
-    pub fn values_mut(&mut self) -> &mut [[f64; LANES]] {
-        &mut self.values
-    }
-
-    /// Copies a configuration into a lane.
-    ///
-    /// # Panics
-    /// If there is no such lane.
-    pub fn set(&mut self, lane: usize, q: &[f64]) {
-        for (row, &x) in self.values.iter_mut().zip(q) {
-            row[lane] = x;
+/// Moves configurations onto the program's constraints, each with its own arguments, as [`project`](super::project()) does.
+///
+/// Programs that [have a form for lanes](ConstraintProgram::is_for_lanes) are solved eight at a time at the settings' level,
+/// others (and all of them at the level `scalar`) one after another. What becomes of a job depends on nothing but
+/// itself, the settings and the level: not on how many there are, nor in what order they come.
+pub fn project_batch(program: &ConstraintProgram, jobs: &mut [Job<'_>], settings: &Settings, scratch: &mut Scratch) {
+    match &program.lanes {
+        Some(lanes) if settings.level != Level::scalar() => {
+            project_in_lanes(program, lanes, jobs, settings, scratch);
         }
-    }
-
-    /// Copies a lane out.
-    ///
-    /// # Panics
-    /// If there is no such lane.
-    pub fn get(&self, lane: usize, q: &mut [f64]) {
-        for (row, x) in self.values.iter().zip(q) {
-            *x = row[lane];
+        _ => {
+            for job in jobs {
+                job.outcome = project(program, job.q, job.arguments, settings, scratch);
+            }
         }
     }
 }
 
-impl ArgumentBlock {
-    /// Identities, for that many slots.
-    #[must_use]
-    pub fn new(slots: usize) -> Self {
-        let mut identity = [[0.0; LANES]; 7];
-        identity[6] = [1.0; LANES];
-        Self { values: vec![identity; slots] }
-    }
-
-    /// Number of slots.
-    #[must_use]
-    pub fn slots(&self) -> usize {
-        self.values.len()
-    }
-
-    /// Copies an argument into a lane.
-    ///
-    /// # Panics
-    /// If there is no such slot or lane.
-    pub fn set(&mut self, slot: usize, lane: usize, pose: &Pose) {
-        for (row, x) in self.values[slot].iter_mut().zip(pose_to_array(pose)) {
-            row[lane] = x;
-        }
-    }
-
-    /// The argument in a lane, bit for bit as it was set.
-    ///
-    /// # Panics
-    /// If there is no such slot or lane.
-    #[must_use]
-    pub fn get(&self, slot: usize, lane: usize) -> Pose {
-        let [x, y, z, qx, qy, qz, qw] = self.values[slot].map(|row| row[lane]);
-        Pose::from_parts(DVec3::new(x, y, z), DQuat::from_xyzw(qx, qy, qz, qw))
-    }
-}
-
-/// Moves the configurations of the active lanes onto the program's constraints, each with its own arguments: as
-/// [`project`](super::project()) does, lane for lane. Lanes that are not active are left alone.
-pub fn project_batch(
+fn project_in_lanes(
     program: &ConstraintProgram,
-    block: &mut LaneBlock,
-    arguments: &ArgumentBlock,
-    active: LaneMask,
+    lanes: &LaneProgram,
+    jobs: &mut [Job<'_>],
     settings: &Settings,
-    outcomes: &mut [Outcome; LANES],
     scratch: &mut Scratch,
 ) {
-    let mut q = std::mem::take(&mut scratch.q);
-    let mut poses = std::mem::take(&mut scratch.arguments);
-    q.resize(block.size(), 0.0);
-    for (lane, outcome) in outcomes.iter_mut().enumerate() {
-        *outcome = Outcome::Idle;
-        if !active.contains(lane) {
-            continue;
+    let mut memory = std::mem::take(&mut scratch.lanes);
+    let mut desk = Desk { program, lanes, jobs, settings, scratch, next: 0, holds: [0; MOST_LANES] };
+    solve(lanes, program.configuration_size(), settings, &mut memory, &mut desk);
+    scratch.lanes = memory;
+}
+
+const MOST_LANES: usize = 16;
+
+/// Brings jobs to lanes and takes them away.
+struct Desk<'a, 'j> {
+    program: &'a ConstraintProgram,
+    lanes: &'a LaneProgram,
+    jobs: &'a mut [Job<'j>],
+    settings: &'a Settings,
+    scratch: &'a mut Scratch,
+    /// First job that nobody has looked at.
+    next: usize,
+    /// Which job each lane holds.
+    holds: [usize; MOST_LANES],
+}
+
+impl Queue for Desk<'_, '_> {
+    fn next(&mut self, lane: usize, memory: &mut LaneMemory) -> bool {
+        while self.next < self.jobs.len() {
+            let job = &mut self.jobs[self.next];
+            self.next += 1;
+            match self.program.begin(job.q, job.arguments, self.settings, self.scratch) {
+                Some(outcome) => job.outcome = outcome,
+                None => {
+                    self.holds[lane] = self.next - 1;
+                    self.fill(lane, memory);
+                    return true;
+                }
+            }
         }
-        block.get(lane, &mut q);
-        poses.clear();
-        poses.extend((0..arguments.slots()).map(|slot| arguments.get(slot, lane)));
-        *outcome = project(program, &mut q, &poses, settings, scratch);
-        block.set(lane, &q);
+        false
     }
-    (scratch.q, scratch.arguments) = (q, poses);
+
+    fn ended(&mut self, lane: usize, end: End, iterations: u32, residual: f64, memory: &LaneMemory) {
+        let job = &mut self.jobs[self.holds[lane]];
+        for change in &self.lanes.moves {
+            job.q[change.coordinate] = memory.q[change.coordinate][lane];
+        }
+        job.outcome = match end {
+            End::Converged => Outcome::Converged { iterations, residual },
+            End::Stagnated => Outcome::Stagnated { iterations, residual },
+            End::LimitReached => Outcome::LimitReached { residual },
+        };
+        if job.outcome.is_converged() {
+            self.program.finish(job.q, job.arguments, self.scratch);
+        }
+    }
+}
+
+impl Desk<'_, '_> {
+    fn fill(&self, lane: usize, memory: &mut LaneMemory) {
+        let job = &self.jobs[self.holds[lane]];
+        for &coordinate in &self.lanes.reads {
+            memory.q[coordinate][lane] = job.q[coordinate];
+        }
+        let Scratch { X_WJ, carriages, decoded, .. } = &*self.scratch;
+        for (given, rows) in self.lanes.givens.iter().zip(memory.given.chunks_exact_mut(POSE_ROWS)) {
+            let pose = given.pose(job.arguments, carriages, decoded, X_WJ);
+            let columns = DMat3::from_quat(pose.rotation).to_cols_array();
+            for (row, x) in rows.iter_mut().zip(columns.into_iter().chain(pose.translation.to_array())) {
+                row[lane] = x;
+            }
+        }
+    }
+}
+
+impl ConstraintProgram {
+    /// Writes eliminated objects where the bodies of a converged configuration carry them; the same numbers as after a
+    /// scalar solve that ended there.
+    fn finish(&self, q: &mut [f64], arguments: &[Pose], scratch: &mut Scratch) {
+        if self.written.is_empty() || !self.resolve(arguments, scratch) {
+            return;
+        }
+        for steps in [&self.bodies.still, &self.bodies.moving] {
+            bodies::run(steps, q, &scratch.carriages, &mut scratch.X_WJ);
+        }
+        self.close(q, scratch);
+    }
 }

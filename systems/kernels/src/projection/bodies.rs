@@ -78,6 +78,24 @@ impl Bodies {
     }
 }
 
+impl Bodies {
+    /// The bodies that variables move and rows look at, inner ones first.
+    pub(super) fn moving_bodies(&self) -> Vec<usize> {
+        self.moving.iter().map(|step| step.body).collect()
+    }
+
+    /// Of these the body, its parent, and, where it is carried, its index among the carriages.
+    pub(super) fn moving_tree(&self) -> impl Iterator<Item = (usize, Option<usize>, Option<usize>)> + '_ {
+        self.moving.iter().map(|step| {
+            let carriage = match step.kind {
+                Kind::Carried(carriage) => Some(carriage),
+                _ => None,
+            };
+            (step.body, step.parent, carriage)
+        })
+    }
+}
+
 impl Step {
     fn new(robot: &Robot, tree: &AttachmentTree<'_>, index: JointIndex, objects: &[JointIndex]) -> Self {
         let joint = &robot.joints[index.at()];

@@ -5,6 +5,7 @@ use super::blocks::{Block, ContactBlock, Kind, Part, PoseBlock};
 use super::bodies::Bodies;
 use super::carriage::{CarriageTemplate, Relation};
 use super::hessian_bound::ResidualBound;
+use super::lane_program::LaneProgram;
 use super::merge::merged;
 use super::program::{ConstraintProgram, LockedCoordinate, Move, WriteBack};
 use crate::constraints::centre_of_mass::MassColumns;
@@ -323,8 +324,12 @@ impl Compiler<'_> {
         let moments = blocks.iter().chain(&checks).map(Block::moments).max().unwrap_or(0);
         let objects: Vec<_> = self.carriages.iter().map(|c| c.object).collect();
         let bodies = self.bodies(&blocks, &checks, &objects, &active);
+        let moves = self.moves(&active);
+        let lanes = LaneProgram::new(self.robot, &bodies, &blocks, &moves, active.len());
         ConstraintProgram {
-            moves: self.moves(&active),
+            hand: lanes.as_ref().and_then(|lanes| lanes.hand(&bodies.moving_bodies(), self.robot)),
+            lanes,
+            moves,
             written: objects.iter().filter_map(|&object| self.write_back(object)).collect(),
             arguments: self.arguments(),
             bound: ResidualBound::new(self.robot, &self.tree, &blocks, &is_free),

@@ -1,7 +1,7 @@
 //! Projection onto constraints: f(q) = 0 and g(q) = given, with everything that can be eliminated eliminated.
 //!
 //! A [`ConstraintProgram`] is compiled once per set of constraints and is immutable; right-hand sides (leaf parameters)
-//! are arguments of each solve. [`project`] solves one candidate, [`project_batch`] a block of [`LANES`];
+//! are arguments of each solve. [`project`] solves one candidate, [`project_batch`] many of them side by side in lanes;
 //! [`project_motion`] keeps a whole motion on its leaf.
 
 mod batch;
@@ -11,14 +11,18 @@ mod carriage;
 mod compile;
 mod function_bound;
 mod hessian_bound;
+mod lane_newton;
+mod lane_program;
+mod lane_rows;
 mod merge;
 mod motion;
 mod newton;
 mod point_rates;
 mod program;
 mod scratch;
+mod seeds;
 
-pub use batch::{ArgumentBlock, LANES, LaneBlock, LaneMask, project_batch};
+pub use batch::{Job, project_batch};
 pub use carriage::{CarriageTemplate, Relation};
 pub use compile::CompileError;
 pub use hessian_bound::ResidualBound;
@@ -26,3 +30,4 @@ pub use motion::{MotionEnd, MotionScratch, MotionSettings, project_motion};
 pub use newton::{Outcome, Settings, project};
 pub use program::{ConstraintProgram, Deviation};
 pub use scratch::Scratch;
+pub use seeds::{SEEDS, SeedTable, SeedTarget};

@@ -4,6 +4,7 @@ use super::blocks::locked_value;
 use super::bodies;
 use super::program::{ConstraintProgram, Move, largest};
 use super::scratch::Scratch;
+use crate::lanes::Level;
 use crate::linear;
 use foliate_components::Pose;
 use foliate_components::configuration::quaternion;
@@ -25,11 +26,21 @@ pub struct Settings {
     pub damping: f64,
     /// See `damping`.
     pub damping_floor: f64,
+    /// Instructions with which [`project_batch`](super::project_batch) works; one problem alone is solved in scalar code.
+    pub level: Level,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { tolerance: 1e-6, iterations: 40, step_limit: 0.7, patience: 6, damping: 1e-3, damping_floor: 1e-9 }
+        Self {
+            tolerance: 1e-6,
+            iterations: 40,
+            step_limit: 0.7,
+            patience: 6,
+            damping: 1e-3,
+            damping_floor: 1e-9,
+            level: Level::detected(),
+        }
     }
 }
 
@@ -65,7 +76,7 @@ pub enum Outcome {
     /// Configuration or arguments do not fit the program: wrong length, not finite, or a placement's parameter that names
     /// polygons it does not have.
     Malformed,
-    /// The lane was not active.
+    /// Nothing has been tried yet.
     Idle,
 }
 
@@ -90,21 +101,8 @@ pub fn project(
     settings: &Settings,
     scratch: &mut Scratch,
 ) -> Outcome {
-    if !program.fits(q, arguments) {
-        return Outcome::Malformed;
-    }
-    scratch.prepare(program);
-    if !program.resolve(arguments, scratch) {
-        return Outcome::Malformed;
-    }
-    for lock in &program.locked {
-        q[lock.coordinate] = locked_value(lock.value, arguments);
-    }
-    program.clamp(q);
-    bodies::run(&program.bodies.still, q, &scratch.carriages, &mut scratch.X_WJ);
-    let (failed, residual) = program.failed_check(q, arguments, settings.tolerance, scratch);
-    if let Some(constraint) = failed {
-        return Outcome::Contradicted { constraint, residual };
+    if let Some(outcome) = program.begin(q, arguments, settings, scratch) {
+        return outcome;
     }
     let outcome = program.iterate(q, arguments, settings, scratch);
     if outcome.is_converged() {
@@ -114,6 +112,31 @@ pub fn project(
 }
 
 impl ConstraintProgram {
+    /// Reads the arguments, locks and clamps coordinates, finds the bodies that do not move and asks the checks. What is said
+    /// here ends the solve.
+    pub(super) fn begin(
+        &self,
+        q: &mut [f64],
+        arguments: &[Pose],
+        settings: &Settings,
+        scratch: &mut Scratch,
+    ) -> Option<Outcome> {
+        if !self.fits(q, arguments) {
+            return Some(Outcome::Malformed);
+        }
+        scratch.prepare(self);
+        if !self.resolve(arguments, scratch) {
+            return Some(Outcome::Malformed);
+        }
+        for lock in &self.locked {
+            q[lock.coordinate] = locked_value(lock.value, arguments);
+        }
+        self.clamp(q);
+        bodies::run(&self.bodies.still, q, &scratch.carriages, &mut scratch.X_WJ);
+        let (failed, residual) = self.failed_check(q, arguments, settings.tolerance, scratch);
+        failed.map(|constraint| Outcome::Contradicted { constraint, residual })
+    }
+
     fn iterate(&self, q: &mut [f64], arguments: &[Pose], settings: &Settings, scratch: &mut Scratch) -> Outcome {
         let rows = self.rows();
         let mut best = f64::INFINITY;

@@ -4,7 +4,9 @@ use super::blocks::{Block, Inputs, Kind, locked_value};
 use super::bodies::{self, Bodies};
 use super::carriage::CarriageTemplate;
 use super::hessian_bound::ResidualBound;
+use super::lane_program::LaneProgram;
 use super::scratch::Scratch;
+use super::seeds::Hand;
 use crate::constraints::placement;
 use crate::kinematics::Carriage;
 use foliate_components::Pose;
@@ -40,6 +42,10 @@ pub struct ConstraintProgram {
     pub(super) arguments: usize,
     pub(super) size: usize,
     pub(super) bound: ResidualBound,
+    /// The same for lanes, where every part has a form for them.
+    pub(super) lanes: Option<LaneProgram>,
+    /// What seeds are looked up for.
+    pub(super) hand: Option<Hand>,
 }
 
 /// How active variables move a configuration.
@@ -94,6 +100,12 @@ impl ConstraintProgram {
     #[must_use]
     pub fn rows(&self) -> usize {
         self.blocks.iter().map(|block| block.rows).sum()
+    }
+
+    /// Whether many problems of this program are solved side by side in lanes; otherwise one after another.
+    #[must_use]
+    pub fn is_for_lanes(&self) -> bool {
+        self.lanes.is_some()
     }
 
     /// Number of constraints that no variable touches.

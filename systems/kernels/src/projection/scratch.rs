@@ -1,5 +1,6 @@
 //! Memory that a solve works in; kept by the caller so that no solve allocates.
 
+use super::lane_newton::LaneMemory;
 use super::program::ConstraintProgram;
 use crate::constraints::custom::FunctionMemory;
 use crate::constraints::placement::Contact;
@@ -31,9 +32,7 @@ pub struct Scratch {
     pub(super) multipliers: Vec<f64>,
     pub(super) step: Vec<f64>,
     pub(super) frozen: Vec<bool>,
-    /// One candidate and its arguments, taken out of a block.
-    pub(super) q: Vec<f64>,
-    pub(super) arguments: Vec<Pose>,
+    pub(super) lanes: LaneMemory,
 }
 
 impl Scratch {

@@ -1,0 +1,410 @@
+//! Forward kinematics of many configurations at once, over a table that is resolved when the robot is loaded.
+//!
+//! What a joint does to its body is found then: about which axis of its frame it turns, how it is mounted on its parent
+//! (mostly by quarter turns, which only exchange columns), whose coordinate moves it. What remains in the loop is a few dozen
+//! multiplications a joint and one branch that always goes the same way.
+
+use crate::lanes::{F32Row, F64Row, Isa, Kernel, Lanes, Level, Rotation, Transform, Vector3, sin_cos};
+use foliate_components::Pose;
+use foliate_components::robot::{Joint, JointIndex, Motion, Robot, Source};
+use glam::{DMat3, DVec3};
+
+/// Rotations that differ from one with entries 0 and ±1 by no more than this are taken for it: URDF files write π/2 with ten
+/// digits. Poses then differ from those of [`Kinematics`](super::Kinematics) by as much per joint and metre.
+const SNAP: f64 = 1e-10;
+
+/// Rows per body: columns of the rotation, then the translation.
+pub const POSE_ROWS: usize = 12;
+
+/// Where a body's parent is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Parent {
+    /// It is the world.
+    World,
+    /// It is the body of the step before, whose pose is in registers still.
+    Previous,
+    /// It is a body of this table.
+    Body(usize),
+    /// It is one whose pose every lane is given.
+    Given(usize),
+}
+
+/// A rotation that never changes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Mounting {
+    /// Column k is column `from[k]` of the parent, turned around where `flipped[k]`.
+    Exchange {
+        from: [u8; 3],
+        flipped: [bool; 3],
+    },
+    General(DMat3),
+}
+
+/// The coordinate of a joint, with what mimicry makes of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Coordinate {
+    q: usize,
+    multiplier: f64,
+    offset: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Moving {
+    TurnX(Coordinate),
+    TurnY(Coordinate),
+    TurnZ(Coordinate),
+    Turn(Coordinate, DVec3),
+    Slide(Coordinate, DVec3),
+    /// x, y, θ from this coordinate on.
+    Planar(usize),
+    /// Position and quaternion from this coordinate on.
+    FreeFlyer(usize),
+    /// Not at all: its pose in the parent is given for every lane, and there is no mounting.
+    Placed(usize),
+}
+
+/// One body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct LaneStep {
+    pub(crate) parent: Parent,
+    mounting: Mounting,
+    translation: DVec3,
+    moving: Moving,
+}
+
+/// The tables of forward kinematics in lanes: all bodies of a robot, or those between the world and one of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LaneKinematics {
+    steps: Vec<LaneStep>,
+    /// For each step its body.
+    bodies: Vec<JointIndex>,
+    size: usize,
+}
+
+impl LaneKinematics {
+    /// All bodies, in the robot's order.
+    #[must_use]
+    pub fn new(robot: &Robot) -> Self {
+        let all = (0..robot.joints.len()).map(|joint| JointIndex(joint as u32)).collect();
+        Self::of_bodies(robot, all)
+    }
+
+    /// The bodies on which one hangs, and itself, in this order.
+    #[must_use]
+    pub fn chain_to(robot: &Robot, tip: JointIndex) -> Self {
+        let mut bodies: Vec<_> = std::iter::successors(Some(tip), |&j| robot.joints[j.at()].parent).collect();
+        bodies.reverse();
+        Self::of_bodies(robot, bodies)
+    }
+
+    /// Parents come first, and all of them are there.
+    fn of_bodies(robot: &Robot, bodies: Vec<JointIndex>) -> Self {
+        let parent = |step: usize| match robot.joints[bodies[step].at()].parent {
+            None => Parent::World,
+            Some(parent) => match bodies.iter().position(|&b| b == parent) {
+                Some(at) if at + 1 == step => Parent::Previous,
+                Some(at) => Parent::Body(at),
+                None => Parent::World, // not reached: every body's parent is among them
+            },
+        };
+        let step =
+            |(index, body): (usize, &JointIndex)| LaneStep::of_joint(robot, &robot.joints[body.at()], parent(index));
+        let steps = bodies.iter().enumerate().map(step).collect();
+        Self { steps, bodies, size: robot.space.size() }
+    }
+
+    /// The bodies whose poses are found, in this order.
+    #[must_use]
+    pub fn bodies(&self) -> &[JointIndex] {
+        &self.bodies
+    }
+
+    /// Length of a configuration.
+    #[must_use]
+    pub fn configuration_size(&self) -> usize {
+        self.size
+    }
+
+    /// Poses of all bodies in the world, for use within a kernel: `q` one row per coordinate, `out` [`POSE_ROWS`] rows per
+    /// body of [`Self::bodies`].
+    ///
+    /// # Panics
+    /// If a slice is too short.
+    #[inline(always)]
+    pub fn forward_in<V: Lanes>(&self, isa: V::Isa, q: &[V::Row], out: &mut [V::Row]) {
+        run::<V>(isa, &self.steps, q, &[], out);
+    }
+
+    /// Poses of all bodies in the world for blocks of eight configurations: `q` holds [`Self::configuration_size`] rows per
+    /// block, `out` [`POSE_ROWS`] rows per body and block.
+    ///
+    /// # Panics
+    /// If a slice is too short.
+    pub fn forward_f64(&self, level: Level, q: &[F64Row], out: &mut [F64Row]) {
+        level.run(ForwardF64 { table: self, q, out });
+    }
+
+    /// As [`Self::forward_f64`], for blocks of sixteen in single precision.
+    ///
+    /// # Panics
+    /// If a slice is too short.
+    pub fn forward_f32(&self, level: Level, q: &[F32Row], out: &mut [F32Row]) {
+        level.run(ForwardF32 { table: self, q, out });
+    }
+}
+
+struct ForwardF64<'a> {
+    table: &'a LaneKinematics,
+    q: &'a [F64Row],
+    out: &'a mut [F64Row],
+}
+
+impl Kernel for ForwardF64<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<I: Isa>(self, isa: I) {
+        blocks::<I::F64>(isa, self.table, self.q, self.out);
+    }
+}
+
+struct ForwardF32<'a> {
+    table: &'a LaneKinematics,
+    q: &'a [F32Row],
+    out: &'a mut [F32Row],
+}
+
+impl Kernel for ForwardF32<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<I: Isa>(self, isa: I) {
+        blocks::<I::F32>(isa, self.table, self.q, self.out);
+    }
+}
+
+#[inline(always)]
+fn blocks<V: Lanes>(isa: V::Isa, table: &LaneKinematics, q: &[V::Row], out: &mut [V::Row]) {
+    let poses = table.steps.len() * POSE_ROWS;
+    if table.size == 0 || poses == 0 {
+        return;
+    }
+    for (q, out) in q.chunks_exact(table.size).zip(out.chunks_exact_mut(poses)) {
+        table.forward_in::<V>(isa, q, out);
+    }
+}
+
+/// Fills the poses of the steps' bodies, [`POSE_ROWS`] rows each. `given` are poses that steps refer to.
+#[inline(always)]
+pub(crate) fn run<V: Lanes>(isa: V::Isa, steps: &[LaneStep], q: &[V::Row], given: &[V::Row], out: &mut [V::Row]) {
+    let mut body = Transform::<V>::splat(isa, &Pose::identity());
+    for (index, step) in steps.iter().enumerate() {
+        let mounted = match step.parent {
+            Parent::World => step.mounted_on_world(isa),
+            Parent::Previous => step.mounted(isa, &body),
+            Parent::Body(at) => step.mounted(isa, &Transform::load(isa, &out[at * POSE_ROWS..])),
+            Parent::Given(at) => step.mounted(isa, &Transform::load(isa, &given[at * POSE_ROWS..])),
+        };
+        body = step.moved(isa, mounted, q, given);
+        body.store(&mut out[index * POSE_ROWS..]);
+    }
+}
+
+impl LaneStep {
+    /// A body moved by its own joint.
+    pub(crate) fn of_joint(robot: &Robot, joint: &Joint, parent: Parent) -> Self {
+        let (q, multiplier, offset) = match joint.source {
+            Source::Coordinates { q, .. } => (q, 1.0, 0.0),
+            Source::Follows { leader, multiplier, offset } => match robot.joints[leader.at()].source {
+                Source::Coordinates { q, .. } => (q, multiplier, offset),
+                Source::Follows { .. } => (0, 0.0, offset), // composing a robot resolves chains of followers
+            },
+        };
+        let coordinate = Coordinate { q, multiplier, offset };
+        let moving = match joint.motion {
+            Motion::Revolute { axis } => Moving::turn(coordinate, axis),
+            Motion::Prismatic { axis } => Moving::Slide(coordinate, axis),
+            Motion::Planar => Moving::Planar(q),
+            Motion::FreeFlyer => Moving::FreeFlyer(q),
+        };
+        let X_PJ = joint.parent_from_joint;
+        Self { parent, mounting: Mounting::of(DMat3::from_quat(X_PJ.rotation)), translation: X_PJ.translation, moving }
+    }
+
+    /// A body whose pose in its parent every lane is given.
+    pub(crate) fn placed(parent: Parent, given: usize) -> Self {
+        let mounting = Mounting::of(DMat3::IDENTITY);
+        Self { parent, mounting, translation: DVec3::ZERO, moving: Moving::Placed(given) }
+    }
+
+    /// The coordinates that move it.
+    pub(crate) fn coordinates(&self) -> std::ops::Range<usize> {
+        match self.moving {
+            Moving::TurnX(c) | Moving::TurnY(c) | Moving::TurnZ(c) | Moving::Turn(c, _) | Moving::Slide(c, _) => {
+                c.q..c.q + 1
+            }
+            Moving::Planar(q) => q..q + 3,
+            Moving::FreeFlyer(q) => q..q + 7,
+            Moving::Placed(_) => 0..0,
+        }
+    }
+
+    #[inline(always)]
+    fn mounted_on_world<V: Lanes>(&self, isa: V::Isa) -> Transform<V> {
+        let rotation = match &self.mounting {
+            Mounting::General(r) => Rotation::splat(isa, r),
+            Mounting::Exchange { from, flipped } => {
+                let column = |k: usize| {
+                    let axis = DVec3::AXES[usize::from(from[k]).min(2)];
+                    if flipped[k] { -axis } else { axis }
+                };
+                Rotation::splat(isa, &DMat3::from_cols(column(0), column(1), column(2)))
+            }
+        };
+        Transform { rotation, translation: Vector3::splat(isa, self.translation) }
+    }
+
+    /// The joint's frame at zero.
+    #[inline(always)]
+    fn mounted<V: Lanes>(&self, isa: V::Isa, parent: &Transform<V>) -> Transform<V> {
+        let [a, b, c] = parent.rotation.columns;
+        let mut translation = parent.translation;
+        // Most mountings move along one axis or two.
+        let DVec3 { x, y, z } = self.translation;
+        if x != 0.0 {
+            translation = a.scaled_plus(V::constant(isa, x), translation);
+        }
+        if y != 0.0 {
+            translation = b.scaled_plus(V::constant(isa, y), translation);
+        }
+        if z != 0.0 {
+            translation = c.scaled_plus(V::constant(isa, z), translation);
+        }
+        let columns = match &self.mounting {
+            Mounting::General(r) => parent.rotation.times(&Rotation::splat(isa, r)).columns,
+            Mounting::Exchange { from, flipped } => {
+                let mut columns = match from {
+                    [0, 1, 2] => [a, b, c],
+                    [0, 2, 1] => [a, c, b],
+                    [1, 0, 2] => [b, a, c],
+                    [1, 2, 0] => [b, c, a],
+                    [2, 0, 1] => [c, a, b],
+                    _ => [c, b, a],
+                };
+                if flipped[0] {
+                    columns[0] = columns[0].negated();
+                }
+                if flipped[1] {
+                    columns[1] = columns[1].negated();
+                }
+                if flipped[2] {
+                    columns[2] = columns[2].negated();
+                }
+                columns
+            }
+        };
+        Transform { rotation: Rotation { columns }, translation }
+    }
+
+    /// The joint's frame where its coordinates have moved it.
+    #[inline(always)]
+    fn moved<V: Lanes>(&self, isa: V::Isa, at: Transform<V>, q: &[V::Row], given: &[V::Row]) -> Transform<V> {
+        let Transform { rotation, translation } = at;
+        let [x, y, z] = rotation.columns;
+        let columns = match self.moving {
+            Moving::TurnX(coordinate) => {
+                let (s, c) = sin_cos(coordinate.value::<V>(isa, q));
+                let (y, z) = turned(s, c, y, z);
+                [x, y, z]
+            }
+            Moving::TurnY(coordinate) => {
+                let (s, c) = sin_cos(coordinate.value::<V>(isa, q));
+                let (z, x) = turned(s, c, z, x);
+                [x, y, z]
+            }
+            Moving::TurnZ(coordinate) => {
+                let (s, c) = sin_cos(coordinate.value::<V>(isa, q));
+                let (x, y) = turned(s, c, x, y);
+                [x, y, z]
+            }
+            Moving::Turn(coordinate, axis) => {
+                // The quaternion of half the angle about the axis.
+                let half = coordinate.value::<V>(isa, q) * V::constant(isa, 0.5);
+                let (s, c) = sin_cos(half);
+                let axis = Vector3::splat(isa, axis).scaled(s);
+                rotation.times(&Rotation::from_quaternion(axis.x, axis.y, axis.z, c)).columns
+            }
+            Moving::Slide(coordinate, axis) => {
+                let along = rotation.turn(Vector3::splat(isa, axis));
+                let translation = along.scaled_plus(coordinate.value::<V>(isa, q), translation);
+                return Transform { rotation, translation };
+            }
+            Moving::Planar(i) => {
+                let (dx, dy) = (V::load(isa, &q[i]), V::load(isa, &q[i + 1]));
+                let translation = x.scaled_plus(dx, y.scaled_plus(dy, translation));
+                let (s, c) = sin_cos(V::load(isa, &q[i + 2]));
+                let (x, y) = turned(s, c, x, y);
+                return Transform { rotation: Rotation { columns: [x, y, z] }, translation };
+            }
+            Moving::FreeFlyer(i) => {
+                let own = Transform {
+                    translation: Vector3::load(isa, &q[i..]),
+                    rotation: Rotation::from_quaternion(
+                        V::load(isa, &q[i + 3]),
+                        V::load(isa, &q[i + 4]),
+                        V::load(isa, &q[i + 5]),
+                        V::load(isa, &q[i + 6]),
+                    ),
+                };
+                return at.times(&own);
+            }
+            Moving::Placed(slot) => return at.times(&Transform::load(isa, &given[slot * POSE_ROWS..])),
+        };
+        Transform { rotation: Rotation { columns }, translation }
+    }
+}
+
+/// Two axes turned about the third.
+#[inline(always)]
+fn turned<V: Lanes>(s: V, c: V, x: Vector3<V>, y: Vector3<V>) -> (Vector3<V>, Vector3<V>) {
+    (x.scaled_plus(c, y.scaled(s)), x.scaled_from(s, y.scaled(c)))
+}
+
+impl Coordinate {
+    #[inline(always)]
+    fn value<V: Lanes>(self, isa: V::Isa, q: &[V::Row]) -> V {
+        V::load(isa, &q[self.q]).mul_add(V::constant(isa, self.multiplier), V::constant(isa, self.offset))
+    }
+}
+
+impl Moving {
+    /// A turn about a unit axis; one about an axis of the frame is known as such.
+    fn turn(coordinate: Coordinate, axis: DVec3) -> Self {
+        let along = |k: usize, own: DVec3| {
+            let sign = if axis[k] < 0.0 { -1.0 } else { 1.0 };
+            let near = (axis - own * sign).abs().max_element() <= SNAP;
+            let Coordinate { q, multiplier, offset } = coordinate;
+            near.then_some(Coordinate { q, multiplier: sign * multiplier, offset: sign * offset })
+        };
+        if let Some(about) = along(0, DVec3::X) {
+            Self::TurnX(about)
+        } else if let Some(about) = along(1, DVec3::Y) {
+            Self::TurnY(about)
+        } else if let Some(about) = along(2, DVec3::Z) {
+            Self::TurnZ(about)
+        } else {
+            Self::Turn(coordinate, axis)
+        }
+    }
+}
+
+impl Mounting {
+    fn of(r: DMat3) -> Self {
+        let (mut from, mut flipped) = ([0; 3], [false; 3]);
+        for (k, column) in [r.x_axis, r.y_axis, r.z_axis].into_iter().enumerate() {
+            let along = (0..3).find(|&i| (column.abs() - DVec3::AXES[i]).abs().max_element() <= SNAP);
+            let Some(along) = along else { return Self::General(r) };
+            from[k] = along as u8;
+            flipped[k] = column[along] < 0.0;
+        }
+        Self::Exchange { from, flipped }
+    }
+}

@@ -1,0 +1,357 @@
+//! Damped Gauss–Newton in lanes: one problem a lane, the next from the queue as soon as one has ended.
+//!
+//! The same algorithm as `newton`, lane by lane. What a lane computes depends on its own problem alone: nothing is skipped
+//! unless every lane's result stays the same bit for bit.
+
+use super::lane_program::{LaneProgram, LaneRows, MOST_ROWS};
+use super::lane_rows::{At, Out, linearise};
+use super::newton::Settings;
+use crate::kinematics::{POSE_ROWS, run_lanes};
+use crate::lanes::{F64Row, Isa, Kernel, Lanes, Mask, Scalar};
+use crate::linear::{LaneMatrix, solve_damped_lanes};
+
+/// What lanes work in, and where problems are put.
+#[derive(Clone, Debug, Default)]
+pub(super) struct LaneMemory {
+    /// One row per coordinate.
+    pub q: Vec<F64Row>,
+    /// [`POSE_ROWS`] rows per pose that a problem is given.
+    pub given: Vec<F64Row>,
+    bodies: Vec<F64Row>,
+    values: Vec<F64Row>,
+    jacobian: Vec<F64Row>,
+    multipliers: Vec<F64Row>,
+    gram: Vec<F64Row>,
+    step: Vec<F64Row>,
+    frozen: Vec<u32>,
+    /// Smallest squared residual so far from which the next halving counts.
+    best: F64Row,
+    since_halved: F64Row,
+    iterations: F64Row,
+    residual: F64Row,
+}
+
+/// How a lane's problem ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum End {
+    Converged,
+    Stagnated,
+    LimitReached,
+}
+
+/// Who brings problems to the lanes and takes them away.
+pub(super) trait Queue {
+    /// Puts the next problem into `memory.q` and `memory.given` of a lane; false where there is none.
+    fn next(&mut self, lane: usize, memory: &mut LaneMemory) -> bool;
+    /// Takes the problem of a lane away.
+    fn ended(&mut self, lane: usize, end: End, iterations: u32, residual: f64, memory: &LaneMemory);
+}
+
+impl LaneMemory {
+    /// Makes room for a program; allocates only where an earlier one needed less.
+    fn prepare(&mut self, program: &LaneProgram, coordinates: usize) {
+        let (rows, width) = (program.rows, program.moves.len());
+        grow(&mut self.q, coordinates);
+        grow(&mut self.given, program.givens.len() * POSE_ROWS);
+        grow(&mut self.bodies, program.steps.len() * POSE_ROWS);
+        grow(&mut self.values, rows);
+        grow(&mut self.jacobian, rows * width);
+        grow(&mut self.multipliers, rows);
+        grow(&mut self.gram, rows * rows);
+        grow(&mut self.step, width);
+        if self.frozen.len() < width {
+            self.frozen.resize(width, 0);
+        }
+    }
+
+    fn begin(&mut self, lane: usize) {
+        self.best[lane] = f64::INFINITY;
+        self.since_halved[lane] = 0.0;
+        self.iterations[lane] = 0.0;
+    }
+}
+
+fn grow(rows: &mut Vec<F64Row>, count: usize) {
+    if rows.len() < count {
+        rows.resize(count, F64Row::default());
+    }
+}
+
+/// Solves what a queue brings until it is empty.
+pub(super) fn solve(
+    program: &LaneProgram,
+    coordinates: usize,
+    settings: &Settings,
+    memory: &mut LaneMemory,
+    queue: &mut dyn Queue,
+) {
+    memory.prepare(program, coordinates);
+    settings.level.run(Solve { program, settings, memory, queue });
+}
+
+struct Solve<'a> {
+    program: &'a LaneProgram,
+    settings: &'a Settings,
+    memory: &'a mut LaneMemory,
+    queue: &'a mut dyn Queue,
+}
+
+impl Kernel for Solve<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Isa>(self, isa: I) {
+        type V<I> = <I as Isa>::F64;
+        type M<I> = <V<I> as Lanes>::Mask;
+        let Self { program, settings, memory, queue } = self;
+        let mut running = 0_u32;
+        for lane in 0..V::<I>::COUNT {
+            if queue.next(lane, memory) {
+                memory.begin(lane);
+                running |= 1 << lane;
+            }
+        }
+        let number = |x: f64| V::<I>::splat(isa, x);
+        while running != 0 {
+            let is_running = M::<I>::from_bits(isa, running);
+            let at_rest = evaluate::<V<I>>(isa, program, memory, is_running);
+            let (mut worst, mut squared) = (number(0.0), number(0.0));
+            for row in &memory.values[..program.rows] {
+                let e = V::<I>::load(isa, row);
+                worst = worst.max(e.abs());
+                squared = e.mul_add(e, squared);
+            }
+            let finite = squared.le(number(f64::MAX));
+            let best = V::<I>::load(isa, &memory.best);
+            let halved = squared.le(best * 0.5);
+            let since = V::<I>::load(isa, &memory.since_halved) + 1.0;
+            let since = V::<I>::select(halved, number(0.0), since);
+            let best = V::<I>::select(halved, squared, best);
+            let iterations = V::<I>::load(isa, &memory.iterations);
+            let converged = worst.le(number(settings.tolerance)) & finite;
+            let stagnated = number(f64::from(settings.patience)).le(since) | !finite;
+            let exhausted = number(f64::from(settings.iterations)).le(iterations);
+            let ended = (converged | stagnated | exhausted) & is_running;
+            let mut stuck = 0;
+            if ended.bits() != running {
+                let damping = squared.mul_add(number(settings.damping), number(settings.damping_floor));
+                stuck = step::<V<I>>(isa, program, settings, memory, is_running & !ended, at_rest, damping);
+            }
+            best.store(&mut memory.best);
+            since.store(&mut memory.since_halved);
+            (iterations + 1.0).store(&mut memory.iterations);
+            let done = ended.bits() | stuck;
+            if done == 0 {
+                continue;
+            }
+            worst.store(&mut memory.residual);
+            let (converged, stagnated) = (converged.bits(), stagnated.bits() | stuck);
+            for lane in 0..V::<I>::COUNT {
+                let bit = 1 << lane;
+                if done & bit == 0 {
+                    continue;
+                }
+                let end = if converged & bit != 0 {
+                    End::Converged
+                } else if stagnated & bit != 0 {
+                    End::Stagnated
+                } else {
+                    End::LimitReached
+                };
+                let steps = memory.iterations[lane] as u32 - 1;
+                queue.ended(lane, end, steps, memory.residual[lane], memory);
+                if queue.next(lane, memory) {
+                    memory.begin(lane);
+                } else {
+                    running &= !bit;
+                }
+            }
+        }
+    }
+}
+
+/// Poses, values and Jacobian where the lanes are. Answers the lanes in which a lone contact has two rows at rest.
+#[inline(always)]
+fn evaluate<V: Lanes<Row = F64Row>>(
+    isa: V::Isa,
+    program: &LaneProgram,
+    memory: &mut LaneMemory,
+    running: V::Mask,
+) -> V::Mask {
+    let LaneMemory { q, given, bodies, values, jacobian, .. } = memory;
+    run_lanes::<V>(isa, &program.steps, q, given, bodies);
+    if !program.is_dense {
+        let zero = V::constant(isa, 0.0);
+        for number in &mut jacobian[..program.rows * program.moves.len()] {
+            zero.store(number);
+        }
+    }
+    let at = At { bodies, given };
+    let mut out = Out { values, jacobian, stride: program.rows, adds: !program.is_dense };
+    let mut at_rest = running;
+    for rows in &program.blocks {
+        at_rest = linearise::<V>(isa, rows, at, running, &mut out);
+    }
+    at_rest
+}
+
+/// One step of the lanes that go on; answers (bits) those that cannot move.
+#[inline(always)]
+fn step<V: Lanes<Row = F64Row>>(
+    isa: V::Isa,
+    program: &LaneProgram,
+    settings: &Settings,
+    memory: &mut LaneMemory,
+    going: V::Mask,
+    at_rest: V::Mask,
+    damping: V,
+) -> u32 {
+    let (rows, width) = (program.rows, program.moves.len());
+    memory.frozen[..width].fill(0);
+    freeze_by_gradient::<V>(isa, program, memory);
+    let going_bits = going.bits();
+    // Where every lane's contact is inside, its two rows at rest are zero in value and Jacobian: leaving them out changes no
+    // bit of the others.
+    let lone_contact = matches!(program.blocks.as_slice(), [LaneRows::Contact(_)]);
+    let short = lone_contact && at_rest.bits() & going_bits == going_bits;
+    let some = [0, 3, 4];
+    let chosen: &[usize] = if short { &some } else { &EVERY_ROW[..rows.min(MOST_ROWS)] };
+    let mut positive = going;
+    for _ in 0..3 {
+        for (to, from) in memory.multipliers[..rows].iter_mut().zip(&memory.values[..rows]) {
+            *to = *from;
+        }
+        let LaneMemory { jacobian, multipliers, gram, step, .. } = &mut *memory;
+        let matrix = LaneMatrix { numbers: &jacobian[..rows * width], stride: rows, width };
+        positive = solve_damped_lanes::<V>(isa, matrix, chosen, damping, gram, multipliers);
+        for (column, out) in step[..width].iter_mut().enumerate() {
+            let numbers = &jacobian[column * rows..][..rows];
+            let mut sum = V::constant(isa, 0.0);
+            for &row in chosen {
+                sum = V::load(isa, &numbers[row]).neg_mul_add(V::load(isa, &multipliers[row]), sum);
+            }
+            sum.store(out);
+        }
+        if freeze_by_step::<V>(isa, program, memory, going_bits) & going_bits == 0 {
+            break;
+        }
+    }
+    integrate::<V>(isa, program, settings, memory, going, positive)
+}
+
+/// The numbers of rows, in order.
+const EVERY_ROW: [usize; MOST_ROWS] = {
+    let mut rows = [0; MOST_ROWS];
+    let mut k = 0;
+    while k < MOST_ROWS {
+        rows[k] = k;
+        k += 1;
+    }
+    rows
+};
+
+/// Which lanes of a coordinate are at its upper and at its lower bound.
+#[inline(always)]
+fn at_bound<V: Lanes<Row = F64Row>>(
+    isa: V::Isa,
+    program: &LaneProgram,
+    memory: &LaneMemory,
+    variable: usize,
+) -> (V::Mask, V::Mask) {
+    let change = &program.moves[variable];
+    let q = V::load(isa, &memory.q[change.coordinate]);
+    // As in the scalar code; scaled with the type.
+    let slack = 4096.0 * V::Scalar::EPSILON.to_f64();
+    let upper = V::constant(isa, change.upper - slack).le(q);
+    (upper, q.le(V::constant(isa, change.lower + slack)) & !upper)
+}
+
+#[inline(always)]
+fn freeze<V: Lanes<Row = F64Row>>(isa: V::Isa, rows: usize, memory: &mut LaneMemory, variable: usize, lanes: V::Mask) {
+    memory.frozen[variable] |= lanes.bits();
+    let zero = V::constant(isa, 0.0);
+    for number in &mut memory.jacobian[variable * rows..][..rows] {
+        V::select(lanes, zero, V::load(isa, number)).store(number);
+    }
+}
+
+/// Freezes coordinates at a bound that the gradient of ½|e|² pushes outward.
+#[inline(always)]
+fn freeze_by_gradient<V: Lanes<Row = F64Row>>(isa: V::Isa, program: &LaneProgram, memory: &mut LaneMemory) {
+    let rows = program.rows;
+    let zero = V::constant(isa, 0.0);
+    for variable in 0..program.moves.len() {
+        let (upper, lower) = at_bound::<V>(isa, program, memory, variable);
+        if !(upper | lower).any() {
+            continue;
+        }
+        let mut gradient = zero;
+        for row in 0..rows {
+            let j = V::load(isa, &memory.jacobian[variable * rows + row]);
+            gradient = j.mul_add(V::load(isa, &memory.values[row]), gradient);
+        }
+        let outward = (upper & gradient.lt(zero)) | (lower & zero.lt(gradient));
+        if outward.any() {
+            freeze::<V>(isa, rows, memory, variable, outward);
+        }
+    }
+}
+
+/// Freezes coordinates at a bound that the step pushes outward; answers the lanes where there were any.
+#[inline(always)]
+fn freeze_by_step<V: Lanes<Row = F64Row>>(
+    isa: V::Isa,
+    program: &LaneProgram,
+    memory: &mut LaneMemory,
+    going: u32,
+) -> u32 {
+    let zero = V::constant(isa, 0.0);
+    let mut any = 0;
+    for variable in 0..program.moves.len() {
+        let (upper, lower) = at_bound::<V>(isa, program, memory, variable);
+        if !(upper | lower).any() {
+            continue;
+        }
+        let step = V::load(isa, &memory.step[variable]);
+        let outward = (upper & zero.lt(step)) | (lower & step.lt(zero));
+        let new = outward.bits() & !memory.frozen[variable] & going;
+        if new != 0 {
+            let new_lanes = <V::Mask as Mask>::from_bits(isa, new);
+            freeze::<V>(isa, program.rows, memory, variable, new_lanes);
+            any |= new;
+        }
+    }
+    any
+}
+
+/// Moves the lanes that go on by their steps, within bounds; answers those that cannot move.
+#[inline(always)]
+fn integrate<V: Lanes<Row = F64Row>>(
+    isa: V::Isa,
+    program: &LaneProgram,
+    settings: &Settings,
+    memory: &mut LaneMemory,
+    going: V::Mask,
+    positive: V::Mask,
+) -> u32 {
+    let mut most = V::constant(isa, 0.0);
+    let mut fine = positive;
+    let largest = V::splat(isa, V::Scalar::MAX);
+    for step in &memory.step[..program.moves.len()] {
+        let size = V::load(isa, step).abs();
+        most = most.max(size);
+        fine = fine & size.le(largest);
+    }
+    let stuck = going & !(fine & V::constant(isa, 1e-14).lt(most));
+    let moving = going & !stuck;
+    let limit = V::constant(isa, settings.step_limit);
+    let scale = V::select(limit.lt(most), limit / most, V::constant(isa, 1.0));
+    for (change, step) in program.moves.iter().zip(&memory.step) {
+        let row = &mut memory.q[change.coordinate];
+        let q = V::load(isa, row);
+        let next = V::load(isa, step).mul_add(scale, q);
+        let next = next.max(V::constant(isa, change.lower)).min(V::constant(isa, change.upper));
+        V::select(moving, next, q).store(row);
+    }
+    stuck.bits()
+}
