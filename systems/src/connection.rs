@@ -74,6 +74,7 @@ pub fn certify_connections(
         || buffers.borrow(),
         |scratch, (index, connection)| {
             let index = *index;
+            scratch.0.set_level(settings.level);
             if !stop.is_raised() && !bridges.is_needless(index) {
                 connection.certified = connect(&model, &settings, &roadmap, &leaves, connection, scratch);
                 if connection.certified.is_some() {

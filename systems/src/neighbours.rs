@@ -39,7 +39,7 @@ impl Neighbours {
         let space = &model.problem.robot.space;
         let by_state = matches!(settings.selection, Selection::StateFirst | Selection::Nearest);
         Self {
-            level: Level::detected(),
+            level: settings.level,
             robots: Metric::new(space, &model.robot_weights),
             everything: Metric::new(space, &model.weights),
             leaves: HashMap::new(),

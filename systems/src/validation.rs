@@ -17,6 +17,7 @@ use foliate_kernels::collision::{
     CertificateSettings, CollisionScratch, Contact, PairSet, PolylineVerdict, certify_polyline,
 };
 use foliate_kernels::kinematics::Carriage;
+use foliate_kernels::lanes::Level;
 
 /// Buffers of one thread.
 #[derive(Debug, Default)]
@@ -26,7 +27,8 @@ pub struct ValidationScratch {
 }
 
 impl ValidationScratch {
-    fn fit(&mut self, model: &PlanningModel) {
+    fn fit(&mut self, model: &PlanningModel, level: Level) {
+        self.collision.set_level(level);
         self.X_WJ.resize(model.kinematics.bodies(), Pose::identity());
     }
 }
@@ -54,7 +56,7 @@ pub fn certify_legs(
         &mut slots,
         || buffers.borrow(),
         |scratch, (candidate, (legs, complete))| {
-            scratch.fit(&model);
+            scratch.fit(&model, settings.level);
             if stop.is_raised() {
                 candidate.reject(Rejection::Stopped);
             }

@@ -25,7 +25,7 @@ pub fn check_waypoints(
     let mut pool: Vec<_> = candidates.iter_mut().collect();
     pool.sort_unstable_by_key(|c| c.index);
     let alive = pool.par_iter_mut().zip(arena.legs.par_iter_mut()).filter(|(c, _)| c.is_alive());
-    let scratch = || (CollisionScratch::new(), vec![Pose::identity(); model.kinematics.bodies()]);
+    let scratch = || (CollisionScratch::at_level(settings.level), vec![Pose::identity(); model.kinematics.bodies()]);
     alive.for_each_init(scratch, |(collision, X_WJ), (candidate, legs)| {
         if stop.is_raised() {
             candidate.reject(Rejection::Stopped);

@@ -418,7 +418,7 @@ fn what_collides(model: &Model, settings: &SearchSettings, q: &[f64], scratch: &
     let Some(state) = membership::state_of(model, q, &scratch.X_WJ, settings.membership_tolerance) else {
         return Try::Refused;
     };
-    let collision = scratch.collision.get_or_insert_with(CollisionScratch::new);
+    let collision = scratch.collision.get_or_insert_with(|| CollisionScratch::at_level(settings.level));
     match model.first_collision(state, &scratch.X_WJ, settings.clearance_guard, collision) {
         Some(contact) => {
             let (a, b) = model.pair_shapes(contact.pair);

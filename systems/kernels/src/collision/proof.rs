@@ -345,8 +345,7 @@ fn reached(intervals: &[Interval], lane: usize, left: f64, closer: impl Fn(usize
         let (mut at, mut left) = (lane, left);
         while let Some(other) = next(at) {
             left -= 2.0 * closer(other);
-            // Compared so that NaN ends it.
-            if !(left >= 0.0) {
+            if left.is_nan() || left < 0.0 {
                 break;
             }
             lanes |= 1 << other;

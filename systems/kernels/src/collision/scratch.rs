@@ -43,6 +43,11 @@ impl CollisionScratch {
         Self { level, ..Self::default() }
     }
 
+    /// From now on lanes work at that level.
+    pub fn set_level(&mut self, level: Level) {
+        self.level = level;
+    }
+
     pub(super) fn forget_hints(&mut self, scene: &CollisionScene) {
         self.hints.clear();
         self.hints.resize(scene.pairs.len(), Hints::default());
