@@ -30,6 +30,9 @@ pub struct Candidate {
     pub drawn: Option<LeafId>,
     /// Why nothing more is to be done for it.
     pub rejected: Option<Rejection>,
+    /// Whether it is *planted*: its first leg is left out and what follows becomes a tree of its own, whose root is where the
+    /// leg would end. Set where the leg lies on the near node's own leaf, by schedulers that join trees themselves.
+    pub plants: bool,
     /// The pair of shapes that stopped it.
     pub blocked_by: Option<(ShapeIndex, ShapeIndex)>,
 }

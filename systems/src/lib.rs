@@ -28,6 +28,7 @@ pub mod schedule;
 pub mod schedulers;
 pub mod search;
 pub mod selection;
+pub mod sequences;
 pub mod settings;
 pub mod steering;
 pub mod validation;

@@ -19,6 +19,8 @@ pub enum Purpose {
     Aim = 6,
     /// Configurations for goals that name only object poses.
     Goal = 5,
+    /// Where trees grow that are to be joined on a leaf.
+    Join = 7,
 }
 
 /// The stream of a candidate in a step. ChaCha's streams are provably independent; setting one up costs about 0.2 µs.

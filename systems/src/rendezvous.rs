@@ -9,6 +9,7 @@
 use crate::model::PlanningModel;
 use crate::random::{Purpose, draw, stream};
 use crate::schedule::StepCounter;
+use crate::selection::Families;
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Query, Res};
 use foliate_components::candidate::Candidate;
@@ -26,11 +27,13 @@ struct Reached<'a> {
 }
 
 /// Draws for every crossed candidate the leaf to aim at.
+#[allow(clippy::too_many_arguments, reason = "a system's parameters are what it reads and writes")]
 pub fn draw_leaves(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
     step: Res<'_, StepCounter>,
     roadmap: Res<'_, Roadmap>,
+    families: Res<'_, Families>,
     leaves: Res<'_, LeafIndex>,
     reached: Query<'_, '_, (&LeafId, &Visits)>,
     mut candidates: Query<'_, '_, &mut Candidate>,
@@ -57,7 +60,7 @@ pub fn draw_leaves(
             model: &model,
             roadmap: &roadmap,
             source: leaves.leaf(roadmap.node(near).leaf),
-            tree: roadmap.component_of(near),
+            tree: families.family_of(&roadmap, near),
         };
         if let Some(aim) = candidate.aim.filter(|&aim| has_rows(leaves.leaf(aim), &transition.adds)) {
             candidate.drawn = Some(aim);

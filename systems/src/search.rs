@@ -10,7 +10,7 @@ use crate::model::PlanningModel;
 use crate::path_extraction::{extract_path, reached_backwards};
 use crate::schedule::StepCounter;
 use crate::schedulers::Scheduler;
-use crate::selection::{ReachedLeaves, TransitionWeights};
+use crate::selection::{Families, ReachedLeaves, TransitionWeights};
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Mut, Schedule, World};
 use foliate_components::candidate::CandidateArena;
@@ -52,6 +52,7 @@ impl Search {
         world.init_resource::<NewNodes>();
         world.init_resource::<Connections>();
         world.init_resource::<ReachedLeaves>();
+        world.init_resource::<Families>();
         world.init_resource::<crate::guidance::aiming::Aims>();
         world.init_resource::<TransitionWeights>();
         world.init_resource::<StepCounter>();

@@ -31,6 +31,36 @@ pub struct ReachedLeaves {
     pub by_component: Vec<Vec<LeafId>>,
 }
 
+/// On whose behalf each tree grows.
+///
+/// A tree that was planted hangs together with nothing yet, but it counts to the tree from whose leaf it was planted as if
+/// the two were joined: they share what they have reached, and are no rendezvous for one another. Kept by the commit.
+#[derive(Clone, Debug, Default, Resource)]
+pub struct Families {
+    /// By tree as born: the root tree of its family.
+    pub(crate) of: Vec<ComponentId>,
+}
+
+impl Families {
+    /// The root tree on whose behalf a tree was born; the tree itself where it was not planted.
+    #[must_use]
+    pub fn born_for(&self, tree: ComponentId) -> ComponentId {
+        self.of.get(tree.at()).copied().unwrap_or(tree)
+    }
+
+    /// The tree that now contains the root tree of a tree's family.
+    #[must_use]
+    pub fn family(&self, roadmap: &Roadmap, tree: ComponentId) -> ComponentId {
+        roadmap.component(self.born_for(tree))
+    }
+
+    /// The family of a node.
+    #[must_use]
+    pub fn family_of(&self, roadmap: &Roadmap, node: NodeId) -> ComponentId {
+        self.family(roadmap, roadmap.node(node).component)
+    }
+}
+
 /// Copies the weights from the transitions' entities into a slice.
 pub fn gather_weights(
     transitions: Query<'_, '_, (&TransitionId, &Weight)>,
@@ -54,12 +84,14 @@ pub struct Explored<'w> {
     pub leaves: Res<'w, LeafIndex>,
     /// Leaves by tree.
     pub reached: Res<'w, ReachedLeaves>,
+    /// Trees that count as one.
+    pub families: Res<'w, Families>,
 }
 
 impl Explored<'_> {
-    /// The trees that have not been absorbed by another, by id.
+    /// The trees that have not been absorbed by another and were not planted for one, by id.
     pub fn trees(&self) -> impl Iterator<Item = ComponentId> {
-        (0..self.roadmap.trees() as u32).map(ComponentId).filter(|&c| self.roadmap.component(c) == c)
+        (0..self.roadmap.trees() as u32).map(ComponentId).filter(|&c| self.families.family(&self.roadmap, c) == c)
     }
 
     /// Every tree with the leaves that it has reached, sorted by state.
@@ -78,17 +110,18 @@ impl Explored<'_> {
 
     /// All trees that have been joined into `tree`.
     fn members(&self, tree: ComponentId) -> impl Iterator<Item = ComponentId> {
-        (0..self.roadmap.trees() as u32).map(ComponentId).filter(move |&c| self.roadmap.component(c) == tree)
+        let all = 0..self.reached.by_component.len() as u32;
+        all.map(ComponentId).filter(move |&c| self.families.family(&self.roadmap, c) == tree)
     }
 
-    /// The nodes of a tree on a leaf.
+    /// The nodes of a tree and of those planted for it on a leaf.
     fn nodes_on(&self, leaf: LeafId, tree: ComponentId) -> impl Iterator<Item = NodeId> {
         let nodes = self.roadmap.nodes_on(leaf).iter().copied();
-        nodes.filter(move |&node| self.roadmap.component_of(node) == tree)
+        nodes.filter(move |&node| self.families.family_of(&self.roadmap, node) == tree)
     }
 }
 
-/// Chooses for every candidate a node: the nearest on its leaf where one is chosen already, else as
+/// Chooses for every candidate that has none a node: the nearest on its leaf where one is chosen already, else as
 /// [`SearchSettings::selection`] says.
 pub fn select_nodes(
     model: Res<'_, PlanningModel>,
@@ -101,7 +134,7 @@ pub fn select_nodes(
     let trees = explored.leaves_by_tree();
     let roadmap = &*explored.roadmap;
     let mut pool: Vec<_> = candidates.iter_mut().collect();
-    pool.par_iter_mut().filter(|c| c.is_alive()).for_each(|candidate| {
+    pool.par_iter_mut().filter(|c| c.is_alive() && c.near.is_none()).for_each(|candidate| {
         let mut rng = stream(settings.seed, Purpose::Select, step.step, candidate.index);
         let q = arena.random_of(candidate.index);
         let nearest_on = |leaf, tree| model.nearest(roadmap, q, explored.nodes_on(leaf, tree), &model.robot_weights);
@@ -125,7 +158,7 @@ pub fn select_nodes(
         match chosen {
             Some(node) => {
                 candidate.near = Some(node);
-                candidate.component = Some(roadmap.component_of(node));
+                candidate.component = Some(explored.families.family_of(roadmap, node));
             }
             None => candidate.reject(Rejection::NoNode),
         }
@@ -138,7 +171,7 @@ fn one_state<'a>(leaves: &'a [(StateId, LeafId)], rng: &mut impl Rng) -> Option<
     states.choose(rng).copied()
 }
 
-/// Draws for every candidate a transition that leaves its node's state, in proportion to the weights.
+/// Draws for every candidate that has none a transition that leaves its node's state, in proportion to the weights.
 pub fn select_transitions(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
@@ -148,7 +181,7 @@ pub fn select_transitions(
     mut aims: ResMut<'_, Aims>,
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
-    for mut candidate in candidates.iter_mut().filter(|c| c.is_alive()) {
+    for mut candidate in candidates.iter_mut().filter(|c| c.is_alive() && c.transition.is_none()) {
         let Some(near) = candidate.near else {
             candidate.reject(Rejection::NoNode);
             continue;

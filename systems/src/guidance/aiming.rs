@@ -38,7 +38,8 @@ impl Aims {
     /// Changes of grasp from a leaf to the nearest leaf of any tree but `tree`.
     #[must_use]
     pub fn to_others(&self, roadmap: &Roadmap, leaf: LeafId, tree: ComponentId) -> u16 {
-        let others = (0u32..).map(ComponentId).zip(&self.nearest[leaf.at()]);
+        // Trees that were planted reach leaves for their families only.
+        let others = (0u32..).map(ComponentId).zip(&self.nearest[leaf.at()]).filter(|&(_, &far)| far < u16::MAX);
         others.filter(|&(c, _)| roadmap.component(c) != tree).map(|(_, &d)| d).min().unwrap_or(0)
     }
 
@@ -67,7 +68,7 @@ impl Aims {
     ) -> Option<LeafId> {
         let from = explored.leaves.leaf(leaf);
         let all = (0u32..).map(ComponentId).zip(&explored.reached.by_component);
-        let others = all.filter(|&(c, _)| explored.roadmap.component(c) != tree);
+        let others = all.filter(|&(c, _)| explored.families.family(&explored.roadmap, c) != tree);
         let weigh = |&to: &LeafId| {
             let far = self.distance.between(graph, from, explored.leaves.leaf(to));
             (to, FOCUS.powi(-2 * i32::from(far)))
@@ -146,7 +147,7 @@ pub fn choose_leaves(
     }
     let weigh = |(tree, leaves): (ComponentId, Vec<_>)| (tree, aims.weigh(&explored.roadmap, &leaves, tree));
     let trees: Vec<_> = explored.leaves_by_tree().into_iter().map(weigh).collect();
-    let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive()).collect();
+    let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive() && c.near.is_none()).collect();
     pool.par_iter_mut().for_each(|candidate| {
         let mut rng = stream(settings.seed, Purpose::Aim, step.step, candidate.index);
         if rng.random::<f64>() >= settings.guided_probability {

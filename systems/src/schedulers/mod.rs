@@ -1,6 +1,7 @@
 //! Search schedulers: compositions of systems over one schedule. One file each; a host's own is written the same way.
 
 pub mod mrrt;
+pub mod sequence;
 
 use bevy_ecs::prelude::{Schedule, World};
 use std::sync::Arc;
@@ -31,7 +32,7 @@ impl<S: Scheduler + ?Sized> Scheduler for Arc<S> {
 /// The schedulers that Foliate ships.
 #[must_use]
 pub fn shipped() -> Vec<Box<dyn Scheduler>> {
-    vec![Box::new(mrrt::Mrrt)]
+    vec![Box::new(mrrt::Mrrt), Box::new(sequence::Sequence)]
 }
 
 /// The shipped scheduler of that name.
