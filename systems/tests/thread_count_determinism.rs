@@ -35,13 +35,15 @@ fn nor_do_they_where_the_graph_is_not_only_grasps() {
     let problems = [make_a_step(), open_a_box_and_move_it(), hold_a_lid_by_a_magnet(), put_a_lid_on_a_box()];
     for problem in problems {
         let model = model(problem.unwrap());
-        let scheduler = foliate_systems::schedulers::mrrt::Mrrt;
-        let settings = SearchSettings { max_steps: 12, ..seeded(2) };
-        let (outcome, one) = search(&model, &scheduler, settings.clone(), 1);
-        let (other, many) = search(&model, &scheduler, settings, 3);
-        assert_eq!(outcome, other);
-        assert_eq!(one.roadmap().fingerprint(), many.roadmap().fingerprint(), "{}", model.problem.name);
-        assert_eq!(one.path(), many.path());
+        for scheduler in shipped() {
+            let settings = SearchSettings { max_steps: 12, ..seeded(2) };
+            let (outcome, one) = search(&model, scheduler.as_ref(), settings.clone(), 1);
+            let (other, many) = search(&model, scheduler.as_ref(), settings, 3);
+            assert_eq!(outcome, other);
+            let name = (&model.problem.name, scheduler.name());
+            assert_eq!(one.roadmap().fingerprint(), many.roadmap().fingerprint(), "{name:?}");
+            assert_eq!(one.path(), many.path());
+        }
     }
 }
 
@@ -51,11 +53,13 @@ fn unsolved_searches_agree_too_under_every_selection() {
     let model = model(boxes_on_a_table(&[(0.6, 0.1)], &[(1.45, 0.75)]).unwrap());
     for selection in [Selection::Guided, Selection::LeafFirst, Selection::StateFirst, Selection::Nearest] {
         let settings = SearchSettings { max_steps: 4, selection, ..seeded(5) };
-        let scheduler = foliate_systems::schedulers::mrrt::Mrrt;
-        let (_, one) = search(&model, &scheduler, settings.clone(), 1);
-        let (_, two) = search(&model, &scheduler, settings, 2);
-        assert_eq!(one.roadmap().fingerprint(), two.roadmap().fingerprint(), "{selection:?}");
-        assert!(one.roadmap().nodes().len() > 10, "{selection:?} explored nothing");
+        for scheduler in shipped() {
+            let (_, one) = search(&model, scheduler.as_ref(), settings.clone(), 1);
+            let (_, two) = search(&model, scheduler.as_ref(), settings.clone(), 2);
+            let name = (scheduler.name(), selection);
+            assert_eq!(one.roadmap().fingerprint(), two.roadmap().fingerprint(), "{name:?}");
+            assert!(one.roadmap().nodes().len() > 10, "{name:?} explored nothing");
+        }
     }
 }
 

@@ -36,6 +36,7 @@ impl Scheduler for Sequence {
             (sampling::reset_candidates, sampling::sample_configurations).chain().in_set(SearchSet::Sample),
             (
                 joining::grow_joins,
+                planting::rest,
                 selection::gather_weights,
                 aiming::measure_leaves,
                 aiming::choose_leaves,
@@ -45,7 +46,7 @@ impl Scheduler for Sequence {
             )
                 .chain()
                 .in_set(SearchSet::Select),
-            rendezvous::draw_leaves.in_set(SearchSet::Rendezvous),
+            (rendezvous::draw_leaves, planting::stay_near).chain().in_set(SearchSet::Rendezvous),
             (projection::project_waypoints, planting::leave_out_first_legs).chain().in_set(SearchSet::Project),
             (steering::steer_legs, planting::drop_what_was_cut_short).chain().in_set(SearchSet::Steer),
             (validation::certify_legs, planting::keep_whole_plantings).chain().in_set(SearchSet::Validate),

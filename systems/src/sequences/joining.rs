@@ -2,6 +2,7 @@
 //! that grow towards one another on the leaf.
 
 use super::leaf_graph::{Join, LeafGraph};
+use super::turns::Turn;
 use crate::commit::NewNodes;
 use crate::conclusion::Roots;
 use crate::connection::{Connection, Connections};
@@ -12,11 +13,15 @@ use crate::selection::Families;
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Query, Res, ResMut, Resource};
 use foliate_components::candidate::{Candidate, CandidateArena};
+use foliate_components::graph::TransitionKind;
 use foliate_components::roadmap::{ComponentId, NodeId, Roadmap};
 use rand::RngExt;
 
 /// Candidates that make up one effort.
 const EFFORT: f64 = 8.0;
+
+/// Straight motions that are tried in one round.
+const AT_ONCE: usize = 2;
 
 /// Share of the candidates for joins that keep still what both ends have in common.
 const STILL: f64 = 0.75;
@@ -29,7 +34,8 @@ pub struct Growing(pub Vec<Join>);
 #[derive(Clone, Debug, Default, Resource)]
 pub struct Straight(Vec<Option<Join>>);
 
-/// Sets every other candidate to growing the trees of joins that a straight motion could not make.
+/// Sets a part of the candidates to growing the trees of joins that a straight motion could not make; all of
+/// them but the ordinary ones where there is nothing else to do, because every transition is a loop.
 #[allow(clippy::too_many_arguments, reason = "a system's parameters are what it reads and writes")]
 pub fn grow_joins(
     model: Res<'_, PlanningModel>,
@@ -45,13 +51,22 @@ pub fn grow_joins(
     if growing.0.is_empty() {
         return;
     }
-    let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive() && c.index % 2 == 0).collect();
-    pool.sort_unstable_by_key(|c| c.index);
+    let loops_only = model.graph.transitions.iter().all(|t| t.kind == TransitionKind::Loop);
+    let pool = arena.complete.len();
     let size = arena.configuration_size();
-    let first = step.step as usize * pool.len();
-    for (turn, candidate) in (first..).zip(&mut pool) {
+    let grows = |c: &Candidate| {
+        let turn = Turn::of(&step, pool, c);
+        turn.grows() || (loops_only && !turn.is_ordinary())
+    };
+    let mut chosen: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive() && grows(c)).collect();
+    chosen.sort_unstable_by_key(|c| c.index);
+    let first = (Turn::of(&step, pool, &Candidate::default()).number() / 4) as usize;
+    for (turn, candidate) in (first..).zip(&mut chosen) {
         let join = growing.0[turn / 2 % growing.0.len()];
         let (a, b) = graph.ends(join);
+        if roadmap.component_of(a) == roadmap.component_of(b) {
+            continue;
+        }
         let from = if turn % 2 == 0 { a } else { b };
         let leaf = graph.leaf(join);
         let q = &mut arena.random[candidate.index as usize * size..][..size];
@@ -100,8 +115,11 @@ pub fn propose_joins(
     mut connections: ResMut<'_, Connections>,
 ) {
     graph.grow(&roadmap, &model.problem.robot.space, &model.robot_weights);
-    straight.0.clear();
     connections.0.clear();
+    if !graph.take_changes() && straight.0.is_empty() {
+        return;
+    }
+    straight.0.clear();
     for node in std::mem::take(&mut new.0) {
         let (leaf, tree) = (roadmap.node(node).leaf, roadmap.component_of(node));
         for &join in growing.0.iter().filter(|&&join| graph.leaf(join) == leaf) {
@@ -118,12 +136,12 @@ pub fn propose_joins(
             }
         }
     }
-    growing.0.clear();
-    for join in graph.cheapest(&roadmap, &roots).unwrap_or_default() {
-        if graph.effort(join) > 0.0 {
-            growing.0.push(join);
-            continue;
-        }
+    let (failed, mut untried): (Vec<_>, Vec<_>) =
+        graph.cheapest(&roadmap, &roots).unwrap_or_default().into_iter().partition(|&join| graph.effort(join) > 0.0);
+    growing.0 = failed;
+    // What is most likely to fail comes first: then the rest need not be tried.
+    untried.sort_by(|&a, &b| graph.cost(b).total_cmp(&graph.cost(a)).then(a.cmp(&b)));
+    for &join in untried.iter().take(AT_ONCE) {
         let (from, to) = graph.ends(join);
         connections.0.push(Connection { from, to, certified: None });
         straight.0.push(Some(join));

@@ -43,6 +43,8 @@ pub struct LeafGraph {
     known: usize,
     /// Efforts that have failed, by join.
     efforts: BTreeMap<Join, f64>,
+    /// Whether anything was added or has failed since that was last asked.
+    has_changed: bool,
 }
 
 impl LeafGraph {
@@ -59,7 +61,13 @@ impl LeafGraph {
                 self.add(node, row.leaf, roadmap, space, weights);
             }
         }
+        self.has_changed |= self.known < roadmap.nodes().len();
         self.known = roadmap.nodes().len();
+    }
+
+    /// Whether anything was added or has failed since this was last asked, so that another sequence may be the cheapest.
+    pub fn take_changes(&mut self) -> bool {
+        std::mem::take(&mut self.has_changed)
     }
 
     fn add(&mut self, node: NodeId, leaf: LeafId, roadmap: &Roadmap, space: &ConfigurationSpace, weights: &[f64]) {
@@ -68,9 +76,8 @@ impl LeafGraph {
         }
         let here = &mut self.by_leaf[leaf.at()];
         let q = roadmap.configuration(node);
-        let length = |&other: &u32| {
-            space.distance(q, roadmap.configuration(self.anchors[other as usize].node), weights)
-        };
+        let length =
+            |&other: &u32| space.distance(q, roadmap.configuration(self.anchors[other as usize].node), weights);
         let lengths = here.iter().map(length).collect();
         self.anchors.push(Anchor { node, leaf, place: here.len(), lengths, failures: 0 });
         here.push((self.anchors.len() - 1) as u32);
@@ -102,6 +109,7 @@ impl LeafGraph {
             self.anchors[join.1 as usize].failures += 1;
         }
         *spent += effort;
+        self.has_changed = true;
     }
 
     /// What a join is estimated to cost, in motions.

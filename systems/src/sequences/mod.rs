@@ -4,3 +4,4 @@
 pub mod joining;
 pub mod leaf_graph;
 pub mod planting;
+pub mod turns;

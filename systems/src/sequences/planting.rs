@@ -1,5 +1,6 @@
 //! Candidates that are planted: waypoints and the short motions between them, without the long motion that leads there.
 
+use super::turns::Turn;
 use crate::guidance::aiming::Aims;
 use crate::model::PlanningModel;
 use crate::random::{Purpose, draw, stream};
@@ -8,45 +9,54 @@ use crate::selection::{Explored, TransitionWeights};
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Query, Res, ResMut, Resource};
 use foliate_components::Pose;
-use foliate_components::candidate::{Candidate, CandidateArena};
-use foliate_components::graph::{Transition, TransitionId, TransitionKind};
+use foliate_components::candidate::{Candidate, CandidateArena, PlannedLeg};
+use foliate_components::graph::{Leg, Transition, TransitionId, TransitionKind};
 use foliate_components::leaf::LeafId;
 use foliate_components::outcome::Rejection;
-use foliate_kernels::collision::CollisionScratch;
+use foliate_components::roadmap::Roadmap;
+use foliate_kernels::collision::{CollisionScratch, PairId};
 use rand::RngExt;
 use std::collections::BTreeMap;
-
-/// Every so many candidates one is an extension as `mrrt` makes them, so that nothing is given up for good.
-const ORDINARY_EVERY: u32 = 8;
 
 /// A transition loses half of its weight on a leaf in so many tries.
 const PATIENCE: f64 = 8.0;
 
+/// The share of the way from the near node to a random configuration at which a waypoint is looked for is a number drawn evenly
+/// from [0, 1] to this power. What is found near is joined by short motions; what is found far is found where near there is
+/// nothing.
+const AWAY: f64 = 0.7;
+
+/// What is tried from a leaf: a transition, and where it is crossed the leaf that it aims at.
+type Attempt = (LeafId, TransitionId, Option<LeafId>);
+
 /// What became of the transitions that were tried from each leaf.
 #[derive(Clone, Debug, Default, Resource)]
 pub struct Plantings {
-    /// Tries and successes.
-    counts: BTreeMap<(LeafId, TransitionId), (u32, u32)>,
+    counts: BTreeMap<Attempt, Count>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Count {
+    tries: u32,
+    planted: u32,
 }
 
 impl Plantings {
-    /// What is left of a transition's weight on a leaf: what was planted there already is planted less, and what fails again
-    /// and again is tried less.
-    fn freshness(&self, leaf: LeafId, transition: TransitionId) -> f64 {
-        let (tries, planted) = self.counts.get(&(leaf, transition)).copied().unwrap_or_default();
+    /// What is left of a transition's weight on a leaf: what stands there already is planted less, and what fails again and
+    /// again is tried less, but never never.
+    fn freshness(&self, attempt: Attempt) -> f64 {
+        let Count { tries, planted } = self.counts.get(&attempt).copied().unwrap_or_default();
         1.0 / ((1.0 + f64::from(planted)) * (1.0 + f64::from(tries) / PATIENCE))
     }
 }
 
-/// Whether a candidate is left to the rules of `mrrt`.
-fn is_ordinary(candidate: &Candidate) -> bool {
-    candidate.index % ORDINARY_EVERY == ORDINARY_EVERY - 1
-}
-
-/// Whether the first leg of a transition is a long motion on the leaf that it leaves.
-fn starts_far(transition: &Transition) -> bool {
-    let on_own_leaf = |leg: &foliate_components::graph::Leg| leg.state == transition.from && !leg.short;
-    transition.kind != TransitionKind::Loop && transition.legs.first().is_some_and(on_own_leaf)
+/// Leaves out the candidates that have nothing to do so early.
+pub fn rest(step: Res<'_, StepCounter>, arena: Res<'_, CandidateArena>, mut candidates: Query<'_, '_, &mut Candidate>) {
+    for mut candidate in candidates.iter_mut().filter(|c| c.is_alive() && c.near.is_none()) {
+        if Turn::of(&step, arena.complete.len(), &candidate).rests() {
+            candidate.reject(Rejection::LeftOut);
+        }
+    }
 }
 
 /// Draws for the candidates that have none a transition that leads to another state, by weight, by where it leads to, and by
@@ -57,21 +67,25 @@ pub fn choose_plantings(
     settings: Res<'_, SearchSettings>,
     step: Res<'_, StepCounter>,
     explored: Explored<'_>,
+    arena: Res<'_, CandidateArena>,
     weights: Res<'_, TransitionWeights>,
     plantings: Res<'_, Plantings>,
     mut aims: ResMut<'_, Aims>,
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
-    let under_way = |c: &Candidate| c.is_alive() && c.transition.is_none() && !is_ordinary(c);
-    for mut candidate in candidates.iter_mut().filter(|c| under_way(c)) {
+    for mut candidate in candidates.iter_mut().filter(|c| c.is_alive() && c.transition.is_none()) {
         let Some(near) = candidate.near else { continue };
+        if Turn::of(&step, arena.complete.len(), &candidate).is_ordinary() {
+            continue;
+        }
         let mut rng = stream(settings.seed, Purpose::Select, step.step, candidate.index | 1 << 31);
         let row = explored.roadmap.node(near);
         let from = explored.leaves.leaf(row.leaf);
         let aim = candidate.aim.map(|aim| explored.leaves.leaf(aim));
         let weigh = |(id, transition): (TransitionId, &Transition)| {
+            let drawn = candidate.aim.filter(|_| transition.kind == TransitionKind::Crossed);
             let preference = aim.map_or(1.0, |aim| aims.preference(&model.graph, from, transition, aim));
-            (id, weights.0[id.at()] * preference * plantings.freshness(row.leaf, id))
+            (id, weights.0[id.at()] * preference * plantings.freshness((row.leaf, id, drawn)))
         };
         let leads_on = |&(_, transition): &(TransitionId, &Transition)| transition.kind != TransitionKind::Loop;
         let choices: Vec<_> = model.graph.leaving(row.state).filter(leads_on).map(weigh).collect();
@@ -81,6 +95,33 @@ pub fn choose_plantings(
             candidate.plants = starts_far(model.graph.transition(id));
             aims.count_try(row.leaf);
         }
+    }
+}
+
+/// Whether the first leg of a transition is a long motion on the leaf that it leaves.
+fn starts_far(transition: &Transition) -> bool {
+    let on_own_leaf = |leg: &Leg| leg.state == transition.from && !leg.short;
+    transition.kind != TransitionKind::Loop && transition.legs.first().is_some_and(on_own_leaf)
+}
+
+/// Moves the random configurations of what is to be planted towards the near node, by a random share.
+pub fn stay_near(
+    model: Res<'_, PlanningModel>,
+    settings: Res<'_, SearchSettings>,
+    step: Res<'_, StepCounter>,
+    roadmap: Res<'_, Roadmap>,
+    mut arena: ResMut<'_, CandidateArena>,
+    candidates: Query<'_, '_, &Candidate>,
+) {
+    let size = arena.configuration_size();
+    for candidate in candidates.iter().filter(|c| c.is_alive() && c.plants) {
+        let Some(near) = candidate.near else { continue };
+        let mut rng = stream(settings.seed, Purpose::Plant, step.step, candidate.index);
+        let away = rng.random::<f64>().powf(AWAY);
+        let q = &mut arena.random[candidate.index as usize * size..][..size];
+        let far = q.to_vec();
+        model.problem.robot.space.interpolate(roadmap.configuration(near), &far, away, q);
+        model.lock(q);
     }
 }
 
@@ -97,17 +138,23 @@ pub fn leave_out_first_legs(
         let Some(first) = arena.legs[candidate.index as usize].first_mut() else { continue };
         let before = first.knots.len() - size;
         first.knots.drain(..before);
-        if model.problem.margins.is_empty() {
-            continue;
-        }
-        let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
-        model.kinematics.forward(&first.knots, &mut X_WJ);
-        let mut scratch = CollisionScratch::new();
-        if let Some(contact) = model.first_collision(first.state, &X_WJ, settings.clearance_guard, &mut scratch) {
+        if let Some(pair) = breaks_margin(&model, &settings, first) {
             candidate.reject(Rejection::WaypointBlocked(0));
-            candidate.blocked_by = Some(model.pair_shapes(contact.pair));
+            candidate.blocked_by = Some(model.pair_shapes(pair));
         }
     }
+}
+
+/// The pair that is closer than the margins of a leg's own state allow, where the leg ends. Along a transition the margins of
+/// what it brings together are lifted, but here other motions may start.
+fn breaks_margin(model: &PlanningModel, settings: &SearchSettings, leg: &PlannedLeg) -> Option<PairId> {
+    if model.problem.margins.is_empty() {
+        return None;
+    }
+    let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
+    model.kinematics.forward(&leg.knots, &mut X_WJ);
+    let guard = settings.clearance_guard;
+    model.first_collision(leg.state, &X_WJ, guard, &mut CollisionScratch::new()).map(|contact| contact.pair)
 }
 
 /// Drops what steering cut short of what is to be planted: nothing but the whole joins two leaves.
@@ -119,7 +166,7 @@ pub fn drop_what_was_cut_short(mut arena: ResMut<'_, CandidateArena>, candidates
 
 /// Drops what is not certified to its end of what is to be planted, and remembers what came of each transition.
 pub fn keep_whole_plantings(
-    roadmap: Res<'_, foliate_components::roadmap::Roadmap>,
+    roadmap: Res<'_, Roadmap>,
     mut plantings: ResMut<'_, Plantings>,
     mut arena: ResMut<'_, CandidateArena>,
     candidates: Query<'_, '_, &Candidate>,
@@ -131,8 +178,9 @@ pub fn keep_whole_plantings(
         if candidate.plants && !complete[index] {
             legs[index].clear();
         }
-        let counts = plantings.counts.entry((roadmap.node(near).leaf, transition)).or_default();
-        counts.0 += 1;
-        counts.1 += u32::from(!legs[index].is_empty());
+        let attempt = (roadmap.node(near).leaf, transition, candidate.drawn);
+        let count = plantings.counts.entry(attempt).or_default();
+        count.tries += 1;
+        count.planted += u32::from(!legs[index].is_empty());
     }
 }
