@@ -23,6 +23,9 @@ const EFFORT: f64 = 8.0;
 /// Straight motions that are tried in one round.
 const AT_ONCE: usize = 2;
 
+/// A node that has grown for a join is tried against so many nodes of the other side.
+const NEIGHBOURS: usize = 3;
+
 /// Share of the candidates for joins that keep still what both ends have in common.
 const STILL: f64 = 0.75;
 
@@ -79,20 +82,36 @@ pub fn grow_joins(
     }
 }
 
-/// Moves a random configuration towards the straight motion between two others, by a random share.
+/// Moves every other random configuration towards the straight motion between two others, by a random share.
 fn aim_between(model: &PlanningModel, (a, b): (&[f64], &[f64]), q: &mut [f64], rng: &mut impl RngExt) {
     let space = &model.problem.robot.space;
-    let (along, away, still): (f64, f64, f64) = (rng.random(), rng.random(), rng.random());
+    let (along, away, still): (f64, f64, f64) = (rng.random(), 2.0 * rng.random::<f64>(), rng.random());
     let mut middle = vec![0.0; q.len()];
     space.interpolate(a, b, along, &mut middle);
     let random = q.to_vec();
-    space.interpolate(&middle, &random, away, q);
+    space.interpolate(&middle, &random, away.min(1.0), q);
     if still < STILL {
         for (index, x) in q.iter_mut().enumerate().filter(|&(index, _)| a[index] == b[index]) {
             *x = a[index];
         }
     }
     model.lock(q);
+}
+
+/// The nodes of a tree nearest to `q`, nearest first; ties by lowest id.
+fn nearest_few(
+    model: &PlanningModel,
+    roadmap: &Roadmap,
+    q: &[f64],
+    nodes: &[NodeId],
+    tree: ComponentId,
+) -> impl Iterator<Item = NodeId> {
+    let space = &model.problem.robot.space;
+    let own = nodes.iter().copied().filter(|&node| roadmap.component_of(node) == tree);
+    let far = |node| space.distance(q, roadmap.configuration(node), &model.robot_weights);
+    let mut near: Vec<_> = own.map(|node| (far(node), node)).collect();
+    near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    near.into_iter().take(NEIGHBOURS).map(|(_, node)| node)
 }
 
 /// The node of a tree nearest to `q`; ties by lowest id.
@@ -130,7 +149,7 @@ pub fn propose_joins(
                 continue;
             }
             let q = roadmap.configuration(node);
-            if let Some(to) = nearest(&model, &roadmap, q, roadmap.nodes_on(leaf), other) {
+            for to in nearest_few(&model, &roadmap, q, roadmap.nodes_on(leaf), other) {
                 connections.0.push(Connection { from: node, to, certified: None });
                 straight.0.push(None);
             }

@@ -21,6 +21,9 @@ use std::collections::BTreeMap;
 /// A transition loses half of its weight on a leaf in so many tries.
 const PATIENCE: f64 = 8.0;
 
+/// With so many successes a transition is planted half as often on a leaf as it is drawn there.
+const ENOUGH: f64 = 3.0;
+
 /// The share of the way from the near node to a random configuration at which a waypoint is looked for is a number drawn evenly
 /// from [0, 1] to this power. What is found near is joined by short motions; what is found far is found where near there is
 /// nothing.
@@ -47,6 +50,12 @@ impl Plantings {
     fn freshness(&self, attempt: Attempt) -> f64 {
         let Count { tries, planted } = self.counts.get(&attempt).copied().unwrap_or_default();
         1.0 / ((1.0 + f64::from(planted)) * (1.0 + f64::from(tries) / PATIENCE))
+    }
+
+    /// Probability that it is planted once more.
+    fn demand(&self, attempt: Attempt) -> f64 {
+        let planted = self.counts.get(&attempt).map_or(0, |count| count.planted);
+        ENOUGH / (ENOUGH + f64::from(planted))
     }
 }
 
@@ -91,9 +100,15 @@ pub fn choose_plantings(
         let choices: Vec<_> = model.graph.leaving(row.state).filter(leads_on).map(weigh).collect();
         // Where there are only loops, the ordinary rule draws one.
         if let Some(id) = draw(&choices, rng.random()) {
-            candidate.transition = Some(id);
-            candidate.plants = starts_far(model.graph.transition(id));
+            let transition = model.graph.transition(id);
+            let drawn = candidate.aim.filter(|_| transition.kind == TransitionKind::Crossed);
             aims.count_try(row.leaf);
+            if rng.random::<f64>() >= plantings.demand((row.leaf, id, drawn)) {
+                candidate.reject(Rejection::LeftOut);
+                continue;
+            }
+            candidate.transition = Some(id);
+            candidate.plants = starts_far(transition);
         }
     }
 }
