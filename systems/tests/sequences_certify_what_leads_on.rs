@@ -93,9 +93,9 @@ fn paths_pass_through_every_state_that_they_touch() {
     }
 }
 
-/// Adds a node whose first number is `at`.
+/// Adds a node at the start of [`move_one_box`], but for the first number, which is `at`.
 fn add(roadmap: &mut Roadmap, at: f64, leaf: u32, tree: Option<ComponentId>) -> NodeId {
-    let mut q = vec![0.0; roadmap.configuration_size()];
+    let mut q = move_one_box().unwrap().start;
     q[0] = at;
     roadmap.add_node(&q, StateId(leaf), LeafId(leaf), tree)
 }
@@ -131,7 +131,7 @@ fn a_way_that_fails_makes_room_for_another_and_is_not_given_up() {
     for _ in 0..40 {
         let way = graph.cheapest(&roadmap, &roots).unwrap();
         ways.push(graph.ends(way[0]).1);
-        graph.count_failure(way[0], 1.0);
+        graph.count_straight(way[0], false);
     }
     assert!(ways[..4].contains(&far.0), "the other way was not tried");
     assert!(ways[20..].contains(&near.0), "the first way was given up");

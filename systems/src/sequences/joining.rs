@@ -167,15 +167,15 @@ pub fn propose_joins(
     }
 }
 
-/// Remembers which straight motions do not join.
+/// Remembers which straight motions join and which do not.
 pub fn learn_from_joins(
     connections: Res<'_, Connections>,
     straight: Res<'_, Straight>,
     mut graph: ResMut<'_, LeafGraph>,
 ) {
     for (connection, join) in connections.0.iter().zip(&straight.0) {
-        if let (None, &Some(join)) = (&connection.certified, join) {
-            graph.count_failure(join, 1.0);
+        if let &Some(join) = join {
+            graph.count_straight(join, connection.certified.is_some());
         }
     }
 }

@@ -6,6 +6,7 @@
 
 use crate::conclusion::Roots;
 use foliate_components::configuration::ConfigurationSpace;
+use foliate_components::graph::StateId;
 use foliate_components::leaf::LeafId;
 use foliate_components::roadmap::{ComponentId, NodeId, Roadmap};
 use std::cmp::Reverse;
@@ -16,11 +17,18 @@ use bevy_ecs::prelude::Resource;
 /// At an anchor on which so many joins have failed further ones are estimated to be twice as hard.
 const ANCHOR_PATIENCE: f64 = 4.0;
 
+/// An effort to grow together is estimated as so many straight motions.
+const GROWTH: f64 = 2.0;
+
+/// As if so many straight motions had been tried in every state, all of which had joined.
+const PRIOR: f64 = 2.0;
+
 /// A node by which its tree comes upon its leaf: a root, an end of what was planted, the end of an extension along a transition.
 #[derive(Clone, Debug)]
 struct Anchor {
     node: NodeId,
     leaf: LeafId,
+    state: StateId,
     /// Place among the anchors of its leaf.
     place: usize,
     /// Distances to the anchors in front of it, weighted metres.
@@ -43,6 +51,8 @@ pub struct LeafGraph {
     known: usize,
     /// Efforts that have failed, by join.
     efforts: BTreeMap<Join, f64>,
+    /// By state: straight motions that were tried, and those that joined.
+    straight: Vec<(f64, f64)>,
     /// Whether anything was added or has failed since that was last asked.
     has_changed: bool,
 }
@@ -79,7 +89,11 @@ impl LeafGraph {
         let length =
             |&other: &u32| space.distance(q, roadmap.configuration(self.anchors[other as usize].node), weights);
         let lengths = here.iter().map(length).collect();
-        self.anchors.push(Anchor { node, leaf, place: here.len(), lengths, failures: 0 });
+        let state = roadmap.node(node).state;
+        if self.straight.len() <= state.at() {
+            self.straight.resize(state.at() + 1, (0.0, 0.0));
+        }
+        self.anchors.push(Anchor { node, leaf, state, place: here.len(), lengths, failures: 0 });
         here.push((self.anchors.len() - 1) as u32);
     }
 
@@ -112,13 +126,27 @@ impl LeafGraph {
         self.has_changed = true;
     }
 
-    /// What a join is estimated to cost, in motions.
+    /// Remembers whether the straight motion of a join was free.
+    pub fn count_straight(&mut self, join: Join, joined: bool) {
+        let (tried, made) = &mut self.straight[self.anchors[join.0 as usize].state.at()];
+        *tried += 1.0;
+        *made += f64::from(u8::from(joined));
+        if !joined {
+            self.count_failure(join, 1.0);
+        }
+    }
+
+    /// What a join is estimated to cost, in motions. Before anything was tried the rate at which straight motions join in its
+    /// state counts, so that where hardly any does the trees of one join are grown instead of trying all others.
     #[must_use]
     pub fn cost(&self, join: Join) -> f64 {
         let (a, b) = (&self.anchors[join.0 as usize], &self.anchors[join.1 as usize]);
         let length = if a.place < b.place { b.lengths[a.place] } else { a.lengths[b.place] };
         let hard = |anchor: &Anchor| 1.0 + f64::from(anchor.failures) / ANCHOR_PATIENCE;
-        (1.0 + length) * hard(a) * hard(b) * (1.0 + self.effort(join))
+        let (tried, made) = self.straight[a.state.at()];
+        let effort = self.effort(join);
+        let tries = if effort > 0.0 { 1.0 + GROWTH * effort } else { (PRIOR + tried) / (PRIOR + made) };
+        (1.0 + length) * hard(a) * hard(b) * tries
     }
 
     /// The joins on the cheapest way from the start's tree to a goal's, the start's first; `None` where there is no way yet,
