@@ -58,7 +58,7 @@ pub struct LeafGraph {
 }
 
 impl LeafGraph {
-    /// Takes in the nodes that are new in the roadmap. `weights` are those of [`Self::length`].
+    /// Takes in the nodes that are new in the roadmap. `weights` are metres per unit of each velocity coordinate.
     pub fn grow(&mut self, roadmap: &Roadmap, space: &ConfigurationSpace, weights: &[f64]) {
         for (number, row) in (0u32..).zip(roadmap.nodes()).skip(self.known) {
             let node = NodeId(number);
