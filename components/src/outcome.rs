@@ -26,6 +26,8 @@ pub enum Rejection {
     NoProgress,
     /// The search was stopped while the candidate was under way.
     Stopped,
+    /// The scheduler had nothing for it to do in this step.
+    LeftOut,
 }
 
 impl Rejection {
@@ -43,6 +45,7 @@ impl Rejection {
             Self::MotionBlocked(_) => "motion in collision",
             Self::NoProgress => "no progress",
             Self::Stopped => "stopped",
+            Self::LeftOut => "left out of the step",
         }
     }
 
@@ -55,7 +58,12 @@ impl Rejection {
             | Self::WaypointBlocked(leg)
             | Self::SteeringFailed(leg)
             | Self::MotionBlocked(leg) => Some(leg),
-            Self::NoNode | Self::NoTransition | Self::NoLeafToAimAt | Self::NoProgress | Self::Stopped => None,
+            Self::NoNode
+            | Self::NoTransition
+            | Self::NoLeafToAimAt
+            | Self::NoProgress
+            | Self::Stopped
+            | Self::LeftOut => None,
         }
     }
 }

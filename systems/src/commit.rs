@@ -5,6 +5,7 @@ use crate::model::PlanningModel;
 use crate::neighbours::Neighbours;
 use crate::reached_leaves::ReachedLeaves;
 use crate::schedule::StepCounter;
+use crate::selection::Families;
 use bevy_ecs::prelude::{Entity, Mut, Resource, World};
 use foliate_components::candidate::{Candidate, CandidateArena, LegParameter, PlannedLeg};
 use foliate_components::graph::{ConstraintId, StateId, TransitionId};
@@ -43,7 +44,9 @@ pub fn commit_extensions(world: &mut World) {
             let legs = std::mem::take(&mut arena.legs[index]);
             count(world, &candidate, !legs.is_empty(), arena.complete[index]);
             if let (Some(near), Some(transition), false) = (candidate.near, candidate.transition, legs.is_empty()) {
-                new_nodes.push(add_extension(world, near, transition, legs));
+                let from = if candidate.plants { plant(world, near, &legs[0]) } else { Some(near) };
+                let legs = legs.into_iter().skip(usize::from(candidate.plants)).collect();
+                new_nodes.extend(from.map(|from| add_extension(world, from, transition, legs)));
             }
         }
         // Roots stand in the list before the first step.
@@ -134,6 +137,25 @@ fn count(world: &mut World, candidate: &Candidate, kept: bool, complete: bool) {
     }
 }
 
+/// Makes the end of a leg that was left out the root of a tree of its own, of the family of `near`.
+fn plant(world: &mut World, near: NodeId, first: &PlannedLeg) -> Option<NodeId> {
+    let known = |parameter: &LegParameter| match parameter {
+        LegParameter::Known(id) => Some(*id),
+        LegParameter::Fresh(_) => None,
+    };
+    // It lies on the leaf of `near`, of which everything is known.
+    let parameters = first.parameters.iter().map(known).collect::<Option<_>>()?;
+    let roadmap = world.resource::<Roadmap>();
+    let family = world.resource::<Families>().born_for(roadmap.node(near).component);
+    let (size, trees) = (roadmap.configuration_size(), roadmap.trees() as u32);
+    let leaf = intern_leaf(world, Leaf { state: first.state, parameters });
+    let mut families = world.resource_mut::<Families>();
+    let known = families.of.len() as u32;
+    families.of.extend((known..trees).map(ComponentId));
+    families.of.push(family);
+    Some(add_node(world, &first.knots[first.knots.len() - size..], leaf, None))
+}
+
 fn add_extension(world: &mut World, near: NodeId, transition: TransitionId, legs: Vec<PlannedLeg>) -> NodeId {
     let mut fresh = Vec::new();
     let size = world.resource::<Roadmap>().configuration_size();
@@ -203,7 +225,8 @@ fn add_node(world: &mut World, q: &[f64], leaf: LeafId, component: Option<Compon
     world.resource_scope(|world, mut neighbours: Mut<'_, Neighbours>| {
         neighbours.add(world.resource::<Roadmap>(), node);
     });
-    visit(world, leaf, component);
+    let family = world.resource::<Families>().born_for(component);
+    visit(world, leaf, family);
     count_in(world, state, |s| s.nodes += 1);
     world.spawn((node, InState(state), OnLeaf(leaf), InComponent(component), ConfigurationId(node.0)));
     node

@@ -32,6 +32,7 @@ pub mod schedulers;
 pub mod scratch_pool;
 pub mod search;
 pub mod selection;
+pub mod sequences;
 pub mod settings;
 pub mod steering;
 pub mod validation;

@@ -52,7 +52,8 @@ pub fn feasible(model: &PlanningModel, settings: &SearchSettings, q: &[f64]) -> 
         .ok_or_else(|| format!("it lies in no state: {}", why_no_state(model, &locked, &X_WJ, tolerance)))?;
     model.rest(state, &mut locked);
     model.kinematics.forward(&locked, &mut X_WJ);
-    if let Some(collision) = model.first_collision(state, &X_WJ, settings.clearance_guard, &mut CollisionScratch::at_level(settings.level))
+    if let Some(collision) =
+        model.first_collision(state, &X_WJ, settings.clearance_guard, &mut CollisionScratch::at_level(settings.level))
     {
         return Err(format!("{} collide ({})", model.pair_name(collision.pair), in_words(collision.clearance)));
     }

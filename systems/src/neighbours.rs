@@ -74,39 +74,42 @@ impl Neighbours {
         all.flatten().map(|(_, bucket)| size_of::<(ComponentId, Bucket)>() + bucket.bytes()).sum()
     }
 
-    /// The node of a tree on a leaf that is nearest to `q`, robots alone; ties by lowest id.
+    /// The node on a leaf that is nearest to `q`, robots alone, of the trees (as they were born) that are wanted; ties by
+    /// lowest id.
     #[must_use]
     pub fn nearest_on(
         &self,
         model: &PlanningModel,
         roadmap: &Roadmap,
         q: &[f64],
-        (leaf, tree): (LeafId, ComponentId),
+        leaf: LeafId,
+        wanted: impl Fn(ComponentId) -> bool,
     ) -> Option<NodeId> {
         let Some(buckets) = self.leaves.get(&leaf) else {
-            let nodes = roadmap.nodes_on(leaf).iter().copied().filter(|&node| roadmap.component_of(node) == tree);
+            let nodes = roadmap.nodes_on(leaf).iter().copied().filter(|&node| wanted(roadmap.node(node).component));
             return model.nearest(roadmap, q, nodes, &model.robot_weights);
         };
-        let of_tree = buckets.iter().filter(|(born, _)| roadmap.component(*born) == tree);
+        let of_tree = buckets.iter().filter(|(born, _)| wanted(*born));
         self.among(model, roadmap, q, (&self.robots, &model.robot_weights), of_tree)
     }
 
-    /// The node of a tree in a state that is nearest to `q`; ties by lowest id.
+    /// The node in a state that is nearest to `q`, of the trees (as they were born) that are wanted; ties by lowest id.
     #[must_use]
     pub fn nearest_in(
         &self,
         model: &PlanningModel,
         roadmap: &Roadmap,
         q: &[f64],
-        (state, tree): (StateId, ComponentId),
+        state: StateId,
+        wanted: impl Fn(ComponentId) -> bool,
     ) -> Option<NodeId> {
         let Some(states) = &self.states else {
             let nodes = (0u32..).map(NodeId).zip(roadmap.nodes());
-            let nodes = nodes.filter(|(node, row)| row.state == state && roadmap.component_of(*node) == tree);
+            let nodes = nodes.filter(|(_, row)| row.state == state && wanted(row.component));
             return model.nearest(roadmap, q, nodes.map(|(node, _)| node), &model.weights);
         };
         let of_tree = states.get(state.at()).into_iter().flatten();
-        let of_tree = of_tree.filter(|(born, _)| roadmap.component(*born) == tree);
+        let of_tree = of_tree.filter(|(born, _)| wanted(*born));
         self.among(model, roadmap, q, (&self.everything, &model.weights), of_tree)
     }
 

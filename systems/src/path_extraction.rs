@@ -91,7 +91,7 @@ fn passed_through(
 ) -> Option<Segment> {
     let (before, leaf) = (before?, leaves.leaf(leaf));
     let knot = before.knots.last()?;
-    let passed = leaf.state != before.state && next.is_some_and(|next| next != leaf.state);
+    let passed = leaf.state != before.state && next != Some(leaf.state);
     passed.then(|| Segment {
         transition: before.transition,
         state: leaf.state,

@@ -21,6 +21,10 @@ pub enum Purpose {
     Seed = 9,
     /// Configurations for goals that name only object poses.
     Goal = 5,
+    /// Where trees grow that are to be joined on a leaf.
+    Join = 7,
+    /// How far from the near node what is planted starts to be looked for.
+    Plant = 8,
 }
 
 /// The stream of a candidate in a step. ChaCha's streams are provably independent; setting one up costs about 0.2 µs.

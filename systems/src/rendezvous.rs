@@ -45,7 +45,7 @@ pub fn draw_leaves(
             model: &model,
             explored: &explored,
             source: explored.leaves.leaf(explored.roadmap.node(near).leaf),
-            tree: explored.roadmap.component_of(near),
+            tree: explored.families.family_of(&explored.roadmap, near),
         };
         let u = rng.random();
         let drawn = choice.leaf(|state| state == transition.to, u);

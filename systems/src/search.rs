@@ -12,7 +12,7 @@ use crate::path_extraction::{extract_path, reached_backwards};
 use crate::reached_leaves::ReachedLeaves;
 use crate::schedule::StepCounter;
 use crate::schedulers::Scheduler;
-use crate::selection::TransitionWeights;
+use crate::selection::{Families, TransitionWeights};
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Mut, Resource, Schedule, World};
 use foliate_components::candidate::CandidateArena;
@@ -208,6 +208,7 @@ fn empty_world(model: &PlanningModel, settings: SearchSettings, stop: StopSignal
     world.init_resource::<NewNodes>();
     world.init_resource::<Connections>();
     world.init_resource::<ReachedLeaves>();
+    world.init_resource::<Families>();
     world.init_resource::<crate::guidance::aiming::Aims>();
     world.init_resource::<TransitionWeights>();
     world.init_resource::<StepCounter>();

@@ -13,7 +13,7 @@ use foliate_components::candidate::{Candidate, CandidateArena};
 use foliate_components::graph::{Transition, TransitionId, TransitionKind};
 use foliate_components::leaf::LeafIndex;
 use foliate_components::outcome::Rejection;
-use foliate_components::roadmap::{ComponentId, Roadmap};
+use foliate_components::roadmap::{ComponentId, NodeId, Roadmap};
 use rand::RngExt;
 use rand::seq::IndexedRandom;
 use rayon::prelude::*;
@@ -25,6 +25,36 @@ pub struct Weight(pub f64);
 /// Weights by transition, gathered at the start of every step.
 #[derive(Clone, Debug, Default, Resource)]
 pub struct TransitionWeights(pub Vec<f64>);
+
+/// On whose behalf each tree grows.
+///
+/// A tree that was planted hangs together with nothing yet, but it counts to the tree from whose leaf it was planted as if
+/// the two were joined: they share what they have reached, and are no rendezvous for one another. Kept by the commit.
+#[derive(Clone, Debug, Default, Resource)]
+pub struct Families {
+    /// By tree as born: the root tree of its family.
+    pub(crate) of: Vec<ComponentId>,
+}
+
+impl Families {
+    /// The root tree on whose behalf a tree was born; the tree itself where it was not planted.
+    #[must_use]
+    pub fn born_for(&self, tree: ComponentId) -> ComponentId {
+        self.of.get(tree.at()).copied().unwrap_or(tree)
+    }
+
+    /// The tree that now contains the root tree of a tree's family.
+    #[must_use]
+    pub fn family(&self, roadmap: &Roadmap, tree: ComponentId) -> ComponentId {
+        roadmap.component(self.born_for(tree))
+    }
+
+    /// The family of a node.
+    #[must_use]
+    pub fn family_of(&self, roadmap: &Roadmap, node: NodeId) -> ComponentId {
+        self.family(roadmap, roadmap.node(node).component)
+    }
+}
 
 /// Copies the weights from the transitions' entities into a slice, those of loops as the settings want them.
 pub fn gather_weights(
@@ -53,16 +83,18 @@ pub struct Explored<'w> {
     pub leaves: Res<'w, LeafIndex>,
     /// Leaves by tree.
     pub reached: Res<'w, ReachedLeaves>,
+    /// Trees that count as one.
+    pub families: Res<'w, Families>,
 }
 
 impl Explored<'_> {
-    /// The trees that have not been absorbed by another, by id.
+    /// The trees that have not been absorbed by another and were not planted for one, by id.
     pub fn trees(&self) -> impl Iterator<Item = ComponentId> {
-        (0..self.roadmap.trees() as u32).map(ComponentId).filter(|&c| self.roadmap.component(c) == c)
+        (0..self.roadmap.trees() as u32).map(ComponentId).filter(|&c| self.families.family(&self.roadmap, c) == c)
     }
 }
 
-/// Chooses for every candidate a node: the nearest on its leaf where one is chosen already, else as
+/// Chooses for every candidate that has none a node: the nearest on its leaf where one is chosen already, else as
 /// [`SearchSettings::selection`] says.
 pub fn select_nodes(
     model: Res<'_, PlanningModel>,
@@ -76,16 +108,18 @@ pub fn select_nodes(
     let trees: Vec<ComponentId> = explored.trees().collect();
     let roadmap = &*explored.roadmap;
     let mut pool: Vec<_> = candidates.iter_mut().collect();
-    pool.par_iter_mut().filter(|c| c.is_alive()).for_each(|candidate| {
+    pool.par_iter_mut().filter(|c| c.is_alive() && c.near.is_none()).for_each(|candidate| {
         let mut rng = stream(settings.seed, Purpose::Select, step.step, candidate.index);
         let q = arena.random_of(candidate.index);
-        let nearest_on = |leaf, tree| neighbours.nearest_on(&model, roadmap, q, (leaf, tree));
+        let families = &*explored.families;
+        let of = |tree| move |born| families.family(roadmap, born) == tree;
+        let nearest_on = |leaf, tree| neighbours.nearest_on(&model, roadmap, q, leaf, of(tree));
         let chosen = match (candidate.leaf, candidate.component, settings.selection) {
             (Some(leaf), Some(tree), _) => nearest_on(leaf, tree),
             (_, _, Selection::Nearest) => neighbours.nearest_of_all(&model, roadmap, q),
             (_, _, Selection::StateFirst) => trees.choose(&mut rng).and_then(|&tree| {
                 let state = explored.reached.of_tree(tree).choose(&mut rng)?.state;
-                neighbours.nearest_in(&model, roadmap, q, (state, tree))
+                neighbours.nearest_in(&model, roadmap, q, state, of(tree))
             }),
             (_, _, Selection::LeafFirst | Selection::Guided) => trees.choose(&mut rng).and_then(|&tree| {
                 // States with few leaves are often the narrow ones (one leaf holds every solid grasp of an object), so
@@ -97,14 +131,14 @@ pub fn select_nodes(
         match chosen {
             Some(node) => {
                 candidate.near = Some(node);
-                candidate.component = Some(roadmap.component_of(node));
+                candidate.component = Some(explored.families.family_of(roadmap, node));
             }
             None => candidate.reject(Rejection::NoNode),
         }
     });
 }
 
-/// Draws for every candidate a transition that leaves its node's state, in proportion to the weights.
+/// Draws for every candidate that has none a transition that leaves its node's state, in proportion to the weights.
 pub fn select_transitions(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
@@ -114,7 +148,7 @@ pub fn select_transitions(
     mut aims: ResMut<'_, Aims>,
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
-    let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive()).collect();
+    let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive() && c.transition.is_none()).collect();
     pool.par_iter_mut().for_each(|candidate| {
         let Some(near) = candidate.near else {
             return candidate.reject(Rejection::NoNode);

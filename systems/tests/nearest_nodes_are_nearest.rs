@@ -40,17 +40,18 @@ fn nodes_found_in_lanes_are_those_found_one_by_one() {
         for node in all(roadmap) {
             let (row, tree) = (roadmap.node(node), roadmap.component_of(node));
             let q: Vec<f64> = roadmap.configuration(node).iter().map(|x| x * 0.9).collect();
+            let in_tree = |born| roadmap.component(born) == tree;
             let of_tree = all(roadmap).filter(|&n| roadmap.component_of(n) == tree);
 
             let on_leaf = of_tree.clone().filter(|&n| roadmap.node(n).leaf == row.leaf);
             let nearest = model.nearest(roadmap, &q, on_leaf, &model.robot_weights);
-            assert_eq!(neighbours.nearest_on(&model, roadmap, &q, (row.leaf, tree)), nearest);
+            assert_eq!(neighbours.nearest_on(&model, roadmap, &q, row.leaf, in_tree), nearest);
 
             // A number of a quaternion that shrinks is no rotation: the whole configuration is asked for as it is.
             let q = roadmap.configuration(node);
             let in_state = of_tree.filter(|&n| roadmap.node(n).state == row.state);
             let nearest = model.nearest(roadmap, q, in_state, &model.weights);
-            assert_eq!(neighbours.nearest_in(&model, roadmap, q, (row.state, tree)), nearest);
+            assert_eq!(neighbours.nearest_in(&model, roadmap, q, row.state, in_tree), nearest);
             assert_eq!(
                 neighbours.nearest_of_all(&model, roadmap, q),
                 model.nearest(roadmap, q, all(roadmap), &model.weights)

@@ -53,11 +53,13 @@ fn unsolved_searches_agree_too_under_every_selection() {
     let model = model(boxes_on_a_table(&[(0.6, 0.1)], &[(1.45, 0.75)]).unwrap());
     for selection in [Selection::Guided, Selection::LeafFirst, Selection::StateFirst, Selection::Nearest] {
         let settings = SearchSettings { max_steps: 4, selection, ..seeded(5) };
-        let scheduler = foliate_systems::schedulers::mrrt::Mrrt;
-        let (_, one) = search(&model, &scheduler, settings.clone(), 1);
-        let (_, two) = search(&model, &scheduler, settings, 2);
-        assert_eq!(one.roadmap().fingerprint(), two.roadmap().fingerprint(), "{selection:?}");
-        assert!(one.roadmap().nodes().len() > 10, "{selection:?} explored nothing");
+        for scheduler in shipped() {
+            let (_, one) = search(&model, scheduler.as_ref(), settings.clone(), 1);
+            let (_, two) = search(&model, scheduler.as_ref(), settings.clone(), 2);
+            let name = (scheduler.name(), selection);
+            assert_eq!(one.roadmap().fingerprint(), two.roadmap().fingerprint(), "{name:?}");
+            assert!(one.roadmap().nodes().len() > 10, "{name:?} explored nothing");
+        }
     }
 }
 

@@ -366,7 +366,7 @@ pub fn choose_leaves(
         (tree, states.iter().map(|state| (state, state.weight())).collect::<Vec<_>>())
     };
     let trees: Vec<_> = explored.trees().map(weigh).collect();
-    let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive()).collect();
+    let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive() && c.near.is_none()).collect();
     pool.par_iter_mut().for_each_init(AimScratch::default, |scratch, candidate| {
         let mut rng = stream(settings.seed, Purpose::Aim, step.step, candidate.index);
         if rng.random::<f64>() >= settings.guided_probability {

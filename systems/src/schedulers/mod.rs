@@ -2,6 +2,7 @@
 
 pub mod mrrt;
 pub mod portfolio;
+pub mod sequence;
 
 use bevy_ecs::prelude::{Schedule, World};
 use std::sync::Arc;
@@ -43,7 +44,7 @@ pub fn default_scheduler() -> Box<dyn Scheduler> {
 /// The schedulers that Foliate ships.
 #[must_use]
 pub fn shipped() -> Vec<Box<dyn Scheduler>> {
-    vec![Box::new(mrrt::Mrrt), Box::new(portfolio::Portfolio::default())]
+    vec![Box::new(sequence::Sequence), Box::new(mrrt::Mrrt), Box::new(portfolio::Portfolio::default())]
 }
 
 /// The shipped scheduler of that name.

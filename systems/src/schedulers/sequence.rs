@@ -1,0 +1,77 @@
+//! `sequence`: sequences of transitions first, long motions last.
+
+use super::Scheduler;
+use crate::guidance::aiming;
+use crate::schedule::{SearchSet, empty_schedule};
+use crate::sequences::{joining, leaf_graph, planting};
+use crate::{
+    commit, conclusion, connection, feedback, goals, projection, rendezvous, sampling, selection, steering, validation,
+    waypoints,
+};
+use bevy_ecs::prelude::{IntoScheduleConfigs, Schedule, SystemSet, World};
+
+/// Rounds of joining in a step: a motion that fails may leave another sequence whose motions are all untried.
+const ROUNDS: usize = 6;
+
+/// A round of joining, within [`SearchSet::Connect`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, SystemSet)]
+struct Round(usize);
+
+/// Short motions between leaves are planted where `mrrt` would first certify how to get there; only the long motions of
+/// sequences that reach from the start to a goal are certified, those estimated to be easiest first.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sequence;
+
+impl Scheduler for Sequence {
+    fn name(&self) -> &'static str {
+        "sequence"
+    }
+
+    fn schedule(&self, world: &mut World) -> Schedule {
+        world.init_resource::<leaf_graph::LeafGraph>();
+        world.init_resource::<planting::Plantings>();
+        world.init_resource::<joining::Growing>();
+        world.init_resource::<joining::Straight>();
+        let mut schedule = empty_schedule();
+        schedule.add_systems((
+            (sampling::reset_candidates, sampling::sample_configurations).chain().in_set(SearchSet::Sample),
+            (
+                joining::grow_joins,
+                planting::rest,
+                selection::gather_weights,
+                aiming::measure_leaves,
+                aiming::choose_leaves,
+                selection::select_nodes,
+                planting::choose_plantings,
+                selection::select_transitions,
+            )
+                .chain()
+                .in_set(SearchSet::Select),
+            (rendezvous::draw_leaves, planting::stay_near).chain().in_set(SearchSet::Rendezvous),
+            (projection::project_waypoints, planting::leave_out_first_legs).chain().in_set(SearchSet::Project),
+            (waypoints::check_waypoints, steering::steer_legs, planting::drop_what_was_cut_short)
+                .chain()
+                .in_set(SearchSet::Steer),
+            (validation::certify_legs, planting::keep_whole_plantings).chain().in_set(SearchSet::Validate),
+            (commit::commit_extensions, goals::draw_more_goals).chain().in_set(SearchSet::Commit),
+            (conclusion::conclude, conclusion::report_progress, feedback::report_feedback, conclusion::report_solution)
+                .chain()
+                .in_set(SearchSet::Conclude),
+        ));
+        for round in 0..ROUNDS {
+            let set = Round(round).in_set(SearchSet::Connect);
+            schedule.configure_sets(if round == 0 { set } else { set.after(Round(round - 1)) });
+            schedule.add_systems(
+                (
+                    joining::propose_joins,
+                    connection::certify_connections,
+                    joining::learn_from_joins,
+                    commit::commit_connections,
+                )
+                    .chain()
+                    .in_set(Round(round)),
+            );
+        }
+        schedule
+    }
+}

@@ -1,0 +1,50 @@
+//! What each candidate of a step is for.
+
+use crate::schedule::StepCounter;
+use foliate_components::candidate::Candidate;
+
+/// Of so many candidates one is an extension as `mrrt` makes them, so that nothing is given up for good.
+const ORDINARY: u64 = 64;
+
+/// Of so many candidates one grows the trees of joins that a straight motion could not make, where there are such.
+const GROWING: u64 = 4;
+
+/// Among the first so many candidates every other one is left out: most problems need few grasps, and what is planted beside
+/// them is wasted.
+const FIRST: u64 = 32;
+
+/// A candidate's number among all candidates of the search, in a pool of `pool`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Turn(u64);
+
+impl Turn {
+    /// The turn of a candidate in the step to come.
+    #[must_use]
+    pub fn of(step: &StepCounter, pool: usize, candidate: &Candidate) -> Self {
+        Self(step.step * pool as u64 + u64::from(candidate.index))
+    }
+
+    /// Whether it is left to the rules of `mrrt`.
+    #[must_use]
+    pub fn is_ordinary(self) -> bool {
+        self.0 % ORDINARY == ORDINARY / 2
+    }
+
+    /// Whether it grows trees that are to be joined, where there are such.
+    #[must_use]
+    pub fn grows(self) -> bool {
+        self.0 % GROWING == GROWING - 1
+    }
+
+    /// Whether nothing is to be planted in its turn.
+    #[must_use]
+    pub fn rests(self) -> bool {
+        self.0 < FIRST && self.0 % 2 == 1
+    }
+
+    /// The number itself.
+    #[must_use]
+    pub fn number(self) -> u64 {
+        self.0
+    }
+}
