@@ -102,9 +102,9 @@ pub struct ProblemTables {
     locked: Vec<(usize, f64)>,
     /// Every pair, for verdicts.
     all_pairs: PairSet,
-    /// Starts for solves that bring a gripper somewhere, by the body that carries it; 0.4 MB each. They follow from the
-    /// robots' models alone.
-    seeds: Vec<SeedTable>,
+    /// Starts for solves that bring a gripper somewhere, by the body that carries it: built in a millisecond when first asked
+    /// for, 0.4 MB each. They follow from the robots' models alone.
+    seeds: Vec<(JointIndex, OnceLock<Option<SeedTable>>)>,
 }
 
 /// What is compiled of a state.
@@ -637,20 +637,21 @@ impl Model {
     }
 }
 
-/// One table for each body that carries a gripper and hangs on an arm of its own.
-fn seed_tables(robot: &Robot) -> Vec<SeedTable> {
+/// Room for a table for each body that carries a gripper.
+fn seed_tables(robot: &Robot) -> Vec<(JointIndex, OnceLock<Option<SeedTable>>)> {
     let mut tips: Vec<JointIndex> =
         robot.grippers.iter().filter_map(|gripper| robot.links[gripper.link.at()].joint).collect();
     tips.sort_unstable();
     tips.dedup();
-    tips.into_iter().filter_map(|tip| SeedTable::new(robot, tip)).collect()
+    tips.into_iter().map(|tip| (tip, OnceLock::new())).collect()
 }
 
 impl ProblemTables {
-    /// Starts for solves that bring this body somewhere, where there are any.
+    /// Starts for solves that bring this body somewhere, where it carries a gripper and hangs on an arm of its own.
     #[must_use]
     pub fn seeds(&self, tip: JointIndex) -> Option<&SeedTable> {
-        self.seeds.iter().find(|table| table.tip() == tip)
+        let (_, table) = self.seeds.iter().find(|(body, _)| *body == tip)?;
+        table.get_or_init(|| SeedTable::new(&self.problem.robot, tip)).as_ref()
     }
 
     fn new(problem: Problem, objects: Vec<ObjectModel>) -> Self {
