@@ -1,8 +1,8 @@
 //! Clearance: exact distances, verdicts of configurations, certificates of motions (DESIGN §5.5).
 //!
 //! A [`scene::CollisionScene`] holds what never changes; a [`pairs::PairSet`] what matters on one leaf;
-//! [`verdict::first_collision`] judges one configuration, [`certificate::certify_motion`] a straight motion over the
-//! continuum and [`polyline::certify_polyline`] many of them in a row. Cheap bounds come first: balls of bodies, balls and capsules of shapes, then GJK or the meshes' trees.
+//! [`verdict::first_collision`] judges one configuration, [`first_collisions`] many, [`certificate::certify_motion`] a straight motion over the
+//! continuum and [`polyline::certify_polyline`] many of them in a row. Cheap bounds come first, of sixteen configurations at once: balls of bodies, balls, boxes and capsules of shapes; then GJK or the meshes' trees.
 //! Nothing is ever called free that is not proved so: in doubt, in collision.
 
 mod attachment;

@@ -34,7 +34,7 @@ pub enum PolylineVerdict {
 }
 
 /// Proves clearance along the straight motions from knot to knot; `knots` are whole configurations, end to end. As
-/// [`certify_motion`] for each piece in turn, with the shares of [`CertificateSettings`] meant of the whole polyline (its
+/// [`certify_motion`](super::certificate::certify_motion) for each piece in turn, with the shares of [`CertificateSettings`] meant of the whole polyline (its
 /// pieces taken to be alike), `max_samples` too. Without a piece nothing is asked and the answer is free.
 ///
 /// # Panics
