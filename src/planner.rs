@@ -51,7 +51,7 @@ pub struct Report {
     pub steps: u64,
     /// Candidates.
     pub candidates: u64,
-    /// Candidates whose motions were validated.
+    /// Candidates whose waypoints all projected, whether or not these were free.
     pub validated: u64,
     /// Roadmap nodes.
     pub nodes: usize,
