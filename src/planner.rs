@@ -52,7 +52,7 @@ pub struct Report {
     pub steps: u64,
     /// Candidates, of all worlds.
     pub candidates: u64,
-    /// Candidates whose motions were validated, of all worlds.
+    /// Candidates whose waypoints all projected, whether or not these were free, of all worlds.
     pub validated: u64,
     /// What each of several worlds did (scheduler `portfolio`); empty where the search had but one. What follows is of the one
     /// that answers.

@@ -165,7 +165,7 @@ mod tests {
         ) {
             let damping = 1e-3;
             // Every second or third number is zero, or none is.
-            let is_zero = |i: usize| zeros > 0 && i % (zeros + 1) == 0;
+            let is_zero = |i: usize| zeros > 0 && i.is_multiple_of(zeros + 1);
             let kept: Vec<f64> =
                 numbers.iter().enumerate().map(|(i, &x)| if is_zero(i) { 0.0 } else { x }).collect();
             let jacobian = &kept[..rows * width];
