@@ -67,10 +67,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let seeds = 1..=10;
     let mut sums = Vec::new();
     for name in ["mrrt", "adaptive"] {
-        let mut planner = Planner::new(swap_two_boxes()?)?;
-        if name == "adaptive" {
-            planner = planner.scheduler(Adaptive);
-        }
+        let planner = Planner::new(swap_two_boxes()?)?;
+        let mut planner = if name == "adaptive" { planner.scheduler(Adaptive) } else { planner.scheduler(Mrrt) };
         println!("{name}:");
         let mut sum = 0;
         for seed in seeds.clone() {

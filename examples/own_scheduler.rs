@@ -39,9 +39,10 @@ fn follow_success(mut transitions: Query<'_, '_, (&TransitionStatistics, &mut We
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    for (name, planner) in
-        [("mrrt", Planner::new(swap_two_boxes()?)?), ("curious", Planner::new(swap_two_boxes()?)?.scheduler(Curious))]
-    {
+    for (name, planner) in [
+        ("mrrt", Planner::new(swap_two_boxes()?)?.scheduler(Mrrt)),
+        ("curious", Planner::new(swap_two_boxes()?)?.scheduler(Curious)),
+    ] {
         let solution = planner.seed(3).solve();
         println!("{name}: {} after {} candidates", solution.outcome.name(), solution.report.candidates);
         for row in &solution.report.funnel {

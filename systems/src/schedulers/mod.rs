@@ -33,12 +33,12 @@ impl<S: Scheduler + ?Sized> Scheduler for Arc<S> {
 
 /// Name of the shipped scheduler that is used where none is asked for: the best over all shipped scenes (ARCHITECTURE.md,
 /// Evidence).
-pub const DEFAULT: &str = "mrrt";
+pub const DEFAULT: &str = "sequence";
 
 /// The scheduler called [`DEFAULT`].
 #[must_use]
 pub fn default_scheduler() -> Box<dyn Scheduler> {
-    named(DEFAULT).unwrap_or_else(|| Box::new(mrrt::Mrrt))
+    named(DEFAULT).unwrap_or_else(|| Box::new(sequence::Sequence))
 }
 
 /// The schedulers that Foliate ships.

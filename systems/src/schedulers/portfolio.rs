@@ -2,6 +2,7 @@
 
 use super::Scheduler;
 use super::mrrt::Mrrt;
+use super::sequence::Sequence;
 use crate::schedule::{SearchSet, empty_schedule};
 use crate::worlds::{Member, Worlds, conclusion, enter, pass_branches, take_turns};
 use bevy_ecs::prelude::{IntoScheduleConfigs, Schedule, World};
@@ -17,7 +18,7 @@ pub struct Portfolio {
     pub quantum: u64,
 }
 
-/// Work of a turn unless a host says otherwise: four steps of `mrrt`.
+/// Work of a turn unless a host says otherwise: about four steps.
 const QUANTUM: u64 = 64;
 
 /// Rounds that the first search has for itself. On one core whoever helps it takes time from it, which pays only where it has
@@ -25,9 +26,9 @@ const QUANTUM: u64 = 64;
 const ALONE: u64 = 16;
 
 impl Default for Portfolio {
-    /// `mrrt`, and from the sixteenth round on two more with streams of their own.
+    /// `sequence`, and from the sixteenth round on `mrrt` beside it.
     fn default() -> Self {
-        let members = vec![Member::new(Mrrt), Member::new(Mrrt).entering(ALONE), Member::new(Mrrt).entering(ALONE)];
+        let members = vec![Member::new(Sequence), Member::new(Mrrt).entering(ALONE)];
         Self { members, quantum: QUANTUM }
     }
 }

@@ -1,7 +1,9 @@
 //! `sequence`: sequences of transitions first, long motions last.
 
 use super::Scheduler;
+use super::mrrt::Mrrt;
 use crate::guidance::aiming;
+use crate::model::PlanningModel;
 use crate::schedule::{SearchSet, empty_schedule};
 use crate::sequences::{joining, leaf_graph, planting};
 use crate::{
@@ -9,6 +11,7 @@ use crate::{
     waypoints,
 };
 use bevy_ecs::prelude::{IntoScheduleConfigs, Schedule, SystemSet, World};
+use foliate_components::graph::TransitionKind;
 
 /// Rounds of joining in a step: a motion that fails may leave another sequence whose motions are all untried.
 const ROUNDS: usize = 6;
@@ -18,7 +21,8 @@ const ROUNDS: usize = 6;
 struct Round(usize);
 
 /// Short motions between leaves are planted where `mrrt` would first certify how to get there; only the long motions of
-/// sequences that reach from the start to a goal are certified, those estimated to be easiest first.
+/// sequences that reach from the start to a goal are certified, those estimated to be easiest first. A problem whose only
+/// transitions are loops has no sequences: it is left to [`Mrrt`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sequence;
 
@@ -28,6 +32,9 @@ impl Scheduler for Sequence {
     }
 
     fn schedule(&self, world: &mut World) -> Schedule {
+        if stays_on_its_leaf(world) {
+            return Mrrt.schedule(world);
+        }
         world.init_resource::<leaf_graph::LeafGraph>();
         world.init_resource::<planting::Plantings>();
         world.init_resource::<joining::Growing>();
@@ -74,4 +81,10 @@ impl Scheduler for Sequence {
         }
         schedule
     }
+}
+
+/// Whether every transition is a loop, so that all sequences are empty and there is nothing to plant: plain motion planning.
+fn stays_on_its_leaf(world: &World) -> bool {
+    let graph = &world.resource::<PlanningModel>().graph;
+    !graph.lazy && graph.transitions.iter().all(|transition| transition.kind == TransitionKind::Loop)
 }

@@ -13,7 +13,6 @@ use crate::selection::Families;
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Query, Res, ResMut, Resource};
 use foliate_components::candidate::{Candidate, CandidateArena};
-use foliate_components::graph::TransitionKind;
 use foliate_components::roadmap::{ComponentId, NodeId, Roadmap};
 use rand::RngExt;
 
@@ -37,8 +36,7 @@ pub struct Growing(pub Vec<Join>);
 #[derive(Clone, Debug, Default, Resource)]
 pub struct Straight(Vec<Option<Join>>);
 
-/// Sets a part of the candidates to growing the trees of joins that a straight motion could not make; all of
-/// them but the ordinary ones where there is nothing else to do, because every transition is a loop.
+/// Sets a part of the candidates to growing the trees of joins that a straight motion could not make.
 #[allow(clippy::too_many_arguments, reason = "a system's parameters are what it reads and writes")]
 pub fn grow_joins(
     model: Res<'_, PlanningModel>,
@@ -54,13 +52,9 @@ pub fn grow_joins(
     if growing.0.is_empty() {
         return;
     }
-    let loops_only = model.graph.transitions.iter().all(|t| t.kind == TransitionKind::Loop);
     let pool = arena.complete.len();
     let size = arena.configuration_size();
-    let grows = |c: &Candidate| {
-        let turn = Turn::of(&step, pool, c);
-        turn.grows() || (loops_only && !turn.is_ordinary())
-    };
+    let grows = |c: &Candidate| Turn::of(&step, pool, c).grows();
     let mut chosen: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive() && grows(c)).collect();
     chosen.sort_unstable_by_key(|c| c.index);
     let first = (Turn::of(&step, pool, &Candidate::default()).number() / 4) as usize;
