@@ -5,14 +5,15 @@
 
 use crate::events::StopSignal;
 use crate::model::PlanningModel;
+use crate::parallel::each;
+use crate::scratch_pool::ScratchPool;
 use crate::settings::SearchSettings;
-use bevy_ecs::prelude::{Query, Res, ResMut};
+use bevy_ecs::prelude::{Local, Query, Res, ResMut};
 use foliate_components::Pose;
 use foliate_components::candidate::{Candidate, CandidateArena, PlannedLeg};
 use foliate_components::graph::TransitionKind;
 use foliate_components::outcome::Rejection;
 use foliate_kernels::collision::CollisionScratch;
-use rayon::prelude::*;
 
 /// Refuses candidates that have a waypoint in collision; marks the others.
 pub fn check_waypoints(
@@ -21,21 +22,29 @@ pub fn check_waypoints(
     stop: Res<'_, StopSignal>,
     mut arena: ResMut<'_, CandidateArena>,
     mut candidates: Query<'_, '_, &mut Candidate>,
+    buffers: Local<'_, ScratchPool<(CollisionScratch, Vec<Pose>)>>,
 ) {
     let mut pool: Vec<_> = candidates.iter_mut().collect();
     pool.sort_unstable_by_key(|c| c.index);
-    let alive = pool.par_iter_mut().zip(arena.legs.par_iter_mut()).filter(|(c, _)| c.is_alive());
-    let scratch = || (CollisionScratch::at_level(settings.level), vec![Pose::identity(); model.kinematics.bodies()]);
-    alive.for_each_init(scratch, |(collision, X_WJ), (candidate, legs)| {
-        if stop.is_raised() {
-            candidate.reject(Rejection::Stopped);
-        }
-        candidate.waypoints_are_free =
-            candidate.is_alive() && waypoints_are_free(&model, &settings, candidate, legs, (collision, X_WJ));
-        if !candidate.waypoints_are_free {
-            legs.clear();
-        }
-    });
+    let mut alive: Vec<_> = pool.iter_mut().zip(&mut arena.legs).filter(|(c, _)| c.is_alive()).collect();
+    let buffers = &*buffers;
+    each(
+        &mut alive,
+        || buffers.borrow(),
+        |scratch, (candidate, legs)| {
+            let (collision, X_WJ) = &mut **scratch;
+            collision.set_level(settings.level);
+            X_WJ.resize(model.kinematics.bodies(), Pose::identity());
+            if stop.is_raised() {
+                candidate.reject(Rejection::Stopped);
+            }
+            candidate.waypoints_are_free =
+                candidate.is_alive() && waypoints_are_free(&model, &settings, candidate, legs, (collision, X_WJ));
+            if !candidate.waypoints_are_free {
+                legs.clear();
+            }
+        },
+    );
 }
 
 /// Whether no waypoint is in collision; rejects the candidate that has one. The end of a loop is none: of a motion

@@ -93,16 +93,7 @@ impl Look<'_> {
         let found = exact_clearance(self.scene, id, here.X, ask, &mut hints.solids);
         // The distance of convex solids is their gap along the hint.
         let n = hints.solids;
-        if found >= needed {
-            return (Outcome::Certified(found - here.closer), n);
-        }
-        if here.is_fine && found >= keep && n != DVec3::ZERO {
-            let along = along(n);
-            if found >= keep + along {
-                return (Outcome::Certified(found - along), n);
-            }
-        }
-        (self.undecided(id, found, keep, here), n)
+        (certified(found, keep, n, here, along).unwrap_or_else(|| self.undecided(id, found, keep, here)), n)
     }
 
     /// Where one is a mesh its hull is asked first, and where hulls are apart a direction is known.
@@ -119,14 +110,8 @@ impl Look<'_> {
         let ask = Ask { floor, relative: 0.05, ..Ask::exact(needed) };
         let apart = hull_clearance(self.scene, id, here.X, ask, &mut hints.hulls);
         let n = if apart >= keep { hints.hulls } else { DVec3::ZERO };
-        if apart >= needed {
-            return (Outcome::Certified(apart - here.closer), n);
-        }
-        if here.is_fine && n != DVec3::ZERO {
-            let along = along(n);
-            if apart >= keep + along {
-                return (Outcome::Certified(apart - along), n);
-            }
+        if let Some(outcome) = certified(apart, keep, n, here, along) {
+            return (outcome, n);
         }
         if apart - keep >= HULL_SHARE * here.closer && 2.0 * here.closer > here.resolution {
             return (Outcome::Open, n);
@@ -151,4 +136,17 @@ impl Look<'_> {
             (true, false) => Outcome::Doubtful(contact),
         }
     }
+}
+
+/// What is certified over the interval by the clearance `found` at the sample: by how much closer the pair can come anyhow, or
+/// by how much along the direction `n` (zero for none) in which `found` is the gap.
+fn certified(found: f64, keep: f64, n: DVec3, here: &Here, along: impl FnOnce(DVec3) -> f64) -> Option<Outcome> {
+    if found >= keep + here.closer {
+        return Some(Outcome::Certified(found - here.closer));
+    }
+    if !here.is_fine || found < keep || n == DVec3::ZERO {
+        return None;
+    }
+    let along = along(n);
+    (found >= keep + along).then_some(Outcome::Certified(found - along))
 }
