@@ -1,5 +1,6 @@
-//! What does it cost to put a seven-joint arm's hand where a top-down grasp wants it, per try and per success; and a
-//! humanoid on both feet, in balance, with a hand in place?
+//! What does it cost to put a seven-joint arm's hand where a top-down grasp wants it, or where some configuration has it, per
+//! try and per success, in double precision and with first steps in single precision; and a humanoid on both feet, in balance,
+//! with a hand in place?
 #![allow(non_snake_case, reason = "pose names carry their frames")]
 #![allow(clippy::unwrap_used, reason = "a bench that cannot be set up has nothing to measure")]
 
@@ -92,6 +93,9 @@ fn pass(
     (solved, evaluations)
 }
 
+/// Where single precision hands over to double.
+const SINGLE_UNTIL: f64 = 1e-4;
+
 /// Problems between two looks at the clock: few enough for one turn on a busy machine.
 const SLICE: usize = 256;
 
@@ -104,8 +108,13 @@ fn bench_starts(
 ) {
     let mut scratch = Scratch::default();
     let levels = if program.is_for_lanes() { Level::available() } else { vec![Level::scalar()] };
-    for level in levels {
-        let settings = Settings { level, ..Settings::default() };
+    let scalar = |level: &Level| *level == Level::scalar();
+    let precisions = levels.into_iter().flat_map(|level| {
+        let single = (!scalar(&level)).then_some((level, SINGLE_UNTIL, ", single precision first"));
+        std::iter::once((level, 0.0, "")).chain(single)
+    });
+    for (level, single_until, how) in precisions {
+        let settings = Settings { level, single_until, ..Settings::default() };
         let (mut time, mut solved, mut evaluations) = (0.0, 0, 0);
         for (starts, targets) in starts.chunks(SLICE).zip(targets.chunks(SLICE)) {
             let mut best = f64::INFINITY;
@@ -119,7 +128,7 @@ fn bench_starts(
             (time, solved, evaluations) = (time + best, solved + counts.0, evaluations + counts.1);
         }
         println!(
-            "{name}, {level}: of {} tries {:.1} % succeed; {:.1} evaluations and {:.2} us per try, {:.2} us per success, \
+            "{name}, {level}{how}: of {} tries {:.1} % succeed; {:.1} evaluations and {:.2} us per try, {:.2} us per success, \
              {:.0} ns per evaluation and step",
             starts.len(),
             100.0 * f64::from(solved) / starts.len() as f64,
@@ -128,7 +137,7 @@ fn bench_starts(
             time * 1e6 / f64::from(solved.max(1)),
             time * 1e9 / f64::from(evaluations.max(1)),
         );
-        group.bench_function(format!("{name}, {level}"), |b| {
+        group.bench_function(format!("{name}, {level}{how}"), |b| {
             b.iter_batched_ref(
                 || starts.to_vec(),
                 |starts| pass(program, starts, targets, &settings, &mut scratch),
@@ -284,10 +293,40 @@ fn bench_reach(c: &mut Criterion, name: &str, model: &PlanningModel, gripper: &s
     let mut group = c.benchmark_group(format!("projection/{name} 7x6"));
     group.throughput(Throughput::Elements(TRIES as u64)).sample_size(20);
     let random = random_configurations(&model.problem.robot, TRIES);
-    bench_starts(&mut group, "random start", &program, &random, &targets);
-    let seeded = seeded(model, &program, &random, &targets);
-    bench_starts(&mut group, "seeded start", &program, &seeded, &targets);
+    println!("{name}: {:.1} % of the targets from above are within reach", 100.0 * within_reach(&program, &random, &targets));
+    let there = poses_of(model, gripper, &random_configurations(&model.problem.robot, 2 * TRIES)[TRIES..]);
+    for (what, targets) in [("from above", &targets), ("where it can be", &there)] {
+        bench_starts(&mut group, &format!("{what}, random start"), &program, &random, targets);
+        let seeded = seeded(model, &program, &random, targets);
+        bench_starts(&mut group, &format!("{what}, seeded start"), &program, &seeded, targets);
+    }
     group.finish();
+}
+
+/// Where the gripper is in configurations.
+fn poses_of(model: &PlanningModel, gripper: &str, configurations: &[Vec<f64>]) -> Vec<Pose> {
+    let robot = &model.problem.robot;
+    let gripper = &robot.grippers[robot.gripper(gripper).unwrap().at()];
+    let frame = placement_of(&Frame::on_link(robot, gripper.link, &gripper.link_from_gripper));
+    let mut bodies = vec![Pose::identity(); model.kinematics.bodies()];
+    let pose = |q: &Vec<f64>| {
+        model.kinematics.forward(q, &mut bodies);
+        frame.in_world(&bodies)
+    };
+    configurations.iter().map(pose).collect()
+}
+
+/// The share of targets that are reached from any of 64 starts.
+fn within_reach(program: &ConstraintProgram, starts: &[Vec<f64>], targets: &[Pose]) -> f64 {
+    let (mut scratch, mut reached) = (Scratch::default(), vec![false; targets.len()]);
+    for shift in 0..64 {
+        let mut starts = starts.to_vec();
+        starts.rotate_left(shift);
+        let mut jobs: Vec<_> = starts.iter_mut().zip(targets.chunks(1)).map(|(q, target)| Job::new(q, target)).collect();
+        project_batch(program, &mut jobs, &Settings::default(), &mut scratch);
+        reached.iter_mut().zip(&jobs).for_each(|(reached, job)| *reached |= job.outcome.is_converged());
+    }
+    reached.iter().filter(|&&reached| reached).count() as f64 / targets.len() as f64
 }
 
 criterion_group! { name = benches; config = criterion(); targets = bench }

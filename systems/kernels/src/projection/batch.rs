@@ -1,15 +1,16 @@
 //! Many problems of one program: one per lane, refilled from the queue as lanes end.
 
 use super::bodies;
-use super::lane_newton::{End, LaneMemory, Queue, solve};
+use super::lane_newton::{End, LaneMemory, Queue, solve, solve_single};
 use super::lane_program::LaneProgram;
 use super::newton::{Outcome, Settings, project};
 use super::program::ConstraintProgram;
 use super::scratch::Scratch;
 use crate::kinematics::POSE_ROWS;
-use crate::lanes::Level;
+use crate::lanes::{F32Row, F64Row, Level, Scalar};
 use foliate_components::Pose;
 use glam::DMat3;
+use std::ops::IndexMut;
 
 /// A configuration that is to be moved onto a program's constraints, with arguments of its own.
 #[derive(Debug)]
@@ -31,8 +32,9 @@ impl<'a> Job<'a> {
 
 /// Moves configurations onto the program's constraints, each with its own arguments, as [`project`](super::project()) does.
 ///
-/// Programs that [have a form for lanes](ConstraintProgram::is_for_lanes) are solved eight at a time at the settings' level,
-/// others (and all of them at the level `scalar`) one after another. What becomes of a job depends on nothing but
+/// Programs that [have a form for lanes](ConstraintProgram::is_for_lanes) are solved eight at a time at the settings' level
+/// (or first sixteen at a time in single precision, see [`Settings::single_until`]), others (and all of them at the level
+/// `scalar`) one after another. What becomes of a job depends on nothing but
 /// itself, the settings and the level: not on how many there are, nor in what order they come.
 pub fn project_batch(program: &ConstraintProgram, jobs: &mut [Job<'_>], settings: &Settings, scratch: &mut Scratch) {
     match &program.lanes {
@@ -47,6 +49,13 @@ pub fn project_batch(program: &ConstraintProgram, jobs: &mut [Job<'_>], settings
     }
 }
 
+/// What keeps a problem from single precision: poses or coordinates larger than this, metres and radians. Below, rounding
+/// leaves residuals that are a tenth of what single precision is asked for.
+const SINGLE_REACH: f64 = 16.0;
+
+/// Smallest λ² in single precision: below, rounding would leave nothing of the matrix of a singular configuration.
+const SINGLE_FLOOR: f64 = 1e-6;
+
 fn project_in_lanes(
     program: &ConstraintProgram,
     lanes: &LaneProgram,
@@ -54,10 +63,25 @@ fn project_in_lanes(
     settings: &Settings,
     scratch: &mut Scratch,
 ) {
-    let mut memory = std::mem::take(&mut scratch.lanes);
-    let mut desk = Desk { program, lanes, jobs, settings, scratch, next: 0, holds: [0; MOST_LANES] };
-    solve(lanes, program.configuration_size(), settings, &mut memory, &mut desk);
-    scratch.lanes = memory;
+    let (mut double, mut todo) = (std::mem::take(&mut scratch.lanes), std::mem::take(&mut scratch.todo));
+    todo.clear();
+    let coordinates = program.configuration_size();
+    let mut desk = Desk { program, lanes, jobs, settings, scratch, holds: [0; MOST_LANES] };
+    if settings.single_until > 0.0 {
+        let mut single = std::mem::take(&mut desk.scratch.single_lanes);
+        let rough = Settings {
+            tolerance: settings.tolerance.max(settings.single_until),
+            damping_floor: settings.damping_floor.max(SINGLE_FLOOR),
+            ..*settings
+        };
+        let mut first = First { desk: &mut desk, next: 0, todo: &mut todo };
+        solve_single(lanes, coordinates, &rough, &mut single, &mut first);
+        desk.scratch.single_lanes = single;
+    } else {
+        todo.extend((0..desk.jobs.len()).map(|job| (job, 0)));
+    }
+    solve(lanes, coordinates, settings, &mut double, &mut Last { desk: &mut desk, todo: todo.iter() });
+    (scratch.lanes, scratch.todo) = (double, todo);
 }
 
 const MOST_LANES: usize = 16;
@@ -69,58 +93,131 @@ struct Desk<'a, 'j> {
     jobs: &'a mut [Job<'j>],
     settings: &'a Settings,
     scratch: &'a mut Scratch,
-    /// First job that nobody has looked at.
-    next: usize,
     /// Which job each lane holds.
     holds: [usize; MOST_LANES],
 }
 
-impl Queue for Desk<'_, '_> {
-    fn next(&mut self, lane: usize, memory: &mut LaneMemory) -> bool {
-        while self.next < self.jobs.len() {
-            let job = &mut self.jobs[self.next];
+/// The jobs in single precision: what comes near enough is to be done in double precision, what fails has failed.
+struct First<'a, 'd, 'j> {
+    desk: &'a mut Desk<'d, 'j>,
+    /// First job that nobody has looked at.
+    next: usize,
+    /// Jobs with the steps that they have taken.
+    todo: &'a mut Vec<(usize, u32)>,
+}
+
+impl Queue<F32Row> for First<'_, '_, '_> {
+    fn next(&mut self, lane: usize, memory: &mut LaneMemory<F32Row>) -> Option<u32> {
+        while self.next < self.desk.jobs.len() {
             self.next += 1;
-            match self.program.begin(job.q, job.arguments, self.settings, self.scratch) {
-                Some(outcome) => job.outcome = outcome,
-                None => {
-                    self.holds[lane] = self.next - 1;
-                    self.fill(lane, memory);
-                    return true;
+            let job = self.next - 1;
+            if self.desk.begin(job) {
+                self.desk.holds[lane] = job;
+                if self.desk.fill(lane, memory) <= SINGLE_REACH {
+                    return Some(0);
                 }
+                self.todo.push((job, 0));
             }
         }
-        false
+        None
     }
 
-    fn ended(&mut self, lane: usize, end: End, iterations: u32, residual: f64, memory: &LaneMemory) {
-        let job = &mut self.jobs[self.holds[lane]];
-        for change in &self.lanes.moves {
-            job.q[change.coordinate] = memory.q[change.coordinate][lane];
+    fn ended(&mut self, lane: usize, end: End, iterations: u32, residual: f64, memory: &LaneMemory<F32Row>) {
+        let number = self.desk.holds[lane];
+        // Where nothing has moved the start keeps all its digits.
+        if iterations > 0 {
+            self.desk.read(lane, memory);
         }
-        job.outcome = match end {
-            End::Converged => Outcome::Converged { iterations, residual },
-            End::Stagnated => Outcome::Stagnated { iterations, residual },
-            End::LimitReached => Outcome::LimitReached { residual },
-        };
-        if job.outcome.is_converged() {
-            self.program.finish(job.q, job.arguments, self.scratch);
+        match end {
+            End::Converged => self.todo.push((number, iterations)),
+            _ => self.desk.jobs[number].outcome = outcome(end, iterations, residual),
         }
     }
 }
 
+/// The jobs in double precision, which decides.
+struct Last<'a, 'd, 'j> {
+    desk: &'a mut Desk<'d, 'j>,
+    todo: std::slice::Iter<'a, (usize, u32)>,
+}
+
+impl Queue<F64Row> for Last<'_, '_, '_> {
+    fn next(&mut self, lane: usize, memory: &mut LaneMemory<F64Row>) -> Option<u32> {
+        for &(job, taken) in self.todo.by_ref() {
+            if self.desk.begin(job) {
+                self.desk.holds[lane] = job;
+                self.desk.fill(lane, memory);
+                return Some(taken);
+            }
+        }
+        None
+    }
+
+    fn ended(&mut self, lane: usize, end: End, iterations: u32, residual: f64, memory: &LaneMemory<F64Row>) {
+        self.desk.read(lane, memory);
+        let Desk { program, jobs, scratch, holds, .. } = &mut *self.desk;
+        let job = &mut jobs[holds[lane]];
+        job.outcome = outcome(end, iterations, residual);
+        if job.outcome.is_converged() {
+            program.finish(job.q, job.arguments, scratch);
+        }
+    }
+}
+
+fn outcome(end: End, iterations: u32, residual: f64) -> Outcome {
+    match end {
+        End::Converged => Outcome::Converged { iterations, residual },
+        End::Stagnated => Outcome::Stagnated { iterations, residual },
+        End::LimitReached => Outcome::LimitReached { residual },
+    }
+}
+
 impl Desk<'_, '_> {
-    fn fill(&self, lane: usize, memory: &mut LaneMemory) {
+    /// Whether there is something to solve; else how the job ended is written.
+    fn begin(&mut self, job: usize) -> bool {
+        let job = &mut self.jobs[job];
+        match self.program.begin(job.q, job.arguments, self.settings, self.scratch) {
+            Some(outcome) => {
+                job.outcome = outcome;
+                false
+            }
+            None => true,
+        }
+    }
+
+    /// Puts the job that a lane holds into it; answers the largest number that was put there.
+    fn fill<R>(&self, lane: usize, memory: &mut LaneMemory<R>) -> f64
+    where
+        R: IndexMut<usize>,
+        R::Output: Scalar,
+    {
         let job = &self.jobs[self.holds[lane]];
+        let mut largest = 0.0_f64;
         for &coordinate in &self.lanes.reads {
-            memory.q[coordinate][lane] = job.q[coordinate];
+            memory.q[coordinate][lane] = Scalar::of(job.q[coordinate]);
+            largest = largest.max(job.q[coordinate].abs());
         }
         let Scratch { X_WJ, carriages, decoded, .. } = &*self.scratch;
         for (given, rows) in self.lanes.givens.iter().zip(memory.given.chunks_exact_mut(POSE_ROWS)) {
             let pose = given.pose(job.arguments, carriages, decoded, X_WJ);
             let columns = DMat3::from_quat(pose.rotation).to_cols_array();
             for (row, x) in rows.iter_mut().zip(columns.into_iter().chain(pose.translation.to_array())) {
-                row[lane] = x;
+                row[lane] = Scalar::of(x);
             }
+            largest = largest.max(pose.translation.abs().max_element());
+        }
+        largest
+    }
+
+    /// Takes the configuration of the job that a lane holds.
+    fn read<R>(&mut self, lane: usize, memory: &LaneMemory<R>)
+    where
+        R: IndexMut<usize>,
+        R::Output: Scalar,
+    {
+        let q = &mut *self.jobs[self.holds[lane]].q;
+        for change in &self.lanes.moves {
+            q[change.coordinate] = memory.q[change.coordinate][lane].to_f64();
         }
     }
 }

@@ -1,34 +1,34 @@
 //! Damped Gauss–Newton in lanes: one problem a lane, the next from the queue as soon as one has ended.
 //!
-//! The same algorithm as `newton`, lane by lane. What a lane computes depends on its own problem alone: nothing is skipped
-//! unless every lane's result stays the same bit for bit.
+//! The same algorithm as `newton`, lane by lane, in either precision. What a lane computes depends on its own problem alone:
+//! nothing is skipped unless every lane's result stays the same bit for bit.
 
 use super::lane_program::{LaneProgram, LaneRows, MOST_ROWS};
 use super::lane_rows::{At, Out, linearise};
 use super::newton::Settings;
 use crate::kinematics::{POSE_ROWS, run_lanes};
-use crate::lanes::{F64Row, Isa, Kernel, Lanes, Mask, Scalar};
+use crate::lanes::{F32Row, F64Row, Isa, Kernel, Lanes, Mask, Scalar};
 use crate::linear::{LaneMatrix, solve_damped_lanes};
 
 /// What lanes work in, and where problems are put.
 #[derive(Clone, Debug, Default)]
-pub(super) struct LaneMemory {
+pub(super) struct LaneMemory<R> {
     /// One row per coordinate.
-    pub q: Vec<F64Row>,
+    pub q: Vec<R>,
     /// [`POSE_ROWS`] rows per pose that a problem is given.
-    pub given: Vec<F64Row>,
-    bodies: Vec<F64Row>,
-    values: Vec<F64Row>,
-    jacobian: Vec<F64Row>,
-    multipliers: Vec<F64Row>,
-    gram: Vec<F64Row>,
-    step: Vec<F64Row>,
+    pub given: Vec<R>,
+    bodies: Vec<R>,
+    values: Vec<R>,
+    jacobian: Vec<R>,
+    multipliers: Vec<R>,
+    gram: Vec<R>,
+    step: Vec<R>,
     frozen: Vec<u32>,
     /// Smallest squared residual so far from which the next halving counts.
-    best: F64Row,
-    since_halved: F64Row,
-    iterations: F64Row,
-    residual: F64Row,
+    best: R,
+    since_halved: R,
+    iterations: R,
+    residual: R,
 }
 
 /// How a lane's problem ended.
@@ -40,14 +40,15 @@ pub(super) enum End {
 }
 
 /// Who brings problems to the lanes and takes them away.
-pub(super) trait Queue {
-    /// Puts the next problem into `memory.q` and `memory.given` of a lane; false where there is none.
-    fn next(&mut self, lane: usize, memory: &mut LaneMemory) -> bool;
-    /// Takes the problem of a lane away.
-    fn ended(&mut self, lane: usize, end: End, iterations: u32, residual: f64, memory: &LaneMemory);
+pub(super) trait Queue<R> {
+    /// Puts the next problem into `memory.q` and `memory.given` of a lane and answers how many steps it has taken elsewhere;
+    /// `None` where there is no problem left.
+    fn next(&mut self, lane: usize, memory: &mut LaneMemory<R>) -> Option<u32>;
+    /// Takes the problem of a lane away. `iterations` counts the steps taken elsewhere too.
+    fn ended(&mut self, lane: usize, end: End, iterations: u32, residual: f64, memory: &LaneMemory<R>);
 }
 
-impl LaneMemory {
+impl<R: Copy + Default> LaneMemory<R> {
     /// Makes room for a program; allocates only where an earlier one needed less.
     fn prepare(&mut self, program: &LaneProgram, coordinates: usize) {
         let (rows, width) = (program.rows, program.moves.len());
@@ -63,108 +64,134 @@ impl LaneMemory {
             self.frozen.resize(width, 0);
         }
     }
-
-    fn begin(&mut self, lane: usize) {
-        self.best[lane] = f64::INFINITY;
-        self.since_halved[lane] = 0.0;
-        self.iterations[lane] = 0.0;
-    }
 }
 
-fn grow(rows: &mut Vec<F64Row>, count: usize) {
+fn grow<R: Copy + Default>(rows: &mut Vec<R>, count: usize) {
     if rows.len() < count {
-        rows.resize(count, F64Row::default());
+        rows.resize(count, R::default());
     }
 }
 
-/// Solves what a queue brings until it is empty.
+/// Solves what a queue brings until it is empty, in lanes of double precision.
 pub(super) fn solve(
     program: &LaneProgram,
     coordinates: usize,
     settings: &Settings,
-    memory: &mut LaneMemory,
-    queue: &mut dyn Queue,
+    memory: &mut LaneMemory<F64Row>,
+    queue: &mut dyn Queue<F64Row>,
 ) {
     memory.prepare(program, coordinates);
-    settings.level.run(Solve { program, settings, memory, queue });
+    settings.level.run(Double(Solve { program, settings, memory, queue }));
 }
 
-struct Solve<'a> {
+/// The same in lanes of single precision, twice as many.
+pub(super) fn solve_single(
+    program: &LaneProgram,
+    coordinates: usize,
+    settings: &Settings,
+    memory: &mut LaneMemory<F32Row>,
+    queue: &mut dyn Queue<F32Row>,
+) {
+    memory.prepare(program, coordinates);
+    settings.level.run(Single(Solve { program, settings, memory, queue }));
+}
+
+struct Solve<'a, R> {
     program: &'a LaneProgram,
     settings: &'a Settings,
-    memory: &'a mut LaneMemory,
-    queue: &'a mut dyn Queue,
+    memory: &'a mut LaneMemory<R>,
+    queue: &'a mut dyn Queue<R>,
 }
 
-impl Kernel for Solve<'_> {
-    type Output = ();
+struct Double<'a>(Solve<'a, F64Row>);
+struct Single<'a>(Solve<'a, F32Row>);
 
+impl Kernel for Double<'_> {
+    type Output = ();
     #[inline(always)]
     fn run<I: Isa>(self, isa: I) {
-        type V<I> = <I as Isa>::F64;
-        type M<I> = <V<I> as Lanes>::Mask;
-        let Self { program, settings, memory, queue } = self;
-        let mut running = 0_u32;
-        for lane in 0..V::<I>::COUNT {
-            if queue.next(lane, memory) {
-                memory.begin(lane);
-                running |= 1 << lane;
-            }
+        work_off::<I::F64>(isa, self.0);
+    }
+}
+
+impl Kernel for Single<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<I: Isa>(self, isa: I) {
+        work_off::<I::F32>(isa, self.0);
+    }
+}
+
+/// Prepares a lane for a problem that has taken so many steps.
+#[inline(always)]
+fn begin<V: Lanes>(lane: usize, taken: u32, memory: &mut LaneMemory<V::Row>) {
+    memory.best[lane] = V::Scalar::of(f64::INFINITY);
+    memory.since_halved[lane] = V::Scalar::of(0.0);
+    memory.iterations[lane] = V::Scalar::of(f64::from(taken));
+}
+
+#[inline(always)]
+fn work_off<V: Lanes>(isa: V::Isa, solve: Solve<'_, V::Row>) {
+    let Solve { program, settings, memory, queue } = solve;
+    let mut running = 0_u32;
+    for lane in 0..V::COUNT {
+        if let Some(taken) = queue.next(lane, memory) {
+            begin::<V>(lane, taken, memory);
+            running |= 1 << lane;
         }
-        let number = |x: f64| V::<I>::splat(isa, x);
-        while running != 0 {
-            let is_running = M::<I>::from_bits(isa, running);
-            let at_rest = evaluate::<V<I>>(isa, program, memory, is_running);
-            let (mut worst, mut squared) = (number(0.0), number(0.0));
-            for row in &memory.values[..program.rows] {
-                let e = V::<I>::load(isa, row);
-                worst = worst.max(e.abs());
-                squared = e.mul_add(e, squared);
-            }
-            let finite = squared.le(number(f64::MAX));
-            let best = V::<I>::load(isa, &memory.best);
-            let halved = squared.le(best * 0.5);
-            let since = V::<I>::load(isa, &memory.since_halved) + 1.0;
-            let since = V::<I>::select(halved, number(0.0), since);
-            let best = V::<I>::select(halved, squared, best);
-            let iterations = V::<I>::load(isa, &memory.iterations);
-            let converged = worst.le(number(settings.tolerance)) & finite;
-            let stagnated = number(f64::from(settings.patience)).le(since) | !finite;
-            let exhausted = number(f64::from(settings.iterations)).le(iterations);
-            let ended = (converged | stagnated | exhausted) & is_running;
-            let mut stuck = 0;
-            if ended.bits() != running {
-                let damping = squared.mul_add(number(settings.damping), number(settings.damping_floor));
-                stuck = step::<V<I>>(isa, program, settings, memory, is_running & !ended, at_rest, damping);
-            }
-            best.store(&mut memory.best);
-            since.store(&mut memory.since_halved);
-            (iterations + 1.0).store(&mut memory.iterations);
-            let done = ended.bits() | stuck;
-            if done == 0 {
+    }
+    let number = |x: f64| V::constant(isa, x);
+    while running != 0 {
+        let is_running = <V::Mask as Mask>::from_bits(isa, running);
+        let at_rest = evaluate::<V>(isa, program, memory, is_running);
+        let (mut worst, mut squared) = (number(0.0), number(0.0));
+        for row in &memory.values[..program.rows] {
+            let e = V::load(isa, row);
+            worst = worst.max(e.abs());
+            squared = e.mul_add(e, squared);
+        }
+        let finite = squared.le(V::splat(isa, V::Scalar::MAX));
+        let best = V::load(isa, &memory.best);
+        let halved = squared.le(best * number(0.5));
+        let since = V::load(isa, &memory.since_halved) + number(1.0);
+        let since = V::select(halved, number(0.0), since);
+        let best = V::select(halved, squared, best);
+        let iterations = V::load(isa, &memory.iterations);
+        let converged = worst.le(number(settings.tolerance)) & finite;
+        let stagnated = number(f64::from(settings.patience)).le(since) | !finite;
+        let exhausted = number(f64::from(settings.iterations)).le(iterations);
+        let ended = (converged | stagnated | exhausted) & is_running;
+        let mut stuck = 0;
+        if ended.bits() != running {
+            let damping = squared.mul_add(number(settings.damping), number(settings.damping_floor));
+            stuck = step::<V>(isa, program, settings, memory, is_running & !ended, at_rest, damping);
+        }
+        best.store(&mut memory.best);
+        since.store(&mut memory.since_halved);
+        (iterations + number(1.0)).store(&mut memory.iterations);
+        let done = ended.bits() | stuck;
+        if done == 0 {
+            continue;
+        }
+        worst.store(&mut memory.residual);
+        let (converged, stagnated) = (converged.bits(), stagnated.bits() | stuck);
+        for lane in 0..V::COUNT {
+            let bit = 1 << lane;
+            if done & bit == 0 {
                 continue;
             }
-            worst.store(&mut memory.residual);
-            let (converged, stagnated) = (converged.bits(), stagnated.bits() | stuck);
-            for lane in 0..V::<I>::COUNT {
-                let bit = 1 << lane;
-                if done & bit == 0 {
-                    continue;
-                }
-                let end = if converged & bit != 0 {
-                    End::Converged
-                } else if stagnated & bit != 0 {
-                    End::Stagnated
-                } else {
-                    End::LimitReached
-                };
-                let steps = memory.iterations[lane] as u32 - 1;
-                queue.ended(lane, end, steps, memory.residual[lane], memory);
-                if queue.next(lane, memory) {
-                    memory.begin(lane);
-                } else {
-                    running &= !bit;
-                }
+            let end = if converged & bit != 0 {
+                End::Converged
+            } else if stagnated & bit != 0 {
+                End::Stagnated
+            } else {
+                End::LimitReached
+            };
+            let steps = memory.iterations[lane].to_f64() as u32 - 1;
+            queue.ended(lane, end, steps, memory.residual[lane].to_f64(), memory);
+            match queue.next(lane, memory) {
+                Some(taken) => begin::<V>(lane, taken, memory),
+                None => running &= !bit,
             }
         }
     }
@@ -172,10 +199,10 @@ impl Kernel for Solve<'_> {
 
 /// Poses, values and Jacobian where the lanes are. Answers the lanes in which a lone contact has two rows at rest.
 #[inline(always)]
-fn evaluate<V: Lanes<Row = F64Row>>(
+fn evaluate<V: Lanes>(
     isa: V::Isa,
     program: &LaneProgram,
-    memory: &mut LaneMemory,
+    memory: &mut LaneMemory<V::Row>,
     running: V::Mask,
 ) -> V::Mask {
     let LaneMemory { q, given, bodies, values, jacobian, .. } = memory;
@@ -197,11 +224,11 @@ fn evaluate<V: Lanes<Row = F64Row>>(
 
 /// One step of the lanes that go on; answers (bits) those that cannot move.
 #[inline(always)]
-fn step<V: Lanes<Row = F64Row>>(
+fn step<V: Lanes>(
     isa: V::Isa,
     program: &LaneProgram,
     settings: &Settings,
-    memory: &mut LaneMemory,
+    memory: &mut LaneMemory<V::Row>,
     going: V::Mask,
     at_rest: V::Mask,
     damping: V,
@@ -252,10 +279,10 @@ const EVERY_ROW: [usize; MOST_ROWS] = {
 
 /// Which lanes of a coordinate are at its upper and at its lower bound.
 #[inline(always)]
-fn at_bound<V: Lanes<Row = F64Row>>(
+fn at_bound<V: Lanes>(
     isa: V::Isa,
     program: &LaneProgram,
-    memory: &LaneMemory,
+    memory: &LaneMemory<V::Row>,
     variable: usize,
 ) -> (V::Mask, V::Mask) {
     let change = &program.moves[variable];
@@ -267,7 +294,7 @@ fn at_bound<V: Lanes<Row = F64Row>>(
 }
 
 #[inline(always)]
-fn freeze<V: Lanes<Row = F64Row>>(isa: V::Isa, rows: usize, memory: &mut LaneMemory, variable: usize, lanes: V::Mask) {
+fn freeze<V: Lanes>(isa: V::Isa, rows: usize, memory: &mut LaneMemory<V::Row>, variable: usize, lanes: V::Mask) {
     memory.frozen[variable] |= lanes.bits();
     let zero = V::constant(isa, 0.0);
     for number in &mut memory.jacobian[variable * rows..][..rows] {
@@ -277,7 +304,7 @@ fn freeze<V: Lanes<Row = F64Row>>(isa: V::Isa, rows: usize, memory: &mut LaneMem
 
 /// Freezes coordinates at a bound that the gradient of ½|e|² pushes outward.
 #[inline(always)]
-fn freeze_by_gradient<V: Lanes<Row = F64Row>>(isa: V::Isa, program: &LaneProgram, memory: &mut LaneMemory) {
+fn freeze_by_gradient<V: Lanes>(isa: V::Isa, program: &LaneProgram, memory: &mut LaneMemory<V::Row>) {
     let rows = program.rows;
     let zero = V::constant(isa, 0.0);
     for variable in 0..program.moves.len() {
@@ -299,12 +326,7 @@ fn freeze_by_gradient<V: Lanes<Row = F64Row>>(isa: V::Isa, program: &LaneProgram
 
 /// Freezes coordinates at a bound that the step pushes outward; answers the lanes where there were any.
 #[inline(always)]
-fn freeze_by_step<V: Lanes<Row = F64Row>>(
-    isa: V::Isa,
-    program: &LaneProgram,
-    memory: &mut LaneMemory,
-    going: u32,
-) -> u32 {
+fn freeze_by_step<V: Lanes>(isa: V::Isa, program: &LaneProgram, memory: &mut LaneMemory<V::Row>, going: u32) -> u32 {
     let zero = V::constant(isa, 0.0);
     let mut any = 0;
     for variable in 0..program.moves.len() {
@@ -326,11 +348,11 @@ fn freeze_by_step<V: Lanes<Row = F64Row>>(
 
 /// Moves the lanes that go on by their steps, within bounds; answers those that cannot move.
 #[inline(always)]
-fn integrate<V: Lanes<Row = F64Row>>(
+fn integrate<V: Lanes>(
     isa: V::Isa,
     program: &LaneProgram,
     settings: &Settings,
-    memory: &mut LaneMemory,
+    memory: &mut LaneMemory<V::Row>,
     going: V::Mask,
     positive: V::Mask,
 ) -> u32 {

@@ -26,6 +26,10 @@ pub struct Settings {
     pub damping: f64,
     /// See `damping`.
     pub damping_floor: f64,
+    /// Residual down to which [`project_batch`](super::project_batch) steps in single precision, sixteen problems at a time,
+    /// metres and radians; 0 for double precision throughout. What does not come so far has failed; what does is finished, and
+    /// judged, in double precision. Below about 1e-5 rounding may be in the way.
+    pub single_until: f64,
     /// Instructions with which [`project_batch`](super::project_batch) works; one problem alone is solved in scalar code.
     pub level: Level,
 }
@@ -39,6 +43,7 @@ impl Default for Settings {
             patience: 6,
             damping: 1e-3,
             damping_floor: 1e-9,
+            single_until: 0.0,
             level: Level::detected(),
         }
     }

@@ -5,6 +5,7 @@ use super::program::ConstraintProgram;
 use crate::constraints::custom::FunctionMemory;
 use crate::constraints::placement::Contact;
 use crate::kinematics::Carriage;
+use crate::lanes::{F32Row, F64Row};
 use foliate_components::Pose;
 use glam::DVec3;
 
@@ -32,7 +33,10 @@ pub struct Scratch {
     pub(super) multipliers: Vec<f64>,
     pub(super) step: Vec<f64>,
     pub(super) frozen: Vec<bool>,
-    pub(super) lanes: LaneMemory,
+    pub(super) lanes: LaneMemory<F64Row>,
+    pub(super) single_lanes: LaneMemory<F32Row>,
+    /// Jobs that wait for double precision, with the steps that they have taken.
+    pub(super) todo: Vec<(usize, u32)>,
 }
 
 impl Scratch {
