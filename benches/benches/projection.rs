@@ -293,7 +293,10 @@ fn bench_reach(c: &mut Criterion, name: &str, model: &PlanningModel, gripper: &s
     let mut group = c.benchmark_group(format!("projection/{name} 7x6"));
     group.throughput(Throughput::Elements(TRIES as u64)).sample_size(20);
     let random = random_configurations(&model.problem.robot, TRIES);
-    println!("{name}: {:.1} % of the targets from above are within reach", 100.0 * within_reach(&program, &random, &targets));
+    println!(
+        "{name}: {:.1} % of the targets from above are within reach",
+        100.0 * within_reach(&program, &random, &targets)
+    );
     let there = poses_of(model, gripper, &random_configurations(&model.problem.robot, 2 * TRIES)[TRIES..]);
     for (what, targets) in [("from above", &targets), ("where it can be", &there)] {
         bench_starts(&mut group, &format!("{what}, random start"), &program, &random, targets);
@@ -322,7 +325,8 @@ fn within_reach(program: &ConstraintProgram, starts: &[Vec<f64>], targets: &[Pos
     for shift in 0..64 {
         let mut starts = starts.to_vec();
         starts.rotate_left(shift);
-        let mut jobs: Vec<_> = starts.iter_mut().zip(targets.chunks(1)).map(|(q, target)| Job::new(q, target)).collect();
+        let mut jobs: Vec<_> =
+            starts.iter_mut().zip(targets.chunks(1)).map(|(q, target)| Job::new(q, target)).collect();
         project_batch(program, &mut jobs, &Settings::default(), &mut scratch);
         reached.iter_mut().zip(&jobs).for_each(|(reached, job)| *reached |= job.outcome.is_converged());
     }

@@ -189,6 +189,7 @@ impl Context<'_> {
         let settings = NewtonSettings {
             tolerance: self.settings.projection_tolerance,
             iterations: self.settings.projection_iterations,
+            single_until: self.settings.projection_single_until,
             level: self.settings.level,
             ..NewtonSettings::default()
         };

@@ -120,6 +120,9 @@ impl Cell {
     }
 }
 
+/// Where single precision hands over.
+const SINGLE: f64 = 1e-4;
+
 fn solve(
     program: &ConstraintProgram,
     problems: &[(Vec<f64>, Vec<Pose>)],
@@ -142,20 +145,22 @@ fn a_problem_alone_and_in_a_crowd_ends_in_the_same_bits() {
     for (name, program, problems) in cell.programs() {
         assert!(program.is_for_lanes(), "{name}");
         for level in Level::available() {
-            let settings = Settings { level, ..Settings::default() };
-            let all = solve(&program, &problems, &settings);
-            let backwards: Vec<_> = problems.iter().rev().cloned().collect();
-            let backwards = solve(&program, &backwards, &settings);
-            for (k, one) in all.iter().enumerate() {
-                assert!(same(one, &backwards[problems.len() - 1 - k]), "{name}, {level}: order matters to {k}");
-            }
-            for k in (0..problems.len()).step_by(7) {
-                let alone = solve(&program, &problems[k..=k], &settings);
-                assert!(same(&all[k], &alone[0]), "{name}, {level}: a crowd matters to {k}");
-            }
-            for count in [2, 3, 8, 9] {
-                let few = solve(&program, &problems[20..20 + count], &settings);
-                assert!(few.iter().zip(&all[20..]).all(|(a, b)| same(a, b)), "{name}, {level}: {count}");
+            for single_until in [0.0, SINGLE] {
+                let settings = Settings { level, single_until, ..Settings::default() };
+                let all = solve(&program, &problems, &settings);
+                let backwards: Vec<_> = problems.iter().rev().cloned().collect();
+                let backwards = solve(&program, &backwards, &settings);
+                for (k, one) in all.iter().enumerate() {
+                    assert!(same(one, &backwards[problems.len() - 1 - k]), "{name}, {level}: order matters to {k}");
+                }
+                for k in (0..problems.len()).step_by(7) {
+                    let alone = solve(&program, &problems[k..=k], &settings);
+                    assert!(same(&all[k], &alone[0]), "{name}, {level}: a crowd matters to {k}");
+                }
+                for count in [2, 3, 8, 9] {
+                    let few = solve(&program, &problems[20..20 + count], &settings);
+                    assert!(few.iter().zip(&all[20..]).all(|(a, b)| same(a, b)), "{name}, {level}: {count}");
+                }
             }
         }
     }
@@ -184,6 +189,61 @@ fn what_lanes_find_satisfies_the_scalar_code_and_is_found_as_often() {
                     assert!(q[v] >= space.lower[v] && q[v] <= space.upper[v], "{name}, {level}");
                 }
             }
+        }
+    }
+}
+
+#[test]
+fn single_precision_first_finds_as_much_and_double_precision_judges_it() {
+    let mut cell = Cell::new();
+    for (name, program, problems) in cell.programs() {
+        for level in Level::available().into_iter().filter(|level| *level != Level::scalar()) {
+            let double = Settings { level, ..Settings::default() };
+            let single = Settings { single_until: SINGLE, ..double };
+            let (expected, found) = (solve(&program, &problems, &double), solve(&program, &problems, &single));
+            let count = |solved: &[(Vec<f64>, Outcome)]| solved.iter().filter(|(_, o)| o.is_converged()).count();
+            assert!(count(&found).abs_diff(count(&expected)) <= 8, "{name}, {level}");
+            let bits = |q: &[f64]| q.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+            assert!(
+                expected.iter().zip(&found).any(|(a, b)| bits(&a.0) != bits(&b.0)),
+                "{name}, {level}: never single"
+            );
+            let mut scratch = Scratch::default();
+            for ((q, outcome), (_, arguments)) in found.iter().zip(&problems) {
+                let Outcome::Converged { residual, iterations } = *outcome else { continue };
+                assert!(
+                    residual <= single.tolerance && iterations <= single.iterations,
+                    "{name}, {level}: {outcome:?}"
+                );
+                let deviation = program.deviation(q, arguments, &mut scratch).unwrap();
+                assert!((deviation.rows - residual).abs() < 1e-9, "{name}, {level}: {deviation:?} {residual}");
+                let space = &cell.robot.space;
+                assert!(program.active().iter().all(|&v| q[v] >= space.lower[v] && q[v] <= space.upper[v]), "{name}");
+            }
+            // What holds already keeps all its digits.
+            let solved = found.iter().zip(&problems).filter(|((_, outcome), _)| outcome.is_converged());
+            let solved: Vec<_> = solved.map(|((q, _), (_, arguments))| (q.clone(), arguments.clone())).collect();
+            for ((q, outcome), (start, _)) in solve(&program, &solved, &single).iter().zip(&solved) {
+                assert!(matches!(outcome, Outcome::Converged { iterations: 0, .. }), "{name}, {level}: {outcome:?}");
+                assert_eq!(bits(q), bits(start), "{name}, {level}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_single_precision_has_no_digits_for_is_solved_in_double_precision() {
+    let mut cell = Cell::new();
+    let (_, program, mut problems) = cell.programs().swap_remove(0);
+    for (_, arguments) in problems.iter_mut().step_by(3) {
+        arguments[0].translation.x += 1e3;
+    }
+    for level in Level::available() {
+        let double = Settings { level, ..Settings::default() };
+        let expected = solve(&program, &problems, &double);
+        let found = solve(&program, &problems, &Settings { single_until: SINGLE, ..double });
+        for (k, (found, expected)) in found.iter().zip(&expected).enumerate().step_by(3) {
+            assert!(same(found, expected), "{level}: {k}");
         }
     }
 }

@@ -14,6 +14,7 @@ pub(super) struct Portable;
 impl Isa for Portable {
     type F64 = Eight;
     type F32 = Sixteen;
+    const SIDE_BY_SIDE: bool = false;
 }
 
 /// Which lanes are set, one bit each.

@@ -10,11 +10,15 @@ pub trait Isa: Copy + Debug + Send + Sync + 'static {
     type F64: Lanes<Isa = Self, Scalar = f64, Row = F64Row>;
     /// Sixteen numbers for bounds, neighbours and first iterations.
     type F32: Lanes<Isa = Self, Scalar = f32, Row = F32Row>;
+    /// Whether lanes are worked on side by side. Where they are not, a kernel that has a better scalar counterpart need not
+    /// be compiled.
+    const SIDE_BY_SIDE: bool;
 }
 
 impl<S: Simd> Isa for S {
     type F64 = f64x8<S>;
     type F32 = f32x16<S>;
+    const SIDE_BY_SIDE: bool = true;
 }
 
 /// What one lane holds.

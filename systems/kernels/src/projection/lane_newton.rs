@@ -72,7 +72,8 @@ fn grow<R: Copy + Default>(rows: &mut Vec<R>, count: usize) {
     }
 }
 
-/// Solves what a queue brings until it is empty, in lanes of double precision.
+/// Solves what a queue brings until it is empty, in lanes of double precision. Not for the level `scalar`, at which nobody is
+/// served: the scalar Newton is faster there, and compilers take minutes over these kernels on arrays.
 pub(super) fn solve(
     program: &LaneProgram,
     coordinates: usize,
@@ -110,7 +111,9 @@ impl Kernel for Double<'_> {
     type Output = ();
     #[inline(always)]
     fn run<I: Isa>(self, isa: I) {
-        work_off::<I::F64>(isa, self.0);
+        if I::SIDE_BY_SIDE {
+            work_off::<I::F64>(isa, self.0);
+        }
     }
 }
 
@@ -118,7 +121,9 @@ impl Kernel for Single<'_> {
     type Output = ();
     #[inline(always)]
     fn run<I: Isa>(self, isa: I) {
-        work_off::<I::F32>(isa, self.0);
+        if I::SIDE_BY_SIDE {
+            work_off::<I::F32>(isa, self.0);
+        }
     }
 }
 
