@@ -120,10 +120,12 @@ fn newton_in_queues_of_lanes() {
         })
         .collect();
     let mut queue: Vec<Vec<f64>> = starts[..QUEUE].to_vec();
-    let (mut scratch, settings) = (Scratch::default(), Settings::default());
+    let mut scratch = Scratch::default();
+    let double = Settings::default();
+    let single = Settings { single_until: 1e-4, ..double };
     let (mut solved, mut failed) = (0, 0);
     let count = allocations(|| {
-        for program in &programs {
+        for (program, settings) in programs.iter().flat_map(|program| [(program, double), (program, single)]) {
             for (starts, targets) in starts.chunks(QUEUE).zip(targets.chunks(QUEUE)) {
                 queue.iter_mut().zip(starts).for_each(|(q, start)| q.copy_from_slice(start));
                 let mut problems = queue.iter_mut().zip(targets);
