@@ -118,18 +118,35 @@ impl MeshTree {
         if (point - root.center).abs().cmpgt(root.half).any() {
             return false;
         }
-        let mut clean = RAYS.iter().filter_map(|&ray| self.crossings(point, DVec3::from_array(ray)));
+        let mut clean = self.clean_crossings(point);
         match (clean.next(), clean.next()) {
-            (Some(first), Some(second)) => first || second,
+            (Some(first), Some(second)) => first.tell_inside() || second.tell_inside(),
             _ => true,
         }
     }
 
-    /// Whether a ray leaves the solid more often than it enters, or crosses it an odd number of times; none where it
-    /// passes too close to an edge to be sure.
-    fn crossings(&self, from: DVec3, direction: DVec3) -> Option<bool> {
+    /// Whether a point, in the mesh's frame, is inside the solid beyond doubt: every ray that is clean crosses the surface an odd number of
+    /// times, and several are.
+    pub(super) fn surely_contains(&self, point: DVec3) -> bool {
+        if !self.closed || !point.is_finite() {
+            return false;
+        }
+        let (mut clean, mut odd) = (0, 0);
+        for crossings in self.clean_crossings(point) {
+            clean += 1;
+            odd += crossings.count % 2;
+        }
+        clean >= 2 && odd == clean
+    }
+
+    fn clean_crossings(&self, point: DVec3) -> impl Iterator<Item = Crossings> + '_ {
+        RAYS.iter().filter_map(move |&ray| self.crossings(point, DVec3::from_array(ray)))
+    }
+
+    /// Where a ray crosses the surface; none where it passes too close to an edge to be sure.
+    fn crossings(&self, from: DVec3, direction: DVec3) -> Option<Crossings> {
         let inverse = direction.recip();
-        let (mut crossings, mut balance) = (0_u32, 0_i32);
+        let mut crossings = Crossings { count: 0, balance: 0 };
         let mut stack = [0_u32; 64];
         let mut depth = 1;
         while depth > 0 {
@@ -143,15 +160,28 @@ impl MeshTree {
                 let first = node.next as usize;
                 for triangle in &self.triangles[first..first + node.count as usize] {
                     let side = ray_meets_triangle(from, direction, triangle)?;
-                    crossings += side.unsigned_abs();
-                    balance += side;
+                    crossings.count += side.unsigned_abs();
+                    crossings.balance += side;
                 }
             } else {
                 (stack[depth], stack[depth + 1]) = (node.next, index as u32 + 1);
                 depth += 2;
             }
         }
-        Some(crossings % 2 == 1 || balance != 0)
+        Some(crossings)
+    }
+}
+
+/// How often a ray crosses a surface, and how much more often it leaves than enters.
+#[derive(Clone, Copy, Debug)]
+struct Crossings {
+    count: u32,
+    balance: i32,
+}
+
+impl Crossings {
+    fn tell_inside(self) -> bool {
+        self.count % 2 == 1 || self.balance != 0
     }
 }
 

@@ -3,6 +3,7 @@
 //! A [`scene::CollisionScene`] holds what never changes; a [`pairs::PairSet`] what matters on one leaf;
 //! [`verdict::first_collision`] judges one configuration, [`first_collisions`] many, [`certificate::certify_motion`] a straight motion over the
 //! continuum and [`polyline::certify_polyline`] many of them in a row. Cheap bounds come first, of sixteen configurations at once: balls of bodies, balls, boxes and capsules of shapes; then GJK or the meshes' trees.
+//! Where bounds from inside overlap, two solids collide for sure.
 //! Nothing is ever called free that is not proved so: in doubt, in collision.
 
 mod attachment;
@@ -13,6 +14,7 @@ mod course;
 pub mod distance;
 mod gjk;
 pub mod hull;
+mod inner;
 mod look;
 mod mesh_distance;
 pub mod mesh_tree;
@@ -37,4 +39,4 @@ pub use polyline::{PolylineVerdict, certify_polyline};
 pub use scene::{CollisionScene, Pair, PairId};
 pub use scratch::CollisionScratch;
 pub use verdict::{Contact, contained, first_collision, min_clearance, pair_clearance};
-pub use verdicts::{first_collisions, open_to_bounds};
+pub use verdicts::{Verdicts, first_collisions, open_to_bounds};
