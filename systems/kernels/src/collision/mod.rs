@@ -38,5 +38,5 @@ pub use pairs::PairSet;
 pub use polyline::{PolylineVerdict, certify_polyline};
 pub use scene::{CollisionScene, Pair, PairId};
 pub use scratch::CollisionScratch;
-pub use verdict::{Contact, contained, first_collision, min_clearance, pair_clearance};
+pub use verdict::{Contact, contained, first_collision, min_clearance, pair_clearance, surely_colliding};
 pub use verdicts::{Verdicts, first_collisions, open_to_bounds};

@@ -126,7 +126,17 @@ pub(super) fn exact_clearance(
     clearance(&a.solid, &(X_WI * a.X_JS), &b.solid, &(X_WJ * b.X_JS), ask, hint)
 }
 
-/// The contact of a pair that collides for sure, as what lies inside of the two tells; from the poses of the two bodies.
+/// The contact of a pair that collides for sure, as what lies inside of its two solids tells without an exact query: none
+/// where they only may.
+///
+/// # Panics
+/// If `X_WJ` is shorter than the number of bodies.
+#[must_use]
+pub fn surely_colliding(scene: &CollisionScene, id: PairId, X_WJ: &[Pose]) -> Option<Contact> {
+    sure_contact(scene, id, body_poses(scene, id, X_WJ))
+}
+
+/// As [`surely_colliding`], from the poses of the two bodies.
 pub(super) fn sure_contact(scene: &CollisionScene, id: PairId, X: [Pose; 2]) -> Option<Contact> {
     let [a, b] = solids_of(scene, id);
     let overlap = overlap(a, &X[0], b, &X[1])?;

@@ -129,6 +129,20 @@ impl Verdicts<'_> {
         scratch.verdicts = buffers;
     }
 
+    /// The ones of up to sixteen configurations that collide for sure, as bounds from inside alone tell; the first is the lowest bit.
+    ///
+    /// # Panics
+    /// If `configurations` is not a whole number of them, or more than sixteen.
+    #[must_use]
+    pub fn surely_colliding(&self, configurations: &[f64], scratch: &mut CollisionScratch) -> u16 {
+        let count = configurations.len() / self.scene.space.size();
+        assert!(count <= LANES, "more than sixteen configurations");
+        let (mut buffers, mut hits) = (std::mem::take(&mut scratch.verdicts), Hits::default());
+        self.sweep(configurations, Some(&mut hits), &mut buffers, scratch);
+        scratch.verdicts = buffers;
+        if count == 0 { 0 } else { hits.colliding & all_lanes(count) }
+    }
+
     /// Leaves in `buffers.found` what collides in up to sixteen configurations, as far as `hits` wants to know.
     fn judge(&self, block: &[f64], mut hits: Hits, buffers: &mut VerdictScratch, scratch: &mut CollisionScratch) {
         self.sweep(block, Some(&mut hits), buffers, scratch);
