@@ -1,5 +1,6 @@
 //! Promise: whose waypoints are judged together changes nothing. Every candidate is refused for the leg for which it would be refused
 //! alone, or not at all, with margins and without, on any number of threads.
+#![allow(non_snake_case, reason = "pose names carry their frames")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on says so")]
 
 mod common;

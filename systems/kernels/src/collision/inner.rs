@@ -79,16 +79,15 @@ fn in_convex(convex: &Convex) -> Option<(Capsule, usize)> {
 }
 
 /// How often a step is halved on the way to the middle of a mesh.
-const HALVINGS: u32 = 4;
+const HALVINGS: u32 = 3;
 
 /// A large ball inside a closed mesh; none where no point was found that is inside beyond doubt.
 fn ball_in(mesh: &MeshTree) -> Option<Ball> {
     let root = mesh.nodes.first().filter(|root| mesh.is_closed() && root.half.is_finite())?;
-    let mut best: Option<Ball> = None;
-    for corner in 0..9_u32 {
+    let mut best = deeper(mesh, root.center, None);
+    for corner in 0..8_u32 {
         let side = |bit: u32| if corner >> bit & 1 == 1 { 0.5 } else { -0.5 };
-        let from = if corner == 8 { DVec3::ZERO } else { DVec3::new(side(0), side(1), side(2)) };
-        best = deeper(mesh, root.center + root.half * from, best);
+        best = deeper(mesh, root.center + root.half * DVec3::new(side(0), side(1), side(2)), best);
     }
     let mut step = 0.25;
     for _ in 0..HALVINGS {
@@ -107,11 +106,17 @@ fn ball_in(mesh: &MeshTree) -> Option<Ball> {
 
 /// The ball about a point, where it is inside and larger than the best one so far.
 fn deeper(mesh: &MeshTree, center: DVec3, best: Option<Ball>) -> Option<Ball> {
+    let least = best.map_or(SURE, |ball| ball.radius);
+    // Nothing inside is farther from the surface than from the sides of the box around it.
+    let to_side = mesh.nodes.first()?;
+    let to_side = (to_side.half - (center - to_side.center).abs()).min_element();
+    if to_side <= least || !mesh.surely_contains(center) {
+        return best;
+    }
     let point = Convex { core: Core::Point, radius: 0.0 };
     let here = Relative { rotation: DMat3::IDENTITY, translation: center };
     let radius = mesh_convex_distance(mesh, &point, &here, Ask::exact(f64::MAX), &mut DVec3::ZERO.clone());
-    let is_larger = radius > best.map_or(SURE, |ball| ball.radius);
-    if is_larger && mesh.surely_contains(center) { Some(Ball { center, radius }) } else { best }
+    if radius > least { Some(Ball { center, radius }) } else { best }
 }
 
 /// What inner bounds say of two solids of a scene whose bodies have these poses: minus how far they overlap at least, metres;

@@ -125,18 +125,15 @@ impl MeshTree {
         }
     }
 
-    /// Whether a point, in the mesh's frame, is inside the solid beyond doubt: every ray that is clean crosses the surface an odd number of
-    /// times, and several are.
+    /// Whether a point, in the mesh's frame, is inside the solid beyond doubt: three rays are clean and cross the surface an odd
+    /// number of times each.
     pub(super) fn surely_contains(&self, point: DVec3) -> bool {
         if !self.closed || !point.is_finite() {
             return false;
         }
-        let (mut clean, mut odd) = (0, 0);
-        for crossings in self.clean_crossings(point) {
-            clean += 1;
-            odd += crossings.count % 2;
-        }
-        clean >= 2 && odd == clean
+        let is_odd = |crossings: Crossings| crossings.count % 2 == 1;
+        let mut clean = self.clean_crossings(point);
+        (0..3).all(|_| clean.next().is_some_and(is_odd))
     }
 
     fn clean_crossings(&self, point: DVec3) -> impl Iterator<Item = Crossings> + '_ {
