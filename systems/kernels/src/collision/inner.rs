@@ -47,7 +47,7 @@ impl Inner {
             }
             Solid::Mesh(mesh) => {
                 let ball = ball_in(mesh)?;
-                let center = mesh.nodes.first()?.center;
+                let center = mesh.bounds()?.center;
                 let capsule = Capsule { middle: ball.center, half: DVec3::ZERO, radius: ball.radius };
                 (capsule, 2, ball.center - center)
             }
@@ -83,18 +83,18 @@ const HALVINGS: u32 = 3;
 
 /// A large ball inside a closed mesh; none where no point was found that is inside beyond doubt.
 fn ball_in(mesh: &MeshTree) -> Option<Ball> {
-    let root = mesh.nodes.first().filter(|root| mesh.is_closed() && root.half.is_finite())?;
-    let mut best = deeper(mesh, root.center, None);
+    let around = mesh.bounds().filter(|around| mesh.is_closed() && around.half.is_finite())?;
+    let mut best = deeper(mesh, around.center, None);
     for corner in 0..8_u32 {
         let side = |bit: u32| if corner >> bit & 1 == 1 { 0.5 } else { -0.5 };
-        best = deeper(mesh, root.center + root.half * DVec3::new(side(0), side(1), side(2)), best);
+        best = deeper(mesh, around.center + around.half * DVec3::new(side(0), side(1), side(2)), best);
     }
     let mut step = 0.25;
     for _ in 0..HALVINGS {
         let Ball { center, .. } = best?;
         for axis in DVec3::AXES {
             for side in [step, -step] {
-                best = deeper(mesh, center + root.half * axis * side, best);
+                best = deeper(mesh, center + around.half * axis * side, best);
             }
         }
         if best.is_some_and(|ball| ball.center == center) {
@@ -108,14 +108,14 @@ fn ball_in(mesh: &MeshTree) -> Option<Ball> {
 fn deeper(mesh: &MeshTree, center: DVec3, best: Option<Ball>) -> Option<Ball> {
     let least = best.map_or(SURE, |ball| ball.radius);
     // Nothing inside is farther from the surface than from the sides of the box around it.
-    let to_side = mesh.nodes.first()?;
-    let to_side = (to_side.half - (center - to_side.center).abs()).min_element();
+    let around = mesh.bounds()?;
+    let to_side = (around.half - (center - around.center).abs()).min_element();
     if to_side <= least || !mesh.surely_contains(center) {
         return best;
     }
     let point = Convex { core: Core::Point, radius: 0.0 };
     let here = Relative { rotation: DMat3::IDENTITY, translation: center };
-    let radius = mesh_convex_distance(mesh, &point, &here, Ask::exact(f64::MAX), &mut DVec3::ZERO.clone());
+    let radius = mesh_convex_distance(mesh, &point, &here, Ask::exact(to_side), &mut DVec3::ZERO.clone());
     if radius > least { Some(Ball { center, radius }) } else { best }
 }
 
