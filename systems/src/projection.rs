@@ -8,7 +8,7 @@ use crate::events::StopSignal;
 use crate::graph::building::led_to;
 use crate::membership::{parameter_of, residual};
 use crate::model::PlanningModel;
-use crate::parallel::each;
+use crate::parallel::{LEAST_SHARED, each};
 use crate::random::{Purpose, stream};
 use crate::schedule::StepCounter;
 use crate::scratch_pool::ScratchPool;
@@ -23,9 +23,6 @@ use foliate_components::roadmap::Roadmap;
 use foliate_kernels::kinematics::Carriage;
 use foliate_kernels::projection::{Job, Scratch as NewtonScratch, Settings as NewtonSettings, project_batch};
 use rand::RngExt;
-
-/// Fewer candidates than these are not worth another thread.
-const LEAST_SHARED: usize = 8;
 
 /// Seeds among which one is drawn, of the sixteen that are found near a grasp.
 const NEAR_SEEDS: usize = 8;
