@@ -48,8 +48,14 @@ impl Errands {
         self.0.count.store(waiting.len(), Ordering::Relaxed);
     }
 
+    /// As if somebody watched.
+    #[cfg(test)]
+    pub(crate) fn pretend(&self) {
+        self.0.watching.fetch_add(1, Ordering::Relaxed);
+    }
+
     /// Does the errand that has waited longest; `false` where there is none.
-    fn do_one(&self) -> bool {
+    pub(crate) fn do_one(&self) -> bool {
         if self.0.count.load(Ordering::Relaxed) == 0 {
             return false;
         }
@@ -70,8 +76,8 @@ struct Post {
     errands: Errands,
     /// The thread that runs the search.
     own: usize,
-    /// Threads that may watch at once: no more than there are cores for.
-    most: usize,
+    /// Threads that may watch at once: no more than there are cores for, once a thread has found out.
+    most: AtomicUsize,
     /// By thread of the pool.
     watches: Vec<AtomicBool>,
     is_over: AtomicBool,
@@ -81,21 +87,20 @@ impl Watch {
     /// Outside of a pool, in a pool of one and on a single core nobody watches.
     pub(crate) fn begin(errands: &Errands) -> Self {
         let threads = rayon::current_num_threads();
-        let most = threads.min(cores()).saturating_sub(1);
         let post = |own| Post {
             errands: errands.clone(),
             own,
-            most,
+            most: AtomicUsize::new(threads - 1),
             watches: (0..threads).map(|_| AtomicBool::new(false)).collect(),
             is_over: AtomicBool::new(false),
         };
-        Self(rayon::current_thread_index().filter(|_| most > 0).map(|own| Arc::new(post(own))))
+        Self(rayon::current_thread_index().filter(|_| threads > 1).map(|own| Arc::new(post(own))))
     }
 
     /// Calls back who has left.
     pub(crate) fn call(&self) {
         let Some(post) = &self.0 else { return };
-        if post.errands.0.watching.load(Ordering::Relaxed) < post.most {
+        if post.errands.0.watching.load(Ordering::Relaxed) < post.most.load(Ordering::Relaxed) {
             let post = Arc::clone(post);
             rayon::spawn_broadcast(move |context| post.keep(context.index()));
         }
@@ -118,8 +123,10 @@ impl Post {
         if thread == self.own || self.watches[thread].swap(true, Ordering::Relaxed) {
             return;
         }
+        // To ask for the cores takes longer than a search may wait.
+        let most = self.most.fetch_min(cores() - 1, Ordering::Relaxed).min(cores() - 1);
         let watching = &self.errands.0.watching;
-        if watching.fetch_add(1, Ordering::Relaxed) < self.most {
+        if watching.fetch_add(1, Ordering::Relaxed) < most {
             let mut in_vain = 0;
             while in_vain < PATIENCE && !self.is_over.load(Ordering::Relaxed) {
                 let found = rayon::yield_now() == Some(rayon::Yield::Executed) || self.errands.do_one();
@@ -187,10 +194,9 @@ mod tests {
         let errands = Errands::default();
         let run = || {
             let watch = Watch::begin(&errands);
-            let most = watch.0.as_ref().map_or(0, |post| post.most);
             (0..3).for_each(|_| watch.call());
             let watching = || errands.0.watching.load(Ordering::Relaxed);
-            while most > 0 && watching() == 0 {
+            while super::cores() > 1 && watching() == 0 {
                 std::thread::yield_now();
             }
             // Sections find their threads, and nobody is taken twice.

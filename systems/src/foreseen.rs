@@ -120,3 +120,62 @@ impl Foreseen {
         self.prospects.iter().find(|&&(a, b, _)| (a, b) == (from, to)).map(|(_, _, prospect)| &**prospect)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Foreseen, Ordering};
+    use crate::connection::{Attempt, ConnectionScratch};
+    use crate::errands::Errands;
+    use crate::events::{EventSink, StopSignal};
+    use crate::model::{Model, PlanningModel};
+    use crate::schedulers::mrrt::Mrrt;
+    use crate::search::Search;
+    use crate::settings::SearchSettings;
+    use foliate_components::leaf::LeafIndex;
+    use foliate_components::roadmap::NodeId;
+    use foliate_components::sample_problems::boxes_on_a_table;
+    use std::sync::Arc;
+
+    #[test]
+    fn what_was_foreseen_is_what_is_certified_when_it_is_asked_for() {
+        // Out of the arm's reach, so that the search goes on.
+        let problem = boxes_on_a_table(&[(0.6, 0.1)], &[(1.45, 0.75)]).ok();
+        let Some(model) = problem.and_then(|problem| Model::new(problem).ok()) else { return assert!(false) };
+        let model = PlanningModel(Arc::new(model));
+        let settings = SearchSettings::default();
+        let mut search = Search::new(&model, &Mrrt, settings.clone(), StopSignal::default(), EventSink::default());
+        (0..4).for_each(|_| assert!(search.step().is_none()));
+        let (roadmap, leaves) = (search.roadmap(), search.world().resource::<LeafIndex>());
+        let on = |node: NodeId| roadmap.nodes_on(roadmap.node(node).leaf);
+        let nodes = || (0..roadmap.nodes().len() as u32).map(NodeId);
+        let pairs: Vec<_> = nodes().flat_map(|a| on(a).iter().map(move |&b| (a, b))).filter(|(a, b)| a < b).collect();
+        let mut scratch = ConnectionScratch::default();
+        let mut direct = |ends| Attempt::new(&model, roadmap, leaves, ends)?.certify(&model, &settings, &mut scratch);
+        let answers: Vec<_> = pairs.iter().map(|&ends| direct(ends)).collect();
+        assert!(answers.iter().any(Option::is_some) && answers.iter().any(Option::is_none), "{} pairs", pairs.len());
+
+        let (mut foreseen, errands) = (Foreseen::default(), Errands::default());
+        foreseen.expect((&model, &settings, &errands), (roadmap, leaves), &pairs, &[]);
+        assert!(foreseen.prospects.is_empty(), "nobody would do it");
+        errands.pretend();
+        foreseen.expect((&model, &settings, &errands), (roadmap, leaves), &pairs, &[]);
+        foreseen.release(&errands);
+        // One after the other: done ahead, not begun, begun by somebody who gave up.
+        let done = pairs.len().div_ceil(3);
+        (0..done).for_each(|_| assert!(errands.do_one()));
+        for (number, (&(from, to), answer)) in pairs.iter().zip(&answers).enumerate() {
+            let Some(prospect) = foreseen.of(from, to) else { return assert!(false) };
+            assert_eq!(prospect.answer.get().is_some(), number < done);
+            if number >= done && number % 2 == 0 {
+                prospect.is_taken.store(true, Ordering::Relaxed);
+                prospect.is_lost.store(true, Ordering::Relaxed);
+            }
+            assert_eq!(&prospect.certify(&mut scratch), answer);
+            assert_eq!(&prospect.certify(&mut scratch), answer, "asked for twice");
+        }
+        // What has been asked for is not begun again, and what is neither foreseen nor asked for any more is forgotten.
+        assert!(errands.do_one());
+        foreseen.expect((&model, &settings, &errands), (roadmap, leaves), &pairs[..2], &pairs[1..3]);
+        assert_eq!(foreseen.prospects.len(), 3.min(pairs.len()));
+    }
+}

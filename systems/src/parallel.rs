@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// Fewer candidates than these are not worth another thread where each takes a microsecond or less.
+/// Fewer candidates than these are not worth another thread.
 pub(crate) const LEAST_SHARED: usize = 8;
 
 /// Does `work` on every item: threads take one item after another from the front, each with a scratch of its own, so that

@@ -150,7 +150,7 @@ pub fn select_transitions(
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
     let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive() && c.transition.is_none()).collect();
-    pool.par_iter_mut().with_min_len(LEAST_SHARED).for_each(|candidate| {
+    pool.par_iter_mut().with_min_len(2 * LEAST_SHARED).for_each(|candidate| {
         let Some(near) = candidate.near else {
             return candidate.reject(Rejection::NoNode);
         };
