@@ -140,7 +140,9 @@ mod tests {
     fn what_was_foreseen_is_what_is_certified_when_it_is_asked_for() {
         // Out of the arm's reach, so that the search goes on.
         let problem = boxes_on_a_table(&[(0.6, 0.1)], &[(1.45, 0.75)]).ok();
-        let Some(model) = problem.and_then(|problem| Model::new(problem).ok()) else { return assert!(false) };
+        let model = problem.and_then(|problem| Model::new(problem).ok());
+        assert!(model.is_some());
+        let Some(model) = model else { return };
         let model = PlanningModel(Arc::new(model));
         let settings = SearchSettings::default();
         let mut search = Search::new(&model, &Mrrt, settings.clone(), StopSignal::default(), EventSink::default());
@@ -164,7 +166,9 @@ mod tests {
         let done = pairs.len().div_ceil(3);
         (0..done).for_each(|_| assert!(errands.do_one()));
         for (number, (&(from, to), answer)) in pairs.iter().zip(&answers).enumerate() {
-            let Some(prospect) = foreseen.of(from, to) else { return assert!(false) };
+            let prospect = foreseen.of(from, to);
+            assert!(prospect.is_some());
+            let Some(prospect) = prospect else { return };
             assert_eq!(prospect.answer.get().is_some(), number < done);
             if number >= done && number % 2 == 0 {
                 prospect.is_taken.store(true, Ordering::Relaxed);
