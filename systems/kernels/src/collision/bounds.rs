@@ -55,7 +55,7 @@ impl Ball {
                 Self { center: DVec3::ZERO, radius: (core + convex.radius) * SLACK }
             }
             Solid::Mesh(mesh) => {
-                let start = mesh.nodes.first().map_or(DVec3::ZERO, |n| n.center);
+                let start = mesh.bounds().map_or(DVec3::ZERO, |b| b.center);
                 // Where the centre should be, the extreme points in some directions tell; the radius is then exact.
                 let center = Self::around(start, |from| farthest_of(&mesh.hull.points, from)).center;
                 Self { center, radius: farthest(solid, center).distance(center) * SLACK }
@@ -81,7 +81,7 @@ impl Capsule {
                 }
             },
             Solid::Mesh(mesh) => {
-                let (center, half) = mesh.nodes.first().map_or((DVec3::ZERO, DVec3::ZERO), |n| (n.center, n.half));
+                let (center, half) = mesh.bounds().map_or((DVec3::ZERO, DVec3::ZERO), |b| (b.center, b.half));
                 let points: Vec<DVec3> = mesh.triangles.iter().flatten().copied().collect();
                 Self::of_points(center, half, &points, 0.0)
             }

@@ -3,6 +3,7 @@
 //! Distances are computed between cores and lose the radii at the end, so that round solids stay exact and never need a
 //! penetration depth as long as their cores are apart.
 
+use super::simplex::closest_of_triangle;
 use glam::{DMat3, DVec3};
 
 /// The set of points that a radius is added to, in the solid's own frame, z along axes (URDF's convention). Metres.
@@ -147,37 +148,9 @@ fn clamp(x: f64, half: f64) -> f64 {
     x.max(-half).min(half)
 }
 
-/// The point of a triangle that is closest to `p` (by Voronoi regions: Ericson, Real-Time Collision Detection, §5.1.5).
+/// The point of a triangle that is closest to `p`.
 #[inline]
 #[must_use]
 pub fn closest_on_triangle(p: DVec3, &[a, b, c]: &[DVec3; 3]) -> DVec3 {
-    let (ab, ac, ap) = (b - a, c - a, p - a);
-    let (d1, d2) = (ab.dot(ap), ac.dot(ap));
-    if d1 <= 0.0 && d2 <= 0.0 {
-        return a;
-    }
-    let bp = p - b;
-    let (d3, d4) = (ab.dot(bp), ac.dot(bp));
-    if d3 >= 0.0 && d4 <= d3 {
-        return b;
-    }
-    let vc = d1 * d4 - d3 * d2;
-    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        return a + ab * (d1 / (d1 - d3));
-    }
-    let cp = p - c;
-    let (d5, d6) = (ab.dot(cp), ac.dot(cp));
-    if d6 >= 0.0 && d5 <= d6 {
-        return c;
-    }
-    let vb = d5 * d2 - d1 * d6;
-    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        return a + ac * (d2 / (d2 - d6));
-    }
-    let va = d3 * d6 - d5 * d4;
-    if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
-        return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
-    }
-    let sum = va + vb + vc;
-    if sum > 0.0 { a + ab * (vb / sum) + ac * (vc / sum) } else { a }
+    p + closest_of_triangle(a - p, b - p, c - p)
 }

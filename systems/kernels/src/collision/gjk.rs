@@ -23,17 +23,28 @@ pub struct Ask {
     /// If it is not at least `needed`, it may be enough to know that it is at least this (for no such shortcut, as large as
     /// `needed`). Metres.
     pub floor: f64,
-    /// Below both, how far the answer may lie under the true distance, metres …
+    /// If it is not at least `floor` either, it may be enough to know that it is at least this (for no such shortcut, as
+    /// large as `floor`). Metres.
+    pub ground: f64,
+    /// Below all three, how far the answer may lie under the true distance, metres …
     pub absolute: f64,
     /// … or as a share of the distance, whichever allows more.
     pub relative: f64,
 }
 
 impl Ask {
+    /// Whether bounds of a distance from both sides, metres, say all that is asked.
+    #[inline]
+    pub(super) fn is_settled(&self, lower: f64, upper: f64) -> bool {
+        upper - lower <= self.absolute.max(self.relative * upper)
+            || (upper < self.needed && lower >= self.floor)
+            || (upper < self.floor && lower >= self.ground)
+    }
+
     /// At least `needed`, or the distance to within a micrometre.
     #[must_use]
     pub fn exact(needed: f64) -> Self {
-        Self { needed, floor: needed, absolute: 1e-6, relative: 0.0 }
+        Self { needed, floor: needed, ground: needed, absolute: 1e-6, relative: 0.0 }
     }
 }
 
@@ -57,6 +68,10 @@ impl Relative {
     #[inline]
     pub(super) fn point(&self, p: DVec3) -> DVec3 {
         self.rotation * p + self.translation
+    }
+
+    pub(super) fn inverse(&self) -> Self {
+        Self { rotation: self.rotation.transpose(), translation: -self.direction_back(self.translation) }
     }
 
     #[inline]
@@ -91,6 +106,7 @@ pub(super) fn walk(
     // What is returned has lost `ROUNDING` and still has to be at least `needed`.
     let enough = ask.needed + radii + 2.0 * ROUNDING;
     let floor = ask.floor + radii + 2.0 * ROUNDING;
+    let ground = ask.ground + radii + 2.0 * ROUNDING;
     let mut lower = 0.0_f64;
     if *hint != DVec3::ZERO {
         // The hint is a unit vector.
@@ -112,7 +128,7 @@ pub(super) fn walk(
         }
         // A point of A − B also bounds the distance from above.
         let exact = length - lower <= ask.absolute.max(ask.relative * (length - radii));
-        let settled = exact || (length < enough && lower >= floor);
+        let settled = exact || (length < enough && lower >= floor) || (length < floor && lower >= ground);
         if lower >= enough || (on_difference && settled) {
             return lower - radii - ROUNDING;
         }

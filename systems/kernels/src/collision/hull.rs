@@ -74,7 +74,7 @@ pub(super) struct Hull {
     /// Somewhere in the middle of the points.
     pub middle: DVec3,
     /// How supports are computed, not what they are: they are equal bit for bit at every level.
-    lanes: Level,
+    pub lanes: Level,
 }
 
 /// With more points every direction would cost more than closer hulls save.

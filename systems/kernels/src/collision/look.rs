@@ -117,7 +117,8 @@ impl Look<'_> {
             return (Outcome::Open, n);
         }
         // Hulls that overlap say nothing of the other intervals: what the meshes keep may cover neighbours as well.
-        let ask = Ask { needed: needed + NEIGHBOURS * here.closer, floor: needed, ..Ask::exact(needed) };
+        // Once the interval is open only a collision at the sample still matters.
+        let ask = Ask { needed: needed + NEIGHBOURS * here.closer, floor: needed, ground: keep, ..Ask::exact(needed) };
         let found = exact_clearance(self.scene, id, here.X, ask, &mut hints.solids);
         if found >= needed {
             return (Outcome::Certified(found - here.closer), n);

@@ -1,13 +1,18 @@
-//! Distance of a mesh to a convex solid or to another mesh: descent over the trees, the nearer child first, with
+//! Distance of a mesh to a convex solid or to another mesh: descent over the trees, the nearest boxes first, with
 //! everything cut off that is farther than what is asked for or already found.
 
 use super::convex::{Convex, Core};
 use super::gjk::{Ask, ROUNDING, Relative, core_distance};
-use super::mesh_tree::{MeshTree, Node};
+use super::lane_boxes::{Probe, View, beyond};
+use super::lane_triangles::{Gaps, load, load_moved, reaching, to_segment, to_triangle};
+use super::mesh_tree::{Block, MeshTree, WIDE};
+use crate::lanes::{Isa, Kernel};
 use glam::{DMat3, DVec3};
 
-/// Median splits halve: trees over 2³² triangles are 32 deep, and a step leaves at most one node behind per level.
-const STACK: usize = 80;
+/// Blocks are cut three times in two: trees over 2³² triangles are at most 12 deep.
+const DEEP: usize = 12;
+/// A step leaves at most seven blocks behind.
+const STACK: usize = DEEP * (WIDE - 1) + 1;
 
 /// Surface distance of a mesh and a convex solid whose pose in the mesh's frame is `X_MC`: a lower bound that is at least
 /// `ask.needed` or nearly exact. `hint` is a direction, from the convex solid to the mesh in the mesh's frame, that set
@@ -23,44 +28,7 @@ pub(super) fn mesh_convex_distance(
     if mesh.is_empty() {
         return f64::INFINITY;
     }
-    let probe = Probe::new(convex, X_MC);
-    let mut least = Least::new(&ask);
-    let mut slab = Slab::default();
-    slab.turn_to(*hint, |n| convex.core.support(X_MC.direction_back(n)), X_MC);
-    let mut stack = [(0_u32, 0.0_f64); STACK];
-    let mut depth = 1;
-    stack[0] = (0, probe.distance_squared(&mesh.nodes[0]));
-    while depth > 0 {
-        depth -= 1;
-        let (index, near) = stack[depth];
-        let node = &mesh.nodes[index as usize];
-        if beyond(near, least.value + convex.radius) || slab.gap(node) >= least.value + convex.radius {
-            continue;
-        }
-        if node.is_leaf() {
-            for triangle in leaf(mesh, node) {
-                let core = Core::Triangle(*triangle);
-                let ask = least.ask(&ask);
-                least.lower(core_distance(&core, &convex.core, X_MC, convex.radius, ask, hint));
-                if least.value <= 0.0 {
-                    return least.value;
-                }
-            }
-            slab.turn_to(*hint, |n| convex.core.support(X_MC.direction_back(n)), X_MC);
-            continue;
-        }
-        let [first, second] = [index + 1, node.next];
-        let first = (first, probe.distance_squared(&mesh.nodes[first as usize]));
-        let second = (second, probe.distance_squared(&mesh.nodes[second as usize]));
-        let (nearer, farther) = if second.1 < first.1 { (second, first) } else { (first, second) };
-        for child in [farther, nearer] {
-            if !beyond(child.1, least.value + convex.radius) {
-                stack[depth] = child;
-                depth += 1;
-            }
-        }
-    }
-    least.value - ROUNDING
+    mesh.lanes.run(ToConvex { mesh, convex, X_MC, ask, hint })
 }
 
 /// Surface distance of two meshes, the second at `X_AB` in the frame of the first. `hint` is as for
@@ -69,135 +37,286 @@ pub(super) fn mesh_mesh_distance(a: &MeshTree, b: &MeshTree, X_AB: &Relative, as
     if a.is_empty() || b.is_empty() {
         return f64::INFINITY;
     }
-    let turned = X_AB.rotation.abs();
-    let turned = [turned, turned.transpose()];
-    let bound = |i: u32, j: u32| box_distance_squared(&a.nodes[i as usize], &b.nodes[j as usize], X_AB, &turned);
-    let mut least = Least::new(&ask);
-    let mut slabs = Slabs::default();
-    slabs.turn_to(*hint, X_AB);
-    let mut stack = [(0_u32, 0_u32, 0.0_f64); 2 * STACK];
-    let mut depth = 1;
-    stack[0] = (0, 0, bound(0, 0));
-    while depth > 0 {
-        depth -= 1;
-        let (i, j, near) = stack[depth];
-        let (node_a, node_b) = (&a.nodes[i as usize], &b.nodes[j as usize]);
-        if beyond(near, least.value) || slabs.gap(node_a, node_b) >= least.value {
-            continue;
-        }
-        if node_a.is_leaf() && node_b.is_leaf() {
-            meet_leaves(leaf(a, node_a), leaf(b, node_b), X_AB, &ask, &mut least, hint);
-            if least.value <= 0.0 {
-                return least.value;
-            }
-            slabs.turn_to(*hint, X_AB);
-            continue;
-        }
-        // Open the larger one.
-        let open_a =
-            !node_a.is_leaf() && (node_b.is_leaf() || node_a.half.length_squared() >= node_b.half.length_squared());
-        let [first, second] = if open_a { [(i + 1, j), (node_a.next, j)] } else { [(i, j + 1), (i, node_b.next)] };
-        let first = (first.0, first.1, bound(first.0, first.1));
-        let second = (second.0, second.1, bound(second.0, second.1));
-        let (nearer, farther) = if second.2 < first.2 { (second, first) } else { (first, second) };
-        for child in [farther, nearer] {
-            if !beyond(child.2, least.value) {
-                stack[depth] = child;
-                depth += 1;
-            }
-        }
-    }
-    least.value - ROUNDING
+    a.lanes.run(ToMesh { a, b, X_AB, ask, hint })
 }
 
-/// The gap between boxes and a convex core along one direction: far cheaper than all axes, and once a direction has set
-/// triangles apart it sets most of the boxes around them apart.
-#[derive(Default)]
-struct Slab {
-    /// From the core to the mesh, in the mesh's frame; zero for none, which leaves no gap.
-    n: DVec3,
-    widths: DVec3,
-    /// Where the core ends along `n`.
-    end: f64,
+struct ToConvex<'a> {
+    mesh: &'a MeshTree,
+    convex: &'a Convex,
+    X_MC: &'a Relative,
+    ask: Ask,
+    hint: &'a mut DVec3,
 }
 
-impl Slab {
-    fn turn_to(&mut self, n: DVec3, support: impl Fn(DVec3) -> DVec3, X_MC: &Relative) {
-        if n != self.n {
-            *self = Self { n, widths: n.abs(), end: n.dot(X_MC.point(support(n))) };
+impl Kernel for ToConvex<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<I: Isa>(self, isa: I) -> f64 {
+        let Self { mesh, convex, X_MC, ask, hint } = self;
+        let mut probe = Probe::new(convex, X_MC);
+        let axis = Axis::of(&convex.core, X_MC);
+        let mut least = Least::new(&ask);
+        probe.turn_to(*hint);
+        let mut stack = [(0_u32, 0.0_f64); STACK];
+        let mut depth = 1;
+        while depth > 0 {
+            depth -= 1;
+            let (index, near) = stack[depth];
+            let block = &mesh.blocks[index as usize];
+            let reach = least.value + convex.radius;
+            if beyond(near, reach) || probe.gap(&block.bounds) >= reach {
+                continue;
+            }
+            let near = probe.near(isa, block, reach);
+            if let Some(corners) = block.corners {
+                let mut lanes = near.lanes;
+                if lanes == 0 {
+                    continue;
+                }
+                if let Some(axis) = &axis {
+                    let eight = load(isa, &mesh.corners[corners as usize]);
+                    let gaps = to_segment(isa, &eight, axis.middle, axis.half);
+                    lanes &= axis.left_open(&gaps, lanes, convex.radius, &ask, &mut least, hint);
+                }
+                while lanes != 0 {
+                    let triangle = mesh.triangles[block.first as usize + lanes.trailing_zeros() as usize];
+                    lanes &= lanes - 1;
+                    let ask = least.ask(&ask);
+                    let core = Core::Triangle(triangle);
+                    least.lower(core_distance(&core, &convex.core, X_MC, convex.radius, ask, hint));
+                }
+                if least.value <= 0.0 {
+                    return least.value;
+                }
+                probe.turn_to(*hint);
+                continue;
+            }
+            let (mut lanes, from) = (near.lanes, depth);
+            while lanes != 0 {
+                let lane = lanes.trailing_zeros();
+                lanes &= lanes - 1;
+                push_in_order(&mut stack, from, &mut depth, (block.first + lane, near.squared[lane as usize]));
+            }
         }
+        least.value - ROUNDING
+    }
+}
+
+/// The axis of a round core, in the mesh's frame, and how far the core lies around it.
+struct Axis {
+    middle: DVec3,
+    half: DVec3,
+    radius: f64,
+}
+
+impl Axis {
+    fn of(core: &Core, X_MC: &Relative) -> Option<Self> {
+        let (half_length, radius) = match *core {
+            Core::Point => (0.0, 0.0),
+            Core::Segment { half_length } => (half_length, 0.0),
+            Core::Cylinder { radius, half_length } => (half_length, radius),
+            Core::Box { .. } | Core::Triangle(_) => return None,
+        };
+        Some(Self { middle: X_MC.translation, half: X_MC.rotation.z_axis * half_length, radius })
     }
 
+    /// The triangles for which GJK is to be asked; of the others it takes in what the gaps to the axis say.
     #[inline]
-    fn gap(&self, node: &Node) -> f64 {
-        self.n.dot(node.center) - self.widths.dot(node.half) - self.end
+    fn left_open(&self, gaps: &Gaps, lanes: u32, radius: f64, ask: &Ask, least: &mut Least, hint: &mut DVec3) -> u32 {
+        let mut open = 0;
+        for lane in (0..WIDE).filter(|lane| lanes >> lane & 1 == 1) {
+            let [lower, upper] = [gaps.lower[lane], gaps.upper[lane]].map(|gap| gap - self.radius - radius);
+            if lower >= least.value {
+                continue;
+            }
+            // What is around a cylinder's axis reaches beyond its ends.
+            if self.radius == 0.0 && gaps.lower[lane] > 0.0 && least.ask(ask).is_settled(lower, upper) {
+                least.lower(lower);
+            } else {
+                open |= 1 << lane;
+            }
+        }
+        let tightest = gaps.tightest(lanes);
+        if gaps.lower[tightest] > 0.0 {
+            *hint = -gaps.direction(tightest);
+        }
+        open
     }
 }
 
-/// As [`Slab`], for the boxes of two meshes.
-#[derive(Default)]
-struct Slabs {
-    /// From the second mesh to the first, in the frame of the first.
-    n: DVec3,
-    widths: [DVec3; 2],
-    /// The same in the frame of the second.
-    n_b: DVec3,
-    offset: f64,
+struct ToMesh<'a> {
+    a: &'a MeshTree,
+    b: &'a MeshTree,
+    X_AB: &'a Relative,
+    ask: Ask,
+    hint: &'a mut DVec3,
 }
 
-impl Slabs {
+impl Kernel for ToMesh<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<I: Isa>(self, isa: I) -> f64 {
+        let Self { a, b, X_AB, ask, hint } = self;
+        let X_BA = X_AB.inverse();
+        let mut least = Least::new(&ask);
+        let mut views = Views { of_b: View::new(X_AB), of_a: View::new(&X_BA) };
+        views.turn_to(*hint, X_AB);
+        let mut stack = [(0_u32, 0_u32, 0.0_f64); 2 * STACK];
+        let mut depth = 1;
+        while depth > 0 {
+            depth -= 1;
+            let (i, j, near) = stack[depth];
+            let (block_a, block_b) = (&a.blocks[i as usize], &b.blocks[j as usize]);
+            if beyond(near, least.value) || views.of_b.gap(&block_a.bounds, &block_b.bounds) >= least.value {
+                continue;
+            }
+            if block_a.corners.is_some()
+                && let Some(corners) = block_b.corners
+            {
+                let near = views.of_a.near(isa, &block_b.bounds, block_a, least.value);
+                let mut lanes = near.lanes;
+                if lanes == 0 {
+                    continue;
+                }
+                let eight = load_moved(isa, &b.corners[corners as usize], X_AB);
+                while lanes != 0 {
+                    let lane = lanes.trailing_zeros() as usize;
+                    lanes &= lanes - 1;
+                    let near = views.of_b.near(isa, &block_a.bounds_of(lane), block_b, least.value);
+                    let triangle = &a.triangles[block_a.first as usize + lane];
+                    // Of a triangle without numbers no number.
+                    let start = hint.dot(triangle[0]).min(hint.dot(triangle[1])).min(hint.dot(triangle[2]));
+                    let meeting = near.lanes & reaching(isa, &eight, *hint, start, least.value);
+                    if meeting != 0 {
+                        let gaps = to_triangle(isa, &eight, triangle);
+                        take_in(&gaps, meeting, (triangle, b, block_b, X_AB), &ask, &mut least, hint);
+                    }
+                }
+                if least.value <= 0.0 {
+                    return least.value;
+                }
+                views.turn_to(*hint, X_AB);
+                continue;
+            }
+            let (half_a, half_b) = (block_a.bounds.half.length_squared(), block_b.bounds.half.length_squared());
+            // Open the larger one.
+            let open_a = block_a.corners.is_none() && (block_b.corners.is_some() || half_a >= half_b);
+            let (view, single, wide) =
+                if open_a { (&views.of_a, block_b, block_a) } else { (&views.of_b, block_a, block_b) };
+            let near = view.near(isa, &single.bounds, wide, least.value);
+            let (mut lanes, from) = (near.lanes, depth);
+            while lanes != 0 {
+                let lane = lanes.trailing_zeros();
+                lanes &= lanes - 1;
+                let (child, near) = (wide.first + lane, near.squared[lane as usize]);
+                let pair = if open_a { (child, j, near) } else { (i, child, near) };
+                push_in_order(&mut stack, from, &mut depth, pair);
+            }
+        }
+        least.value - ROUNDING
+    }
+}
+
+/// How boxes of either mesh see those of the other.
+struct Views {
+    of_b: View,
+    of_a: View,
+}
+
+impl Views {
+    /// `n` points from the second to the first, in the frame of the first.
     fn turn_to(&mut self, n: DVec3, X_AB: &Relative) {
-        if n != self.n {
-            let n_b = X_AB.direction_back(n);
-            *self = Self { n, widths: [n.abs(), n_b.abs()], n_b, offset: n.dot(X_AB.translation) };
+        self.of_b.turn_to(n);
+        self.of_a.turn_to(-X_AB.direction_back(n));
+    }
+}
+
+/// What the gaps between a triangle and some of eight say; where they do not settle it GJK is asked.
+#[inline]
+fn take_in(
+    gaps: &Gaps,
+    mut lanes: u32,
+    (triangle, b, block_b, X_AB): (&[DVec3; 3], &MeshTree, &Block, &Relative),
+    ask: &Ask,
+    least: &mut Least,
+    hint: &mut DVec3,
+) {
+    let tightest = gaps.tightest(lanes);
+    while lanes != 0 {
+        let lane = lanes.trailing_zeros() as usize;
+        lanes &= lanes - 1;
+        let (lower, upper) = (gaps.lower[lane], gaps.upper[lane]);
+        if lower >= least.value {
+            continue;
         }
-    }
-
-    #[inline]
-    fn gap(&self, a: &Node, b: &Node) -> f64 {
-        let apart = self.n.dot(a.center) - self.n_b.dot(b.center) - self.offset;
-        apart - self.widths[0].dot(a.half) - self.widths[1].dot(b.half)
-    }
-}
-
-fn leaf<'a>(mesh: &'a MeshTree, node: &Node) -> &'a [[DVec3; 3]] {
-    let first = node.next as usize;
-    &mesh.triangles[first..first + node.count as usize]
-}
-
-fn meet_leaves(a: &[[DVec3; 3]], b: &[[DVec3; 3]], X_AB: &Relative, ask: &Ask, least: &mut Least, hint: &mut DVec3) {
-    let here = Relative { rotation: DMat3::IDENTITY, translation: DVec3::ZERO };
-    for q in b {
-        let q = Core::Triangle([X_AB.point(q[0]), X_AB.point(q[1]), X_AB.point(q[2])]);
-        for p in a {
-            let ask = least.ask(ask);
-            least.lower(core_distance(&Core::Triangle(*p), &q, &here, 0.0, ask, hint));
+        let wanted = least.ask(ask);
+        if lower > 0.0 && wanted.is_settled(lower, upper) {
+            least.lower(lower);
+            continue;
         }
+        let here = Relative { rotation: DMat3::IDENTITY, translation: DVec3::ZERO };
+        let other = b.triangles[block_b.first as usize + lane].map(|p| X_AB.point(p));
+        let found = core_distance(&Core::Triangle(*triangle), &Core::Triangle(other), &here, 0.0, wanted, hint);
+        least.lower(found);
+    }
+    if gaps.lower[tightest] > 0.0 {
+        *hint = gaps.direction(tightest);
     }
 }
 
-/// Whether something at this squared distance is at least `least` away.
-fn beyond(squared: f64, least: f64) -> bool {
-    least > 0.0 && squared >= least * least
+/// Pushes an entry so that those from `from` on lie with the nearest last.
+#[inline]
+fn push_in_order<T: Copy + Entry>(stack: &mut [T], from: usize, depth: &mut usize, entry: T) {
+    let mut at = *depth;
+    while at > from && stack[at - 1].near() < entry.near() {
+        stack[at] = stack[at - 1];
+        at -= 1;
+    }
+    stack[at] = entry;
+    *depth += 1;
+}
+
+/// What is still to be looked at.
+trait Entry {
+    /// At most its squared distance.
+    fn near(&self) -> f64;
+}
+
+impl Entry for (u32, f64) {
+    fn near(&self) -> f64 {
+        self.1
+    }
+}
+
+impl Entry for (u32, u32, f64) {
+    fn near(&self) -> f64 {
+        self.2
+    }
 }
 
 /// The least distance that still matters: nothing farther need be looked at.
 struct Least {
     value: f64,
     floor: f64,
+    ground: f64,
 }
 
 impl Least {
     fn new(ask: &Ask) -> Self {
-        Self { value: ask.needed + 2.0 * ROUNDING, floor: ask.floor + 2.0 * ROUNDING }
+        let raised = |x: f64| x + 2.0 * ROUNDING;
+        Self { value: raised(ask.needed), floor: raised(ask.floor), ground: raised(ask.ground) }
     }
 
     /// What to ask of the next pair of triangles.
     fn ask(&self, ask: &Ask) -> Ask {
-        Ask { needed: self.value, floor: self.floor.min(self.value), ..*ask }
+        let floor = self.floor.min(self.value);
+        Ask { needed: self.value, floor, ground: self.ground.min(floor), ..*ask }
     }
 
-    /// Takes in a distance. Once one is too small for what is needed, only what is below the floor still matters.
+    /// Takes in a distance. Once one is too small for what is needed, only what is below the floor still matters, and once
+    /// one is below that, what is below the ground.
     fn lower(&mut self, found: f64) {
         if found >= self.value {
             return;
@@ -205,56 +324,9 @@ impl Least {
         // NaN is smaller than everything.
         self.value = match found {
             _ if found >= self.floor => self.floor.min(self.value),
+            _ if found >= self.ground => self.ground.min(self.value),
             _ if found.is_nan() => f64::NEG_INFINITY,
             _ => found,
         };
     }
-}
-
-/// A convex core as boxes see it: its bounding box along the mesh's axes and along its own, and its bounding ball.
-struct Probe<'a> {
-    X_MC: &'a Relative,
-    turned: DMat3,
-    center: DVec3,
-    half: DVec3,
-    own_center: DVec3,
-    own_half: DVec3,
-    radius: f64,
-}
-
-impl<'a> Probe<'a> {
-    fn new(convex: &Convex, X_MC: &'a Relative) -> Self {
-        let middle = convex.core.center();
-        Self {
-            X_MC,
-            turned: X_MC.rotation.abs().transpose(),
-            center: X_MC.point(middle),
-            half: convex.core.extents_along(&X_MC.rotation),
-            own_center: middle,
-            own_half: convex.core.extents_along(&DMat3::IDENTITY),
-            radius: convex.core.farthest_from(middle).distance(middle),
-        }
-    }
-
-    /// At most the squared distance of the core to anything in the node's box.
-    #[inline]
-    fn distance_squared(&self, node: &Node) -> f64 {
-        let apart = (self.center - node.center).abs();
-        let along_mesh = (apart - node.half - self.half).max(DVec3::ZERO).length_squared();
-        let ball = (apart - node.half).max(DVec3::ZERO).length() - self.radius;
-        let here = (self.X_MC.back(node.center) - self.own_center).abs();
-        let along_own = (here - self.own_half - self.turned * node.half).max(DVec3::ZERO).length_squared();
-        along_mesh.max(along_own).max(ball.max(0.0) * ball.max(0.0))
-    }
-}
-
-/// At most the squared distance of two boxes: the larger of the gaps along either's axes. `turned` are the rotation between
-/// them without signs and its transpose.
-#[inline(always)]
-fn box_distance_squared(a: &Node, b: &Node, X_AB: &Relative, turned: &[DMat3; 2]) -> f64 {
-    let apart = X_AB.point(b.center) - a.center;
-    let along_a = (apart.abs() - a.half - turned[0] * b.half).max(DVec3::ZERO).length_squared();
-    let apart = X_AB.direction_back(apart);
-    let along_b = (apart.abs() - b.half - turned[1] * a.half).max(DVec3::ZERO).length_squared();
-    along_a.max(along_b)
 }

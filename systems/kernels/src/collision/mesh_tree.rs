@@ -1,43 +1,71 @@
-//! A hierarchy of boxes over a mesh's triangles, and the question whether a point is inside a closed mesh.
+//! A hierarchy of boxes over a mesh's triangles.
 //!
-//! parry's mesh distance is three orders of magnitude too slow for a planner and its meshes are hollow
-//! (reference/rust.md §4), so this is ours: axis-aligned boxes in the mesh's frame, median splits, f64 throughout.
+//! parry's mesh distance is three orders of magnitude too slow for a planner and its meshes are hollow, so this is ours:
+//! axis-aligned boxes in the mesh's frame, eight to a block and side by side in lanes, median splits, f64 throughout.
 
 use super::hull::Hull;
+use crate::lanes::{F64Row, Level, Row};
 use foliate_components::robot::shape::Mesh;
 use glam::DVec3;
+use std::ops::Range;
 
-/// Triangles per leaf.
-const LEAF: usize = 2;
+/// Boxes in a block, and triangles in one of the last.
+pub(super) const WIDE: usize = 8;
 
-/// Triangles in a binary tree of axis-aligned boxes.
+/// Triangles in a tree of axis-aligned boxes.
 #[derive(Clone, Debug, Default)]
 pub struct MeshTree {
-    pub(super) nodes: Vec<Node>,
-    /// In the order of the leaves.
+    /// The first is the root; the blocks that a block leads to stand side by side behind it.
+    pub(super) blocks: Vec<Block>,
+    /// In the order of the last blocks.
     pub(super) triangles: Vec<[DVec3; 3]>,
+    /// The same in lanes, one for each of the last blocks.
+    pub(super) corners: Vec<Corners>,
     /// One vertex of each connected component: where none of them is inside a solid whose surface the mesh does not
     /// touch, nothing of the mesh is.
     pub(super) witnesses: Vec<DVec3>,
     /// Few points around it.
     pub(super) hull: Hull,
-    closed: bool,
+    pub(super) closed: bool,
+    /// How distances are computed, not what they are: they are equal bit for bit at every level.
+    pub(super) lanes: Level,
 }
 
-/// A box, and what is in it.
+/// An axis-aligned box.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Node {
+pub(super) struct Bounds {
     pub center: DVec3,
     pub half: DVec3,
-    /// An inner node: index of its second child (the first stands behind it). A leaf: index of its first triangle.
-    pub next: u32,
-    /// Number of triangles of a leaf, 0 for inner nodes.
-    pub count: u32,
 }
 
-impl Node {
-    pub(super) fn is_leaf(&self) -> bool {
-        self.count > 0
+/// Up to eight boxes, of blocks or of triangles, and the box around them.
+#[derive(Clone, Debug)]
+pub(super) struct Block {
+    pub bounds: Bounds,
+    /// Of the boxes; in lanes that are not used those of the first.
+    pub centers: [F64Row; 3],
+    pub halves: [F64Row; 3],
+    /// Number of boxes.
+    pub count: u32,
+    /// Index of the first block or triangle.
+    pub first: u32,
+    /// Of one of the last blocks: where its triangles are in lanes.
+    pub corners: Option<u32>,
+}
+
+/// Coordinates of the three corners of eight triangles; lanes that are not used repeat the first.
+pub(super) type Corners = [[F64Row; 3]; 3];
+
+impl Block {
+    /// Its boxes, a bit for each.
+    pub(super) fn lanes(&self) -> u32 {
+        (1 << self.count) - 1
+    }
+
+    /// One of the boxes.
+    pub(super) fn bounds_of(&self, lane: usize) -> Bounds {
+        let of = |rows: &[F64Row; 3]| DVec3::new(rows[0][lane], rows[1][lane], rows[2][lane]);
+        Bounds { center: of(&self.centers), half: of(&self.halves) }
     }
 }
 
@@ -46,41 +74,60 @@ impl MeshTree {
     #[must_use]
     pub fn new(mesh: &Mesh) -> Self {
         let corner = |i: u32| mesh.vertices.get(i as usize).copied().unwrap_or(DVec3::NAN);
-        let mut triangles: Vec<[DVec3; 3]> = mesh.triangles.iter().map(|t| t.map(corner)).collect();
-        let mut tree = Self { witnesses: witnesses(mesh), closed: mesh.closed, ..Self::default() };
-        if !triangles.is_empty() {
-            tree.split(&mut triangles);
+        let mut tree = Self {
+            triangles: mesh.triangles.iter().map(|t| whole_or_nothing(t.map(corner))).collect(),
+            witnesses: witnesses(mesh),
+            closed: mesh.closed,
+            lanes: Level::detected(),
+            ..Self::default()
+        };
+        if !tree.triangles.is_empty() {
+            tree.split();
         }
-        tree.triangles = triangles;
-        if tree.nodes.first().is_some_and(|root| root.half.is_finite()) {
+        if tree.bounds().is_some_and(|bounds| bounds.half.is_finite()) {
             tree.hull = Hull::new(&mesh.vertices, extreme_points(&mesh.vertices));
         }
         tree
     }
 
-    /// Splits at the median of the longest side, with a stack of our own (ranges halve, so it stays short).
-    fn split(&mut self, triangles: &mut [[DVec3; 3]]) {
-        let mut stack = vec![(0, triangles.len(), None)];
-        while let Some((first, last, parent)) = stack.pop() {
-            let index = self.nodes.len();
-            if let Some(parent) = parent {
-                let parent: &mut Node = &mut self.nodes[parent];
-                parent.next = index as u32;
-            }
-            let (center, half) = bounds(&triangles[first..last]);
-            if last - first <= LEAF {
-                self.nodes.push(Node { center, half, next: first as u32, count: (last - first) as u32 });
-                continue;
-            }
-            self.nodes.push(Node { center, half, next: 0, count: 0 });
-            let axis = longest_axis(half);
-            let middle = first.midpoint(last);
-            let key = |t: &[DVec3; 3]| t[0][axis] + t[1][axis] + t[2][axis];
-            triangles[first..last].select_nth_unstable_by(middle - first, |a, b| key(a).total_cmp(&key(b)));
-            // The first child is popped next and so stands right behind its parent.
-            stack.push((middle, last, Some(index)));
-            stack.push((first, middle, None));
+    /// Level by level, so that what a block leads to stands side by side.
+    fn split(&mut self) {
+        let mut ranges: Vec<Range<usize>> = std::iter::once(0..self.triangles.len()).collect();
+        let mut next = 0;
+        while let Some(range) = ranges.get(next).cloned() {
+            next += 1;
+            let block = if range.len() <= WIDE {
+                self.last_block(range)
+            } else {
+                let parts = parts_of(&mut self.triangles, range.clone());
+                let boxes: Vec<Bounds> = parts.iter().map(|part| bounds(&self.triangles[part.clone()])).collect();
+                let first = ranges.len() as u32;
+                ranges.extend(parts);
+                Block::new(bounds(&self.triangles[range]), &boxes, first, None)
+            };
+            self.blocks.push(block);
         }
+    }
+
+    fn last_block(&mut self, range: Range<usize>) -> Block {
+        let triangles = &self.triangles[range.clone()];
+        let boxes: Vec<Bounds> = triangles.iter().map(|t| bounds(std::slice::from_ref(t))).collect();
+        let corner = |c: usize| in_rows(|lane| triangles.get(lane).unwrap_or(&triangles[0])[c]);
+        self.corners.push([corner(0), corner(1), corner(2)]);
+        Block::new(bounds(triangles), &boxes, range.start as u32, Some(self.corners.len() as u32 - 1))
+    }
+
+    /// The box around the mesh; none where there are no triangles.
+    pub(super) fn bounds(&self) -> Option<Bounds> {
+        self.blocks.first().map(|root| root.bounds)
+    }
+
+    /// The same tree, whose distances are computed at another level than the best; the answers are the same bit for bit.
+    #[must_use]
+    pub fn computed_at(mut self, level: Level) -> Self {
+        self.lanes = level;
+        self.hull.lanes = level;
+        self
     }
 
     /// Whether the mesh bounds a solid.
@@ -100,126 +147,57 @@ impl MeshTree {
     pub fn is_empty(&self) -> bool {
         self.triangles.is_empty()
     }
+}
 
-    /// Whether a point, in the mesh's frame, is inside the solid; false for meshes that are not closed.
-    ///
-    /// Rays in several directions count crossings. Inside is where their number is odd, or where they do not balance
-    /// (solids that overlap each other). A ray that meets an edge is no witness; without any clean ray, or where two
-    /// disagree, the answer is true: in doubt, in collision.
-    #[must_use]
-    pub fn contains(&self, point: DVec3) -> bool {
-        if !self.closed || self.nodes.is_empty() {
-            return false;
-        }
-        if !point.is_finite() {
-            return true;
-        }
-        let root = &self.nodes[0];
-        if (point - root.center).abs().cmpgt(root.half).any() {
-            return false;
-        }
-        let mut clean = RAYS.iter().filter_map(|&ray| self.crossings(point, DVec3::from_array(ray)));
-        match (clean.next(), clean.next()) {
-            (Some(first), Some(second)) => first || second,
-            _ => true,
-        }
-    }
-
-    /// Whether a ray leaves the solid more often than it enters, or crosses it an odd number of times; none where it
-    /// passes too close to an edge to be sure.
-    fn crossings(&self, from: DVec3, direction: DVec3) -> Option<bool> {
-        let inverse = direction.recip();
-        let (mut crossings, mut balance) = (0_u32, 0_i32);
-        let mut stack = [0_u32; 64];
-        let mut depth = 1;
-        while depth > 0 {
-            depth -= 1;
-            let index = stack[depth] as usize;
-            let node = &self.nodes[index];
-            if !ray_meets_box(from, inverse, node) {
-                continue;
-            }
-            if node.is_leaf() {
-                let first = node.next as usize;
-                for triangle in &self.triangles[first..first + node.count as usize] {
-                    let side = ray_meets_triangle(from, direction, triangle)?;
-                    crossings += side.unsigned_abs();
-                    balance += side;
-                }
-            } else {
-                (stack[depth], stack[depth + 1]) = (node.next, index as u32 + 1);
-                depth += 2;
-            }
-        }
-        Some(crossings % 2 == 1 || balance != 0)
+impl Block {
+    fn new(bounds: Bounds, boxes: &[Bounds], first: u32, corners: Option<u32>) -> Self {
+        let of = |lane: usize| boxes.get(lane).unwrap_or(&boxes[0]);
+        let (centers, halves) = (in_rows(|lane| of(lane).center), in_rows(|lane| of(lane).half));
+        Self { bounds, centers, halves, count: boxes.len() as u32, first, corners }
     }
 }
 
-/// Directions that no sane model is aligned with.
-const RAYS: [[f64; 3]; 6] = [
-    [0.683_012, 0.549_021, 0.481_713],
-    [-0.391_207, 0.727_113, -0.564_109],
-    [0.311_903, -0.412_021, 0.856_107],
-    [-0.771_309, -0.273_107, 0.575_021],
-    [0.129_017, 0.913_019, -0.387_011],
-    [-0.547_031, -0.631_013, -0.550_127],
-];
-
-/// Slab test, widened by rounding; NaN (a coordinate of 0/0) counts as a hit.
-fn ray_meets_box(from: DVec3, inverse: DVec3, node: &Node) -> bool {
-    let near = (node.center - node.half - from) * inverse;
-    let far = (node.center + node.half - from) * inverse;
-    let (enter, leave) = (near.min(far).max_element(), near.max(far).min_element());
-    let slack = 1e-9 * (1.0 + enter.abs());
-    !(enter > leave + slack || leave < -slack)
+fn in_rows(of: impl Fn(usize) -> DVec3) -> [F64Row; 3] {
+    let points: [DVec3; WIDE] = std::array::from_fn(of);
+    [Row(points.map(|p| p.x)), Row(points.map(|p| p.y)), Row(points.map(|p| p.z))]
 }
 
-/// 1 where the ray leaves through the triangle's front, −1 where it enters, 0 where it misses; none in doubt.
-fn ray_meets_triangle(from: DVec3, direction: DVec3, &[a, b, c]: &[DVec3; 3]) -> Option<i32> {
-    let (a, b, c) = (a - from, b - from, c - from);
-    // Volumes of ray and edges (Plücker): all of one sign where the line passes inside.
-    let volumes = [direction.dot(b.cross(a)), direction.dot(c.cross(b)), direction.dot(a.cross(c))];
-    let normal = (b - a).cross(c - a);
-    let area = normal.length();
-    if area == 0.0 {
-        return Some(0); // degenerate: its neighbours close the surface without it
+/// Cuts a range of more than eight triangles three times in two, at medians of the longest side; all but the last
+/// of eight triangles are full.
+fn parts_of(triangles: &mut [[DVec3; 3]], range: Range<usize>) -> Vec<Range<usize>> {
+    let mut parts = vec![range];
+    for _ in 0..WIDE.ilog2() {
+        parts = parts.into_iter().flat_map(|part| halves(triangles, part)).filter(|part| !part.is_empty()).collect();
     }
-    let edge = (b - a).length().max((c - b).length()).max((a - c).length());
-    let reach = a.length().max(b.length()).max(c.length());
-    let doubt = 1e-12 * edge * reach;
-    let (low, high) = (volumes[0].min(volumes[1]).min(volumes[2]), volumes[0].max(volumes[1]).max(volumes[2]));
-    if low < -doubt && high > doubt {
-        return Some(0);
-    }
-    let (height, slope) = (normal.dot(a), normal.dot(direction));
-    // In front of the whole triangle, or behind it, edges do not matter.
-    let along = a.dot(direction).max(b.dot(direction)).max(c.dot(direction));
-    if along < -1e-12 * reach {
-        return Some(0);
-    }
-    if low.abs() <= doubt || high.abs() <= doubt || slope.abs() <= 1e-9 * area || height.abs() <= 1e-12 * area {
-        return None;
-    }
-    let distance = height / slope;
-    Some(if distance < 0.0 {
-        0
-    } else if slope > 0.0 {
-        1
-    } else {
-        -1
-    })
+    parts
 }
 
-fn bounds(triangles: &[[DVec3; 3]]) -> (DVec3, DVec3) {
+fn halves(triangles: &mut [[DVec3; 3]], range: Range<usize>) -> [Range<usize>; 2] {
+    if range.len() <= WIDE {
+        return [range.clone(), range.end..range.end];
+    }
+    let axis = longest_axis(bounds(&triangles[range.clone()]).half);
+    let middle = range.len().div_ceil(2).next_multiple_of(WIDE).min(range.len() - 1);
+    let key = |t: &[DVec3; 3]| t[0][axis] + t[1][axis] + t[2][axis];
+    triangles[range.clone()].select_nth_unstable_by(middle, |a, b| key(a).total_cmp(&key(b)));
+    [range.start..range.start + middle, range.start + middle..range.end]
+}
+
+/// One coordinate that is not finite spoils the triangle: minima and maxima over its corners are then no numbers either.
+fn whole_or_nothing(triangle: [DVec3; 3]) -> [DVec3; 3] {
+    if triangle.iter().all(|p| p.is_finite()) { triangle } else { [DVec3::NAN; 3] }
+}
+
+fn bounds(triangles: &[[DVec3; 3]]) -> Bounds {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for p in triangles.iter().flatten() {
         if !p.is_finite() {
             // A box that nothing is far from.
-            return (DVec3::ZERO, DVec3::INFINITY);
+            return Bounds { center: DVec3::ZERO, half: DVec3::INFINITY };
         }
         (low, high) = (low.min(*p), high.max(*p));
     }
-    ((low + high) * 0.5, (high - low) * (0.5 * (1.0 + 1e-15)))
+    Bounds { center: (low + high) * 0.5, half: (high - low) * (0.5 * (1.0 + 1e-15)) }
 }
 
 /// The vertices that lie farthest in each of 98 directions.

@@ -47,7 +47,7 @@ impl Outer {
         let (center, form) = match solid {
             Solid::Convex(Convex { core, radius }) => (DVec3::ZERO, Form::of(core, *radius)),
             Solid::Mesh(mesh) => {
-                let root = mesh.nodes.first().map_or((DVec3::ZERO, DVec3::INFINITY), |n| (n.center, n.half));
+                let root = mesh.bounds().map_or((DVec3::ZERO, DVec3::INFINITY), |b| (b.center, b.half));
                 (root.0, Form::Box(single(root.1)))
             }
         };

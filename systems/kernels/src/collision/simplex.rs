@@ -2,6 +2,9 @@
 
 use glam::DVec3;
 
+/// Triangles whose angles' sines square to less have no normal to speak of: they are edges.
+const FLAT: f64 = 1e-20;
+
 /// The simplex that GJK walks with.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Simplex {
@@ -80,6 +83,12 @@ fn segment(a: DVec3, b: DVec3) -> Face {
     }
 }
 
+/// The point of a triangle that is closest to the origin.
+pub(super) fn closest_of_triangle(a: DVec3, b: DVec3, c: DVec3) -> DVec3 {
+    triangle(a, b, c).closest
+}
+
+/// By Voronoi regions (Ericson, Real-Time Collision Detection, §5.1.5).
 fn triangle(a: DVec3, b: DVec3, c: DVec3) -> Face {
     let (ab, ac) = (b - a, c - a);
     let (d1, d2) = (-ab.dot(a), -ac.dot(a));
@@ -96,6 +105,10 @@ fn triangle(a: DVec3, b: DVec3, c: DVec3) -> Face {
     }
     // Signed areas from the normal: cancellation in products of dot products would lose flat triangles.
     let n = ab.cross(ac);
+    let square = n.length_squared();
+    if square <= FLAT * ab.length_squared() * ac.length_squared() {
+        return best([segment(a, b), segment(b, c), segment(c, a)]);
+    }
     let (va, vb, vc) = (n.dot(b.cross(c)), n.dot(c.cross(a)), n.dot(a.cross(b)));
     if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
         return edge(a, b, d1 / (d1 - d3));
@@ -106,8 +119,7 @@ fn triangle(a: DVec3, b: DVec3, c: DVec3) -> Face {
     if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
         return edge(b, c, (d4 - d3) / ((d4 - d3) + (d5 - d6)));
     }
-    let square = n.length_squared();
-    if square > 0.0 && va > 0.0 && vb > 0.0 && vc > 0.0 {
+    if va > 0.0 && vb > 0.0 && vc > 0.0 {
         // The foot of the perpendicular, along the normal: exact in direction even for slivers.
         return Face { points: [a, b, c], count: 3, closest: n * (n.dot(a) / square) };
     }
