@@ -210,3 +210,17 @@ fn shapes_old_triangles_and_prefixed_configurations_are_read() {
     assert_eq!(model.group_states[0].values, [("j".to_owned(), 0.5)]);
     assert_eq!(model.disabled_pairs, [("a".to_owned(), "b".to_owned(), "Never".to_owned())]);
 }
+
+#[test]
+fn open_meshes_of_a_file_are_remarked_upon_once() {
+    let flat = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    for (count, expected) in [(1, "is not closed (only"), (2, "nor is 1 other"), (7, "nor are 6 others of this file")] {
+        let collision = "<collision><geometry><mesh filename=\"flat.obj\"/></geometry></collision>";
+        let urdf = format!("<robot name=\"m\">\n<link name=\"a\">{}</link></robot>", collision.repeat(count));
+        let files = Files::new(&format!("open-{count}"), &[("flat.obj", flat), ("m.urdf", urdf.as_bytes())]);
+        let warnings = files.read("m.urdf", None).warnings;
+        assert_eq!(warnings.len(), 1, "{warnings:?}");
+        let text = warnings[0].to_string();
+        assert!(text.contains("m.urdf:2") && text.contains("flat.obj") && text.contains(expected), "{text}");
+    }
+}

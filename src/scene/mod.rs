@@ -76,8 +76,13 @@ pub fn read_model(urdf: &str, srdf: Option<&str>, packages: &PackagePath) -> Res
     let mut warnings = Vec::new();
     let mut meshes = mesh::Meshes::new(packages);
     let base = urdf.file.base();
-    let mut context =
-        urdf::Context { meshes: &mut meshes, base: &base, up_axis: UpAxis::AsWritten, warnings: &mut warnings };
+    let mut context = urdf::Context {
+        meshes: &mut meshes,
+        base: &base,
+        up_axis: UpAxis::AsWritten,
+        warnings: &mut warnings,
+        open_meshes: Vec::new(),
+    };
     let mut model = urdf::read(&urdf.label, &urdf.text, &mut context)?;
     if let Some(srdf) = srdf {
         let srdf = open(srdf)?;

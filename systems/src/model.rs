@@ -398,12 +398,17 @@ impl Model {
         guard: f64,
         scratch: &mut CollisionScratch,
     ) -> Option<Contact> {
+        first_collision(&self.collision, X_WJ, self.waypoint_pairs(transition), guard, scratch)
+    }
+
+    /// Every pair, with the margins that hold at the waypoints of a transition: lifted from what touches at either end.
+    #[must_use]
+    pub fn waypoint_pairs(&self, transition: TransitionId) -> &PairSet {
         let verdict = || PairSet::new(&self.collision, &[], &self.touching_along(transition));
-        let pairs = match self.problem.margins.is_empty() {
+        match self.problem.margins.is_empty() {
             true => &self.all_pairs,
             false => self.transitions[transition.at()].verdict.get_or_init(verdict),
-        };
-        first_collision(&self.collision, X_WJ, pairs, guard, scratch)
+        }
     }
 
     /// Names of the shapes of a pair.

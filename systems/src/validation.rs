@@ -84,8 +84,7 @@ fn certify_candidate(
 ) -> bool {
     let Some(transition) = candidate.transition else { return false };
     // A scheduler may leave out the check in front of Steer, never the verdict itself.
-    let ValidationScratch { collision, X_WJ } = scratch;
-    if !candidate.waypoints_are_free && !waypoints_are_free(model, settings, candidate, legs, (collision, X_WJ)) {
+    if !candidate.waypoints_are_free && !waypoints_are_free(model, settings, candidate, legs, &mut scratch.collision) {
         legs.clear();
         return false;
     }

@@ -47,8 +47,13 @@ pub(super) fn read<'f>(item: &Item<'f>, loader: &mut Loader<'_>) -> Result<Loade
     };
     let urdf_file = opened(&keys.required("urdf")?, loader)?;
     let base = urdf_file.file.base();
-    let mut context =
-        urdf::Context { meshes: &mut loader.meshes, base: &base, up_axis, warnings: &mut loader.warnings };
+    let mut context = urdf::Context {
+        meshes: &mut loader.meshes,
+        base: &base,
+        up_axis,
+        warnings: &mut loader.warnings,
+        open_meshes: Vec::new(),
+    };
     let mut model = urdf::read(&urdf_file.label, &urdf_file.text, &mut context)?;
     let srdf_file = keys.optional("srdf").map(|item| opened(&item, loader)).transpose()?;
     if let Some(file) = &srdf_file {

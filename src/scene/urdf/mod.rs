@@ -29,6 +29,8 @@ pub(crate) struct Context<'a, 'p> {
     pub up_axis: UpAxis,
     /// Remarks that do not stop the reading.
     pub warnings: &'a mut Vec<SceneError>,
+    /// Of meshes that are not closed; one for all of a file goes to the warnings.
+    pub open_meshes: Vec<SceneError>,
 }
 
 /// Reads a model from the text of a URDF file.
@@ -56,7 +58,21 @@ pub(crate) fn read(file: &str, text: &str, context: &mut Context<'_, '_>) -> Res
         return Err(xml.error(root, "has no links").hint("a model has at least one <link name=\"…\"/>"));
     }
     joints::read(&xml, root, &mut model, context.warnings)?;
+    let open_meshes = std::mem::take(&mut context.open_meshes);
+    context.warnings.extend(in_one(open_meshes));
     Ok(model)
+}
+
+/// The first of some remarks, and how many more there are: robots have dozens of such meshes.
+fn in_one(open_meshes: Vec<SceneError>) -> Option<SceneError> {
+    let others = open_meshes.len().saturating_sub(1);
+    let mut first = open_meshes.into_iter().next()?;
+    if others > 0 {
+        let are = if others == 1 { "is 1 other".to_owned() } else { format!("are {others} others") };
+        first.message = format!("{}, nor {are} of this file", first.message);
+        first.hint = "only their surfaces are solid; `foliate inspect` lists them".into();
+    }
+    Some(first)
 }
 
 /// The root, or the reason why this is no URDF.
@@ -191,7 +207,7 @@ fn mesh(xml: &Xml<'_>, node: Node<'_, '_>, context: &mut Context<'_, '_>) -> Res
             if !mesh.closed {
                 let message = format!("the mesh {} is not closed", quoted(url));
                 let remark = SceneError::new(xml.file, super::xml::label(node), message).at(xml.line(node));
-                context.warnings.push(remark.hint("only its surface is solid"));
+                context.open_meshes.push(remark.hint("only its surface is solid"));
             }
             Ok(Geometry::Mesh(mesh))
         }

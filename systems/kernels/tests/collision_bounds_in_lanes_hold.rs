@@ -9,7 +9,7 @@ use collision_models::{random_pose, single};
 use foliate_components::Pose;
 use foliate_components::robot::{PartKind, Robot, RootJoint};
 use foliate_kernels::collision::{
-    Ask, CollisionScene, CollisionScratch, PairId, PairRule, PairSet, first_collision, first_collisions,
+    Ask, CollisionScene, CollisionScratch, PairId, PairRule, PairSet, Verdicts, first_collision, first_collisions,
     open_to_bounds, pair_clearance,
 };
 use foliate_kernels::kinematics::{Carriage, Kinematics};
@@ -201,6 +201,43 @@ fn verdicts_in_lanes_are_the_verdicts() {
             println!("{level}, held {held}: {colliding} of {asked} in collision");
             assert!(colliding > 100 && colliding < asked - 100);
         }
+    }
+}
+
+/// Rows of unequal length, some of none, some longer than there are lanes: of each the first configuration that collides.
+#[test]
+fn of_a_row_the_first_collision_is_found() {
+    for level in levels() {
+        let bench = Scene::new(bench(), Vec::new());
+        let Scene { scene, kinematics, carriages, pairs, .. } = &bench;
+        let verdicts = Verdicts { scene, kinematics, carriages, pairs, guard: 1e-5 };
+        let mut rng = ChaCha8Rng::seed_from_u64(95);
+        let mut scratch = CollisionScratch::at_level(level);
+        let (mut blocked, mut later, mut free) = (0, 0, 0);
+        for _ in 0..30 {
+            let all: Vec<_> = (0..3).flat_map(|_| blocks(&bench, &mut rng)).flatten().collect();
+            let mut ends = Vec::new();
+            while ends.last().is_none_or(|&end| end < all.len()) {
+                let longest = if rng.random_bool(0.1) { 40 } else { 6 };
+                ends.push((ends.last().copied().unwrap_or(0) + rng.random_range(0..longest)).min(all.len()));
+            }
+            let mut found = Vec::new();
+            verdicts.first_in_rows(&all.concat(), &ends, &mut scratch, &mut found);
+            assert_eq!(found.len(), ends.len());
+            for (row, found) in found.iter().enumerate() {
+                let row = row.checked_sub(1).map_or(0, |before| ends[before])..ends[row];
+                let collides = |q: &Vec<f64>| {
+                    first_collision(scene, &bench.poses(q), pairs, 1e-5, &mut CollisionScratch::new()).is_some()
+                };
+                let known = all[row.clone()].iter().position(collides);
+                assert_eq!(found.map(|(place, _)| place), known, "{level}: row {row:?}");
+                blocked += usize::from(known.is_some());
+                later += usize::from(known.is_some_and(|place| place > 0));
+                free += usize::from(known.is_none() && !row.is_empty());
+            }
+        }
+        println!("{level}: {blocked} rows are blocked, {later} of them behind their first, {free} are free");
+        assert!(blocked > 50 && later > 10 && free > 50, "{blocked}, {later}, {free}");
     }
 }
 

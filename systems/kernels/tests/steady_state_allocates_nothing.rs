@@ -17,7 +17,7 @@ use foliate_components::robot::shape::Geometry;
 use foliate_components::robot::{PartKind, Robot, RootJoint};
 use foliate_components::sample_models as models;
 use foliate_kernels::collision::{
-    CertificateSettings, CollisionScene, CollisionScratch, MotionVerdict, PairRule, PairSet, PolylineVerdict,
+    CertificateSettings, CollisionScene, CollisionScratch, MotionVerdict, PairRule, PairSet, PolylineVerdict, Verdicts,
     certify_motion, certify_polyline, first_collision,
 };
 use foliate_kernels::constraints::placement_of;
@@ -266,6 +266,24 @@ fn exact_verdicts() {
             black_box(first_collision(&place.scene, X_WJ, &place.pairs, 1e-5, &mut scratch));
         }
     });
+    assert_eq!(count, 0);
+}
+
+#[test]
+fn exact_verdicts_in_lanes() {
+    let mut place = Workplace::new();
+    let (free, blocked) = place.samples(800);
+    let all: Vec<f64> = free.iter().chain(&blocked).flatten().copied().collect();
+    let ends: Vec<usize> = (1..=(free.len() + blocked.len()) / 3).map(|row| 3 * row).collect();
+    let all = &all[..3 * ends.len() * place.robot.space.size()];
+    let Workplace { scene, kinematics, carriages, pairs, .. } = &place;
+    let verdicts = Verdicts { scene, kinematics, carriages, pairs, guard: 1e-5 };
+    let (mut scratch, mut found) = (CollisionScratch::new(), Vec::new());
+    let count = allocations(|| {
+        found.clear();
+        verdicts.first_in_rows(all, &ends, &mut scratch, &mut found);
+    });
+    assert!(found.iter().any(Option::is_some) && found.iter().any(Option::is_none));
     assert_eq!(count, 0);
 }
 

@@ -2,7 +2,8 @@
 //!
 //! A motion is a polyline; most have one piece. An interval is a span of whole pieces, seen from the knot in its middle, or
 //! a dyadic part of one piece, seen from its midpoint. Sixteen intervals make a block: their configurations, and how far
-//! each joint moves to either side of them, stand in lanes.
+//! each joint moves to either side of them, stand in lanes. Configurations that lie on no common motion are knots with
+//! nothing between them.
 
 use super::pairs::{ActiveGroup, PairSet};
 use super::scene::{CollisionScene, SceneJoint};
@@ -142,6 +143,8 @@ pub(super) struct Course {
     pub(super) reach: Vec<f32>,
     /// As displacements stand: how many of the joints from the body up to there move.
     moving: Vec<u32>,
+    /// Whether nothing moves within intervals: each is one configuration.
+    is_still: bool,
 }
 
 /// Displacements in lanes are computed with single precision, and so from joint motions that are this much larger.
@@ -157,6 +160,7 @@ impl Course {
     ) {
         let (size, dimension, joints) = (scene.space.size(), scene.space.dimension(), scene.joints.len());
         let pieces = (knots.len() / size).saturating_sub(1);
+        self.is_still = false;
         self.deltas.clear();
         self.deltas.resize(pieces * dimension, 0.0);
         self.lengths.clear();
@@ -174,23 +178,58 @@ impl Course {
                 self.travel[index] = self.travel[index].max(travel);
             }
         }
-        self.start.clear();
-        self.start.resize(joints, Pose::IDENTITY);
-        kinematics.forward(knots, &mut self.start);
-        kinematics.carry(knots, carriages, &mut self.start);
-        self.find_what_moves(scene, carriages, pieces, kinematics.passes(carriages));
-        self.make_room(scene, pairs);
-    }
-
-    /// Lists the bodies that move, each behind what it hangs on.
-    fn find_what_moves(&mut self, scene: &CollisionScene, carriages: &[Carriage], pieces: usize, passes: usize) {
-        let joints = scene.joints.len();
         self.joint_moves.clear();
         self.joint_moves.extend((0..joints).map(|j| {
             let (turned, slid) = self.lengths[pieces * joints + j];
             // Compared so that NaN moves.
             !(turned == 0.0 && slid == 0.0)
         }));
+        self.set_out((scene, kinematics, carriages), pairs, knots);
+    }
+
+    /// Starts with at least one configuration, and with nothing between those that there are: joints that have the same
+    /// coordinates in all of them do not move.
+    pub(super) fn begin_still(
+        &mut self,
+        (scene, kinematics, carriages): (&CollisionScene, &Kinematics, &[Carriage]),
+        pairs: &PairSet,
+        configurations: &[f64],
+    ) {
+        let (size, joints) = (scene.space.size(), scene.joints.len());
+        self.is_still = true;
+        self.travel.clear();
+        self.travel.resize(joints, 0.0);
+        self.joint_moves.clear();
+        self.joint_moves.resize(joints, false);
+        let (first, others) = configurations.split_at(size);
+        for other in others.chunks_exact(size) {
+            for (moves, joint) in self.joint_moves.iter_mut().zip(&scene.joints) {
+                let own = joint.q..joint.q + joint.motion.configuration_size();
+                // Compared so that NaN moves.
+                *moves |= first[own.clone()] != other[own];
+            }
+        }
+        self.set_out((scene, kinematics, carriages), pairs, configurations);
+    }
+
+    /// Places the bodies at the first of `knots` and finds which of them move.
+    fn set_out(
+        &mut self,
+        (scene, kinematics, carriages): (&CollisionScene, &Kinematics, &[Carriage]),
+        pairs: &PairSet,
+        knots: &[f64],
+    ) {
+        self.start.clear();
+        self.start.resize(scene.joints.len(), Pose::IDENTITY);
+        kinematics.forward(knots, &mut self.start);
+        kinematics.carry(knots, carriages, &mut self.start);
+        self.find_what_moves(scene, carriages, kinematics.passes(carriages));
+        self.make_room(scene, pairs);
+    }
+
+    /// Lists the bodies that move, each behind what it hangs on.
+    fn find_what_moves(&mut self, scene: &CollisionScene, carriages: &[Carriage], passes: usize) {
+        let joints = scene.joints.len();
         self.body_moves.clear();
         self.body_moves.resize(joints, false);
         self.steps.clear();
@@ -277,6 +316,12 @@ impl Course {
         }
     }
 
+    /// Whether nothing moves within intervals.
+    #[inline]
+    pub(super) fn is_still(&self) -> bool {
+        self.is_still
+    }
+
     /// Whether a joint moves its body somewhere along the motion.
     #[inline]
     pub(super) fn joint_moves(&self, joint: u32) -> bool {
@@ -312,7 +357,9 @@ impl Course {
     pub(super) fn look_at(&mut self, scene: &CollisionScene, level: Level, knots: &[f64], intervals: &[Interval]) {
         for lane in 0..LANES {
             let interval = intervals[lane.min(intervals.len() - 1)];
-            self.bound_joints(scene, interval.sample(), lane);
+            if !self.is_still {
+                self.bound_joints(scene, interval.sample(), lane);
+            }
             self.write_coordinates(scene, knots, interval.sample(), lane);
         }
         level.run(PlaceBodies {

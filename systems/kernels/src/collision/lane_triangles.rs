@@ -173,6 +173,25 @@ pub(super) fn reaching<I: Isa>(isa: I, eight: &LaneTriangles<I::F64>, n: DVec3, 
     !end.le(I::F64::constant(isa, start - least)).bits()
 }
 
+/// The triangles that neither their own planes nor that of another triangle set `least` apart from it: most of those that
+/// lie along a surface are, for a tenth of what a distance costs.
+#[inline(always)]
+pub(super) fn crossing<I: Isa>(isa: I, eight: &LaneTriangles<I::F64>, one: &[DVec3; 3], least: f64) -> u32 {
+    let least = least + ROUNDING;
+    // Compared so that triangles without a normal cross.
+    let normal = (one[1] - one[0]).cross(one[2] - one[0]);
+    let (n, start) = (Vector3::splat(isa, normal), I::F64::constant(isa, normal.dot(one[0])));
+    let needed = I::F64::constant(isa, least * normal.length());
+    let above = needed.lt(eight.least_along(n) - start) | needed.lt(start - eight.most_along(n));
+    let n = eight.face.normal;
+    let start = dot(n, eight.corners[0]);
+    let [a, b, c] = one;
+    let (a, b, c) = (dot(n, Vector3::splat(isa, *a)), dot(n, Vector3::splat(isa, *b)), dot(n, Vector3::splat(isa, *c)));
+    let needed = dot(n, n).sqrt() * least;
+    let beside = needed.lt(a.min(b).min(c) - start) | needed.lt(start - a.max(b).max(c));
+    !(above | beside).bits()
+}
+
 /// How far the triangles are from another one.
 #[inline(always)]
 pub(super) fn to_triangle<I: Isa>(isa: I, eight: &LaneTriangles<I::F64>, triangle: &[DVec3; 3]) -> Gaps {

@@ -53,6 +53,8 @@ pub(super) struct Hints {
     pub solids: DVec3,
     /// Their hulls.
     pub hulls: DVec3,
+    /// Whether the hulls overlapped where they were asked last.
+    pub overlap: bool,
 }
 
 impl Look<'_> {
@@ -96,7 +98,8 @@ impl Look<'_> {
         (certified(found, keep, n, here, along).unwrap_or_else(|| self.undecided(id, found, keep, here)), n)
     }
 
-    /// Where one is a mesh its hull is asked first, and where hulls are apart a direction is known.
+    /// Where one is a mesh its hull is asked first, and where hulls are apart a direction is known. Hulls that overlapped
+    /// nearby, as that of a hand and what it reaches around, are asked last.
     fn at_meshes(
         &self,
         id: PairId,
@@ -104,26 +107,51 @@ impl Look<'_> {
         hints: &mut Hints,
         along: impl FnOnce(DVec3) -> f64,
     ) -> (Outcome, DVec3) {
+        if hints.overlap {
+            let outcome = self.by_triangles(id, here, hints);
+            return match outcome {
+                Outcome::Certified(_) | Outcome::Collides(_) => (outcome, DVec3::ZERO),
+                Outcome::Open | Outcome::Doubtful(_) => {
+                    let (by_hulls, n) = self.by_hulls(id, here, hints, along);
+                    (by_hulls.unwrap_or(outcome), n)
+                }
+            };
+        }
+        let (by_hulls, n) = self.by_hulls(id, here, hints, along);
+        (by_hulls.unwrap_or_else(|| self.by_triangles(id, here, hints)), n)
+    }
+
+    /// What hulls say, if anything, and a direction that sets them apart, zero where none is known.
+    fn by_hulls(
+        &self,
+        id: PairId,
+        here: &Here,
+        hints: &mut Hints,
+        along: impl FnOnce(DVec3) -> f64,
+    ) -> (Option<Outcome>, DVec3) {
         let keep = self.keep(id);
         let needed = keep + here.closer;
         let floor = if here.is_fine { needed } else { keep };
         let ask = Ask { floor, relative: 0.05, ..Ask::exact(needed) };
         let apart = hull_clearance(self.scene, id, here.X, ask, &mut hints.hulls);
+        hints.overlap = apart <= 0.0;
         let n = if apart >= keep { hints.hulls } else { DVec3::ZERO };
-        if let Some(outcome) = certified(apart, keep, n, here, along) {
-            return (outcome, n);
-        }
-        if apart - keep >= HULL_SHARE * here.closer && 2.0 * here.closer > here.resolution {
-            return (Outcome::Open, n);
-        }
-        // Hulls that overlap say nothing of the other intervals: what the meshes keep may cover neighbours as well.
+        let certified = certified(apart, keep, n, here, along);
+        let is_left_to_halves = apart - keep >= HULL_SHARE * here.closer && 2.0 * here.closer > here.resolution;
+        (certified.or(is_left_to_halves.then_some(Outcome::Open)), n)
+    }
+
+    /// What the solids themselves say; what they keep may cover neighbours as well.
+    fn by_triangles(&self, id: PairId, here: &Here, hints: &mut Hints) -> Outcome {
+        let keep = self.keep(id);
+        let needed = keep + here.closer;
         // Once the interval is open only a collision at the sample still matters.
         let ask = Ask { needed: needed + NEIGHBOURS * here.closer, floor: needed, ground: keep, ..Ask::exact(needed) };
         let found = exact_clearance(self.scene, id, here.X, ask, &mut hints.solids);
         if found >= needed {
-            return (Outcome::Certified(found - here.closer), n);
+            return Outcome::Certified(found - here.closer);
         }
-        (self.undecided(id, found, keep, here), n)
+        self.undecided(id, found, keep, here)
     }
 
     /// What becomes of a pair that is not certified.

@@ -4,7 +4,7 @@
 use super::convex::{Convex, Core};
 use super::gjk::{Ask, ROUNDING, Relative, core_distance};
 use super::lane_boxes::{Probe, View, beyond};
-use super::lane_triangles::{Gaps, load, load_moved, reaching, to_segment, to_triangle};
+use super::lane_triangles::{Gaps, crossing, load, load_moved, reaching, to_segment, to_triangle};
 use super::mesh_tree::{Block, MeshTree, WIDE};
 use crate::lanes::{Isa, Kernel};
 use glam::{DMat3, DVec3};
@@ -188,7 +188,10 @@ impl Kernel for ToMesh<'_> {
                     let triangle = &a.triangles[block_a.first as usize + lane];
                     // Of a triangle without numbers no number.
                     let start = hint.dot(triangle[0]).min(hint.dot(triangle[1])).min(hint.dot(triangle[2]));
-                    let meeting = near.lanes & reaching(isa, &eight, *hint, start, least.value);
+                    let mut meeting = near.lanes & reaching(isa, &eight, *hint, start, least.value);
+                    if meeting != 0 {
+                        meeting &= crossing(isa, &eight, triangle, least.value);
+                    }
                     if meeting != 0 {
                         let gaps = to_triangle(isa, &eight, triangle);
                         take_in(&gaps, meeting, (triangle, b, block_b, X_AB), &ask, &mut least, hint);

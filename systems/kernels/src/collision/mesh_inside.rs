@@ -21,18 +21,31 @@ impl MeshTree {
         if (point - around.center).abs().cmpgt(around.half).any() {
             return false;
         }
-        let mut clean = RAYS.iter().filter_map(|&ray| self.crossings(point, DVec3::from_array(ray)));
+        let mut clean = self.clean_crossings(point);
         match (clean.next(), clean.next()) {
-            (Some(first), Some(second)) => first || second,
+            (Some(first), Some(second)) => first.tell_inside() || second.tell_inside(),
             _ => true,
         }
     }
 
-    /// Whether a ray leaves the solid more often than it enters, or crosses it an odd number of times; none where it
-    /// passes too close to an edge to be sure.
-    fn crossings(&self, from: DVec3, direction: DVec3) -> Option<bool> {
+    /// Whether a point, in the mesh's frame, is inside the solid beyond doubt: three rays are clean and cross the surface an odd
+    /// number of times each.
+    pub(super) fn surely_contains(&self, point: DVec3) -> bool {
+        if !self.closed || !point.is_finite() || self.is_empty() {
+            return false;
+        }
+        let mut clean = self.clean_crossings(point);
+        (0..3).all(|_| clean.next().is_some_and(|crossings| crossings.count % 2 == 1))
+    }
+
+    fn clean_crossings(&self, point: DVec3) -> impl Iterator<Item = Crossings> + '_ {
+        RAYS.iter().filter_map(move |&ray| self.crossings(point, DVec3::from_array(ray)))
+    }
+
+    /// Where a ray crosses the surface; none where it passes too close to an edge to be sure.
+    fn crossings(&self, from: DVec3, direction: DVec3) -> Option<Crossings> {
         let inverse = direction.recip();
-        let (mut crossings, mut balance) = (0_u32, 0_i32);
+        let mut crossings = Crossings { count: 0, balance: 0 };
         let mut stack = [0_u32; STACK];
         let mut depth = 1;
         while depth > 0 {
@@ -45,15 +58,28 @@ impl MeshTree {
                 let index = block.first + lane as u32;
                 if block.corners.is_some() {
                     let side = ray_meets_triangle(from, direction, &self.triangles[index as usize])?;
-                    crossings += side.unsigned_abs();
-                    balance += side;
+                    crossings.count += side.unsigned_abs();
+                    crossings.balance += side;
                 } else {
                     stack[depth] = index;
                     depth += 1;
                 }
             }
         }
-        Some(crossings % 2 == 1 || balance != 0)
+        Some(crossings)
+    }
+}
+
+/// How often a ray crosses a surface, and how much more often it leaves than enters.
+#[derive(Clone, Copy, Debug)]
+struct Crossings {
+    count: u32,
+    balance: i32,
+}
+
+impl Crossings {
+    fn tell_inside(self) -> bool {
+        self.count % 2 == 1 || self.balance != 0
     }
 }
 

@@ -3,6 +3,7 @@
 //! A [`scene::CollisionScene`] holds what never changes; a [`pairs::PairSet`] what matters on one leaf;
 //! [`verdict::first_collision`] judges one configuration, [`first_collisions`] many, [`certificate::certify_motion`] a straight motion over the
 //! continuum and [`polyline::certify_polyline`] many of them in a row. Cheap bounds come first, of sixteen configurations at once: balls of bodies, balls, boxes and capsules of shapes; then GJK or the meshes' trees.
+//! Where bounds from inside overlap, two solids collide for sure.
 //! Nothing is ever called free that is not proved so: in doubt, in collision.
 
 mod attachment;
@@ -13,6 +14,7 @@ mod course;
 pub mod distance;
 mod gjk;
 pub mod hull;
+mod inner;
 mod lane_boxes;
 mod lane_triangles;
 mod look;
@@ -39,5 +41,5 @@ pub use pairs::PairSet;
 pub use polyline::{PolylineVerdict, certify_polyline};
 pub use scene::{CollisionScene, Pair, PairId};
 pub use scratch::CollisionScratch;
-pub use verdict::{Contact, contained, first_collision, min_clearance, pair_clearance};
-pub use verdicts::{first_collisions, open_to_bounds};
+pub use verdict::{Contact, contained, first_collision, min_clearance, pair_clearance, surely_colliding};
+pub use verdicts::{Verdicts, first_collisions, open_to_bounds};

@@ -170,6 +170,7 @@ impl<'a> Proof<'a> {
             lanes,
             open: &block.open,
             rest: &mut buffers.rest,
+            hits: None,
         });
         self.min_clearance = self.min_clearance.min(free.into());
         if buffers.rest.is_empty() {

@@ -2,6 +2,7 @@
 
 use super::bounds::{Ball, Capsule};
 use super::distance::Solid;
+use super::inner::Inner;
 use super::outer::Outer;
 use super::pair_rule::{PairRule, Rules};
 use foliate_components::Pose;
@@ -51,6 +52,8 @@ pub struct SceneSolid {
     pub cluster: u32,
     /// What bounds in lanes know of it.
     pub(super) outer: Outer,
+    /// What lies inside of it for sure.
+    pub(super) inner: Option<Inner>,
 }
 
 /// Shapes that one bounding ball stands for: all shapes of a moving body, or one shape that is fixed to the world (the
@@ -253,6 +256,7 @@ impl SceneSolid {
             ball: Ball { center: X_JS.transform_point(ball.center), radius: ball.radius },
             capsule: Capsule::of(&solid).moved(&X_JS),
             outer: Outer::of(&solid, &X_JS),
+            inner: Inner::of(&solid, &X_JS),
             solid,
             cluster: 0,
         }

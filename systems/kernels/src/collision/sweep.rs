@@ -6,8 +6,12 @@
 //! and sums for a centre: 5 u M with u = 2⁻²⁴, two of them and their difference 12 u M, a frame's axes turned back on it
 //! 8 u M, supports 8 u M); 64 u M covers them twice over. A segment's parameters may be off by any amount: what counts is
 //! the gap along the direction that they give, which is a bound whatever the direction is.
+//!
+//! Where it is asked for, a pair that stays open is compared by what lies inside of its solids (inner.rs) as well: overlaps
+//! of more than the slack are collisions for sure.
 
 use super::course::{Course, LANES, POSE};
+use super::inner::Inner;
 use super::outer::{Form, Outer};
 use super::pairs::{ActiveGroup, PairSet};
 use super::scene::CollisionScene;
@@ -90,6 +94,47 @@ pub(super) struct Sweep<'a> {
     pub open: &'a [Open],
     /// Those that stay open.
     pub rest: &'a mut Vec<Open>,
+    /// Where collisions that are sure go, if they are of interest.
+    pub hits: Option<&'a mut Hits>,
+}
+
+/// In which lanes something collides for sure, and which lanes need no further look for that.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Hits {
+    /// By lane, where it collides: the pair, and minus how far its insides overlap, metres.
+    pub pairs: [(u32, f32); LANES],
+    pub colliding: u16,
+    /// Lanes that are decided, whether they collide or not.
+    pub settled: u16,
+    /// Lanes that need not be decided where the one before them collides.
+    pub followers: u16,
+}
+
+impl Hits {
+    /// A pair collides in these lanes.
+    fn add(&mut self, pair: u32, lanes: u16, overlaps: &F32Row) {
+        let mut new = lanes & !self.colliding;
+        self.colliding |= lanes;
+        while new != 0 {
+            let lane = new.trailing_zeros();
+            new &= new - 1;
+            self.pairs[lane as usize] = (pair, overlaps[lane as usize]);
+            self.settle(lane);
+        }
+    }
+
+    /// A lane collides.
+    pub(super) fn settle(&mut self, lane: u32) {
+        self.settled |= 1 << lane | following(self.followers, lane);
+    }
+}
+
+/// The lanes in one row of followers behind a lane.
+fn following(followers: u16, lane: u32) -> u16 {
+    let behind = u32::from(followers) & (u32::MAX << (lane + 1));
+    // What is carried on from the first of them runs up to the first lane that is none.
+    let carried = behind.wrapping_add(1 << (lane + 1));
+    (behind & !carried) as u16
 }
 
 impl Kernel for Sweep<'_> {
@@ -98,7 +143,7 @@ impl Kernel for Sweep<'_> {
 
     #[inline(always)]
     fn run<I: Isa>(self, isa: I) -> f32 {
-        let Sweep { scene, pairs, course, scratch, guard, lanes, open, rest } = self;
+        let Sweep { scene, pairs, course, scratch, guard, mut lanes, open, rest, mut hits } = self;
         scratch.block += 1;
         let most = place_axes(isa, scene, course, scratch);
         place_clusters(isa, scene, course, scratch, most);
@@ -113,7 +158,12 @@ impl Kernel for Sweep<'_> {
             }
             let run = &open[at..end];
             at = end;
+            if lanes == 0 {
+                break;
+            }
             let active = pairs.active(number);
+            // What does not move within the block stands in the first lane, and there for all.
+            let is_shared = hits.is_some() && !course.moves_between(active);
             let group = &scene.groups[active.group as usize];
             let closer = approach(isa, scene, pairs, course, scratch, active);
             let (a, b) = (&scratch.centers[group.first as usize], &scratch.centers[group.second as usize]);
@@ -123,7 +173,7 @@ impl Kernel for Sweep<'_> {
             let free = apart.dot(apart).sqrt() - I::F32::constant(isa, radii) - closer - slack;
             let near = !I::F32::constant(isa, active.margin + guard).le(free);
             least = I::F32::select(near, least, least.min(free));
-            let near = near.bits() as u16 & lanes;
+            let near = near.bits() as u16 & if is_shared { 1 } else { lanes };
             if near == 0 {
                 continue;
             }
@@ -135,7 +185,7 @@ impl Kernel for Sweep<'_> {
                     true => Open { pair: group.start + place as u32, ..run[0] },
                     false => run[place],
                 };
-                let mask = item.lanes & near;
+                let mask = item.lanes & near & if is_shared { 1 } else { lanes };
                 if mask == 0 {
                     continue;
                 }
@@ -150,7 +200,29 @@ impl Kernel for Sweep<'_> {
                     look::<I>(isa, [a.0, b.0], [&scratch.solids[a.1], &scratch.solids[b.1]], taken, keep, mask);
                 let open = I::F32::select(still, I::F32::constant(isa, f64::INFINITY), free);
                 least = least.min(open);
-                let mask = mask & still.bits() as u16;
+                let mut mask = mask & still.bits() as u16;
+                if mask == 0 {
+                    continue;
+                }
+                if let (Some(hits), Some(inner_a), Some(inner_b)) =
+                    (&mut hits, &scene.solids[a.1].inner, &scene.solids[b.1].inner)
+                    && pairs.margins[item.pair as usize] + guard >= 0.0
+                {
+                    let rows = [&scratch.solids[a.1], &scratch.solids[b.1]];
+                    let overlap = overlap::<I>(isa, [a.0, b.0], [inner_a, inner_b], rows);
+                    let sure = (overlap + slack).lt(I::F32::constant(isa, 0.0)).bits() as u16 & mask;
+                    if sure != 0 {
+                        let mut overlaps = F32Row::default();
+                        if is_shared {
+                            overlaps = F32Row::splat(overlap.least());
+                        } else {
+                            overlap.store(&mut overlaps);
+                        }
+                        hits.add(item.pair, if is_shared { u16::MAX } else { sure }, &overlaps);
+                        lanes &= !hits.settled;
+                        mask &= !hits.settled;
+                    }
+                }
                 if mask != 0 {
                     rest.push(Open { lanes: mask, ..item });
                 }
@@ -259,6 +331,17 @@ fn between_axes<I: Isa>(
     let (ha, hb) = (outer[0].half_length, outer[1].half_length);
     let u = a.columns[outer[0].along].scaled(I::F32::splat(isa, ha));
     let v = b.columns[outer[1].along].scaled(I::F32::splat(isa, hb));
+    let (s, t) = nearest::<I>(isa, [(u, ha), (v, hb)], r);
+    let w = v.scaled_from(t, u.scaled_plus(s, r));
+    let length = w.dot(w).max(I::F32::splat(isa, 1e-20)).sqrt();
+    // A little shorter than one, so that rounding makes no gap.
+    w.scaled(I::F32::splat(isa, 1.0 - 4.0 * f32::EPSILON) / length)
+}
+
+/// Where the axes ± u and ± v, of half these lengths, are (nearly) closest, as shares of u and v; `r` is from the middle of the second to that of
+/// the first.
+#[inline(always)]
+fn nearest<I: Isa>(isa: I, [(u, ha), (v, hb)]: [(Vector3<I::F32>, f32); 2], r: Vector3<I::F32>) -> (I::F32, I::F32) {
     let (uu, vv) = (I::F32::splat(isa, (ha * ha).max(1e-12)), I::F32::splat(isa, (hb * hb).max(1e-12)));
     let (uv, ur, vr) = (u.dot(v), u.dot(r), v.dot(r));
     let (one, back) = (I::F32::splat(isa, 1.0), I::F32::splat(isa, -1.0));
@@ -266,10 +349,65 @@ fn between_axes<I: Isa>(
     let s = ((uv * vr - vv * ur) / determinant).max(back).min(one);
     let t = (uv.mul_add(s, vr) / vv).max(back).min(one);
     let s = (uv.mul_sub(t, ur) / uu).max(back).min(one);
-    let w = v.scaled_from(t, u.scaled_plus(s, r));
-    let length = w.dot(w).max(I::F32::splat(isa, 1e-20)).sqrt();
-    // A little shorter than one, so that rounding makes no gap.
-    w.scaled(I::F32::splat(isa, 1.0 - 4.0 * f32::EPSILON) / length)
+    (s, t)
+}
+
+/// Minus how far two solids overlap at least; positive where what lies inside of them does not say.
+#[inline(always)]
+fn overlap<I: Isa>(isa: I, outer: [&Outer; 2], inner: [&Inner; 2], rows: [&[F32Row; POSE]; 2]) -> I::F32 {
+    let (a, b) = (Rotation::<I::F32>::load(isa, &rows[0][3..]), Rotation::load(isa, &rows[1][3..]));
+    let apart = Vector3::<I::F32>::load(isa, &rows[0][..3]).minus(Vector3::load(isa, &rows[1][..3]));
+    let (from_a, from_b) = (off_center::<I>(isa, inner[0], &a), off_center::<I>(isa, inner[1], &b));
+    let r = apart.plus(from_a).minus(from_b);
+    let (ha, hb) = (inner[0].half_length, inner[1].half_length);
+    let u = a.columns[inner[0].along].scaled(I::F32::splat(isa, ha));
+    let v = b.columns[inner[1].along].scaled(I::F32::splat(isa, hb));
+    let (s, t) = nearest::<I>(isa, [(u, ha), (v, hb)], r);
+    // Of the point on either axis: where it is, from the centre of the other's outer bounds.
+    let p = u.scaled_plus(s, apart.plus(from_a));
+    let q = v.scaled_plus(t, from_b.minus(apart));
+    let between = p.minus(v.scaled_plus(t, from_b));
+    let radii = I::F32::splat(isa, inner[0].radius + inner[1].radius);
+    let mut least = between.dot(between).sqrt() - radii;
+    if inner[0].fills {
+        let beyond = outside::<I>(isa, &outer[0].form, a.turn_back(q));
+        least = least.min(beyond - I::F32::splat(isa, inner[1].radius));
+    }
+    if inner[1].fills {
+        let beyond = outside::<I>(isa, &outer[1].form, b.turn_back(p));
+        least = least.min(beyond - I::F32::splat(isa, inner[0].radius));
+    }
+    least
+}
+
+/// From the centre of the outer bounds to that of the inner ones, in the world.
+#[inline(always)]
+fn off_center<I: Isa>(isa: I, inner: &Inner, axes: &Rotation<I::F32>) -> Vector3<I::F32> {
+    let [x, y, z] = inner.middle;
+    axes.turn(Vector3::new(I::F32::splat(isa, x), I::F32::splat(isa, y), I::F32::splat(isa, z)))
+}
+
+/// How far a point, in its frame, is from a form; 0 inside.
+#[inline(always)]
+fn outside<I: Isa>(isa: I, form: &Form, p: Vector3<I::F32>) -> I::F32 {
+    let zero = I::F32::constant(isa, 0.0);
+    match *form {
+        Form::Box(half) => {
+            let (x, y, z) = (p.x.abs() - half[0], p.y.abs() - half[1], p.z.abs() - half[2]);
+            let (x, y, z) = (x.max(zero), y.max(zero), z.max(zero));
+            x.mul_add(x, y.mul_add(y, z * z)).sqrt()
+        }
+        Form::Cylinder { radius, half_length } => {
+            let across = (p.x.mul_add(p.x, p.y * p.y).sqrt() - radius).max(zero);
+            let along = (p.z.abs() - half_length).max(zero);
+            across.mul_add(across, along * along).sqrt()
+        }
+        Form::Capsule { radius, half_length } => {
+            let along = (p.z.abs() - half_length).max(zero);
+            let from_axis = p.x.mul_add(p.x, p.y.mul_add(p.y, along * along)).sqrt();
+            (from_axis - radius).max(zero)
+        }
+    }
 }
 
 /// Centres of the clusters' balls, and from them how much rounding there is.
@@ -355,6 +493,9 @@ fn approach<I: Isa>(
     scratch: &mut SweepScratch,
     active: &ActiveGroup,
 ) -> I::F32 {
+    if course.is_still() {
+        return I::F32::constant(isa, 0.0);
+    }
     let group = &scene.groups[active.group as usize];
     for (cluster, count) in [(group.first as usize, active.apart.0), (group.second as usize, active.apart.1)] {
         if count > 0 && scratch.fresh_clusters[cluster] != scratch.block {

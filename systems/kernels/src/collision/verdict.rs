@@ -3,6 +3,7 @@
 use super::bounds::Ball;
 use super::distance::{Ask, Solid, clearance};
 use super::hull::hull_distance;
+use super::inner::overlap;
 use super::mesh_tree::MeshTree;
 use super::pairs::{ActiveGroup, PairSet};
 use super::scene::{CollisionScene, Pair, PairId, SceneSolid};
@@ -15,8 +16,8 @@ use glam::DVec3;
 pub struct Contact {
     /// Which.
     pub pair: PairId,
-    /// A lower bound of its distance, metres; not positive where the two (may) overlap, −∞ where one contains the other
-    /// or a number is not finite.
+    /// A lower bound of its distance, metres; not positive where the two (may) overlap (minus how far what lies inside of them
+    /// overlaps, where that says enough), −∞ where one contains the other, or some part of it, or a number is not finite.
     pub clearance: f64,
 }
 
@@ -53,14 +54,23 @@ fn first_in_group(
     (group.start as usize..group.end as usize).find_map(|index| {
         let needed = margins[index] + guard;
         let id = PairId(index as u32);
-        let found =
-            pair_clearance(scene, id, X_WJ, Ask { relative: 0.01, ..Ask::exact(needed) }, &mut DVec3::ZERO.clone());
-        // Compared so that NaN collides.
-        let clear = found >= needed;
-        if !clear {
-            return Some(Contact { pair: id, clearance: found });
+        if rough_clearance(scene, id, X_WJ, needed) >= needed.max(0.0) {
+            return None;
         }
-        contained(scene, id, X_WJ).then_some(Contact { pair: id, clearance: f64::NEG_INFINITY })
+        let X = body_poses(scene, id, X_WJ);
+        if needed >= 0.0
+            && let Some(contact) = sure_contact(scene, id, X)
+        {
+            return Some(contact);
+        }
+        let ask = Ask { relative: 0.01, ..Ask::exact(needed) };
+        let clearance = exact_clearance(scene, id, X, ask, &mut DVec3::ZERO.clone());
+        // Compared so that NaN collides.
+        let clear = clearance >= needed;
+        if !clear {
+            return Some(Contact { pair: id, clearance });
+        }
+        contained_at(scene, id, X).then_some(Contact { pair: id, clearance: f64::NEG_INFINITY })
     })
 }
 
@@ -114,6 +124,24 @@ pub(super) fn exact_clearance(
 ) -> f64 {
     let [a, b] = solids_of(scene, id);
     clearance(&a.solid, &(X_WI * a.X_JS), &b.solid, &(X_WJ * b.X_JS), ask, hint)
+}
+
+/// The contact of a pair that collides for sure, as what lies inside of its two solids tells without an exact query: none
+/// where they only may.
+///
+/// # Panics
+/// If `X_WJ` is shorter than the number of bodies.
+#[must_use]
+pub fn surely_colliding(scene: &CollisionScene, id: PairId, X_WJ: &[Pose]) -> Option<Contact> {
+    sure_contact(scene, id, body_poses(scene, id, X_WJ))
+}
+
+/// As [`surely_colliding`], from the poses of the two bodies.
+pub(super) fn sure_contact(scene: &CollisionScene, id: PairId, X: [Pose; 2]) -> Option<Contact> {
+    let [a, b] = solids_of(scene, id);
+    let overlap = overlap(a, &X[0], b, &X[1])?;
+    let contains = !scene.is_convex(id) && contained_at(scene, id, X);
+    Some(Contact { pair: id, clearance: if contains { f64::NEG_INFINITY } else { overlap } })
 }
 
 /// As [`exact_clearance`], of the hulls of the two shapes: at most what it gives.

@@ -1,13 +1,15 @@
-//! Exact verdicts of many configurations, bounds of sixteen of them first.
+//! Exact verdicts of many configurations, bounds of sixteen of them first: from outside what is surely free, from inside what
+//! surely collides.
 
 use super::course::{Interval, LANES};
 use super::distance::Ask;
 use super::pairs::PairSet;
 use super::scene::{CollisionScene, PairId};
 use super::scratch::CollisionScratch;
-use super::sweep::{ALL, Along, Open, Sweep, all_lanes};
+use super::sweep::{ALL, Along, Hits, Open, Sweep, all_lanes};
 use super::verdict::{Contact, contained_at, exact_clearance};
 use crate::kinematics::{Carriage, Kinematics};
+use foliate_components::Pose;
 use glam::DVec3;
 
 /// Buffers of verdicts.
@@ -16,6 +18,8 @@ pub(super) struct VerdictScratch {
     intervals: Vec<Interval>,
     open: Vec<Open>,
     rest: Vec<Open>,
+    /// By configuration of a block.
+    found: Vec<Option<Contact>>,
 }
 
 /// For each of `configurations` (whole ones, end to end) what [`first_collision`](super::verdict::first_collision) says of it,
@@ -37,10 +41,10 @@ pub fn first_collisions(
     found: &mut Vec<Option<Contact>>,
 ) {
     let mut buffers = std::mem::take(&mut scratch.verdicts);
+    let verdicts = Verdicts { scene, kinematics, carriages, pairs, guard };
     for block in configurations.chunks(LANES * scene.space.size()) {
-        let bounds = Block { scene, kinematics, carriages, pairs, guard };
-        bounds.sweep(block, &mut buffers, scratch);
-        bounds.finish(block.len() / scene.space.size(), &mut buffers, scratch, found);
+        verdicts.judge(block, Hits::default(), &mut buffers, scratch);
+        found.extend_from_slice(&buffers.found);
     }
     scratch.verdicts = buffers;
 }
@@ -64,33 +68,117 @@ pub fn open_to_bounds(
 ) -> Vec<(PairId, u16)> {
     assert!(configurations.len() <= LANES * scene.space.size(), "more than sixteen configurations");
     let mut buffers = std::mem::take(&mut scratch.verdicts);
-    Block { scene, kinematics, carriages, pairs, guard }.sweep(configurations, &mut buffers, scratch);
+    Verdicts { scene, kinematics, carriages, pairs, guard }.sweep(configurations, None, &mut buffers, scratch);
     let open = buffers.rest.iter().map(|open| (PairId(open.pair), open.lanes)).collect();
     scratch.verdicts = buffers;
     open
 }
 
-struct Block<'a> {
-    scene: &'a CollisionScene,
-    kinematics: &'a Kinematics,
-    carriages: &'a [Carriage],
-    pairs: &'a PairSet,
-    guard: f64,
+/// What verdicts are about: pairs, moving and constant ones, that have to be at least their margin + `guard` apart.
+#[derive(Clone, Copy, Debug)]
+pub struct Verdicts<'a> {
+    /// Solids and pairs.
+    pub scene: &'a CollisionScene,
+    /// Where bodies are.
+    pub kinematics: &'a Kinematics,
+    /// What objects hang on; those that are not named are where their own coordinates say.
+    pub carriages: &'a [Carriage],
+    /// The pairs.
+    pub pairs: &'a PairSet,
+    /// Metres beyond the margins.
+    pub guard: f64,
 }
 
-impl Block<'_> {
-    /// Leaves in `buffers.rest` what bounds leave open.
-    fn sweep(&self, configurations: &[f64], buffers: &mut VerdictScratch, scratch: &mut CollisionScratch) {
+impl Verdicts<'_> {
+    /// Of each row of configurations the first that collides, as its place in the row, and a pair that does; appended to
+    /// `found`, one for every row. Rows stand end to end: row `i` ends in front of configuration number `ends[i]`.
+    ///
+    /// It is what [`first_collisions`] says, but of a row nothing exact is asked behind its first collision.
+    ///
+    /// # Panics
+    /// If `configurations` is not a whole number of them, or the rows are fewer configurations than there are.
+    pub fn first_in_rows(
+        &self,
+        configurations: &[f64],
+        ends: &[usize],
+        scratch: &mut CollisionScratch,
+        found: &mut Vec<Option<(usize, Contact)>>,
+    ) {
+        let size = self.scene.space.size();
+        let first = found.len();
+        found.resize(first + ends.len(), None);
+        let found = &mut found[first..];
+        let mut buffers = std::mem::take(&mut scratch.verdicts);
+        let place_of = |number: usize| {
+            let row = ends.partition_point(|&end| end <= number);
+            (row, number - row.checked_sub(1).map_or(0, |before| ends[before]))
+        };
+        for (block, start) in configurations.chunks(LANES * size).zip((0..).step_by(LANES)) {
+            let mut hits = Hits::default();
+            for lane in 0..block.len() / size {
+                let (row, place) = place_of(start + lane);
+                hits.followers |= u16::from(place > 0) << lane;
+                hits.settled |= u16::from(found[row].is_some()) << lane;
+            }
+            self.judge(block, hits, &mut buffers, scratch);
+            for (lane, contact) in buffers.found.iter().enumerate() {
+                let (row, place) = place_of(start + lane);
+                found[row] = found[row].or(contact.map(|contact| (place, contact)));
+            }
+        }
+        scratch.verdicts = buffers;
+    }
+
+    /// The ones of up to sixteen configurations that collide for sure, as bounds from inside alone tell; the first is the lowest bit.
+    ///
+    /// # Panics
+    /// If `configurations` is not a whole number of them, or more than sixteen.
+    #[must_use]
+    pub fn surely_colliding(&self, configurations: &[f64], scratch: &mut CollisionScratch) -> u16 {
+        let count = configurations.len() / self.scene.space.size();
+        assert!(count <= LANES, "more than sixteen configurations");
+        let (mut buffers, mut hits) = (std::mem::take(&mut scratch.verdicts), Hits::default());
+        self.sweep(configurations, Some(&mut hits), &mut buffers, scratch);
+        scratch.verdicts = buffers;
+        if count == 0 { 0 } else { hits.colliding & all_lanes(count) }
+    }
+
+    /// Leaves in `buffers.found` what collides in up to sixteen configurations, as far as `hits` wants to know.
+    fn judge(&self, block: &[f64], mut hits: Hits, buffers: &mut VerdictScratch, scratch: &mut CollisionScratch) {
+        self.sweep(block, Some(&mut hits), buffers, scratch);
+        buffers.found.clear();
+        buffers.found.resize(block.len() / self.scene.space.size(), None);
+        for (lane, found) in buffers.found.iter_mut().enumerate().filter(|(lane, _)| hits.colliding >> lane & 1 == 1) {
+            let (pair, overlap) = hits.pairs[lane];
+            *found = Some(self.sure_contact(PairId(pair), overlap, lane, scratch));
+        }
+        let all = all_lanes(buffers.found.len());
+        for &open in &buffers.rest {
+            if hits.settled & all == all {
+                break;
+            }
+            self.ask(open, &mut hits, scratch, &mut buffers.found);
+        }
+    }
+
+    /// Leaves in `buffers.rest` what bounds leave open, and in `hits` what collides for sure.
+    fn sweep(
+        &self,
+        configurations: &[f64],
+        hits: Option<&mut Hits>,
+        buffers: &mut VerdictScratch,
+        scratch: &mut CollisionScratch,
+    ) {
         let (scene, pairs) = (self.scene, self.pairs);
-        scratch.course.begin((scene, self.kinematics, self.carriages), pairs, configurations);
-        scratch.sweep.begin(scene, pairs);
         let count = configurations.len() / scene.space.size();
-        buffers.intervals.clear();
-        buffers.intervals.extend((0..count as u32).map(Interval::knot));
         buffers.rest.clear();
         if count == 0 {
             return;
         }
+        scratch.course.begin_still((scene, self.kinematics, self.carriages), pairs, configurations);
+        scratch.sweep.begin(scene, pairs);
+        buffers.intervals.clear();
+        buffers.intervals.extend((0..count as u32).map(Interval::knot));
         scratch.course.look_at(scene, scratch.level, configurations, &buffers.intervals);
         let all = all_lanes(count);
         buffers.open.clear();
@@ -104,47 +192,38 @@ impl Block<'_> {
             course: &scratch.course,
             scratch: &mut scratch.sweep,
             guard: self.guard,
-            lanes: all,
+            lanes: all & !hits.as_ref().map_or(0, |hits| hits.settled),
             open: &buffers.open,
             rest: &mut buffers.rest,
+            hits,
         });
     }
 
-    /// Asks exactly what is open.
-    fn finish(
-        &self,
-        count: usize,
-        buffers: &mut VerdictScratch,
-        scratch: &mut CollisionScratch,
-        found: &mut Vec<Option<Contact>>,
-    ) {
-        let first = found.len();
-        found.resize(first + count, None);
-        let found = &mut found[first..];
-        let rest = std::mem::take(&mut buffers.rest);
-        for &open in &rest {
-            self.ask(open, scratch, found);
-            if found.iter().all(Option::is_some) {
-                break;
-            }
-        }
-        buffers.rest = rest;
+    /// A pair that collides for sure; surfaces may be apart where one is inside the other.
+    fn sure_contact(&self, pair: PairId, overlap: f32, lane: usize, scratch: &CollisionScratch) -> Contact {
+        let contains =
+            !self.scene.is_convex(pair) && contained_at(self.scene, pair, self.poses_of(pair, lane, scratch));
+        Contact { pair, clearance: if contains { f64::NEG_INFINITY } else { overlap.into() } }
     }
 
-    fn ask(&self, mut open: Open, scratch: &mut CollisionScratch, found: &mut [Option<Contact>]) {
+    fn poses_of(&self, id: PairId, lane: usize, scratch: &CollisionScratch) -> [Pose; 2] {
+        let pair = &self.scene.pairs[id.at()];
+        [pair.first, pair.second].map(|solid| scratch.course.pose_in(lane, self.scene.solids[solid.at()].body))
+    }
+
+    /// Asks exactly what is open of a pair.
+    fn ask(&self, mut open: Open, hits: &mut Hits, scratch: &mut CollisionScratch, found: &mut [Option<Contact>]) {
         let (scene, pairs, id) = (self.scene, self.pairs, PairId(open.pair));
         let moves = scratch.course.moves_between(pairs.active(open.active));
         let needed = pairs.margins[id.at()] + self.guard;
-        let pair = &scene.pairs[id.at()];
-        let sides = [pair.first.at(), pair.second.at()];
         let mut n = DVec3::ZERO;
         while open.lanes != 0 {
             let lane = open.lanes.trailing_zeros() as usize;
             open.lanes &= open.lanes - 1;
-            if moves && found[lane].is_some() {
+            if moves && hits.settled >> lane & 1 == 1 {
                 continue;
             }
-            let X = sides.map(|i| scratch.course.pose_in(lane, scene.solids[i].body));
+            let X = self.poses_of(id, lane, scratch);
             let ask = Ask { relative: 0.01, ..Ask::exact(needed) };
             let clearance = exact_clearance(scene, id, X, ask, &mut n);
             // Compared so that NaN collides.
@@ -155,8 +234,14 @@ impl Block<'_> {
                 true => None,
             };
             match contact {
-                Some(contact) if moves => found[lane] = Some(contact),
-                Some(contact) => found.iter_mut().for_each(|f| *f = f.or(Some(contact))),
+                Some(contact) if moves => {
+                    found[lane] = Some(contact);
+                    hits.settle(lane as u32);
+                }
+                Some(contact) => {
+                    found.iter_mut().for_each(|f| *f = f.or(Some(contact)));
+                    hits.settled = u16::MAX;
+                }
                 None if open.lanes != 0 && n != DVec3::ZERO && scene.is_convex(id) => {
                     let (near, _) = scratch.level.run(Along {
                         scene,
