@@ -5,7 +5,9 @@
 //! extension does that on purpose, with a leaf it has chosen.)
 
 use crate::commit::NewNodes;
+use crate::errands::Errands;
 use crate::events::StopSignal;
+use crate::foreseen::{Foreseen, Prospect};
 use crate::model::PlanningModel;
 use crate::neighbours::Neighbours;
 use crate::parallel::each;
@@ -13,9 +15,12 @@ use crate::scratch_pool::ScratchPool;
 use crate::settings::SearchSettings;
 use crate::{steering, validation};
 use bevy_ecs::prelude::{Local, Res, ResMut, Resource};
-use foliate_components::leaf::LeafIndex;
+use foliate_components::Pose;
+use foliate_components::graph::{StateId, TransitionId};
+use foliate_components::leaf::{LeafId, LeafIndex};
 use foliate_components::roadmap::{Motion, NodeId, Roadmap};
 use foliate_kernels::collision::CollisionScratch;
+use foliate_kernels::kinematics::Carriage;
 use foliate_kernels::projection::MotionScratch;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -30,6 +35,9 @@ pub struct Connection {
     /// The certified motion between them, once there is one.
     pub certified: Option<Motion>,
 }
+
+/// Buffers of one thread.
+pub(crate) type ConnectionScratch = (CollisionScratch, MotionScratch);
 
 /// The connections of this step, in order of proposal.
 #[derive(Clone, Debug, Default, Resource)]
@@ -55,28 +63,42 @@ pub fn propose_connections(
 }
 
 /// Steers and certifies the proposals; whole or not at all. Of those that would join the same two trees all behind the
-/// first that is certified are left out: its edge makes them needless.
+/// first that is certified are left out: its edge makes them needless. Threads for which none is left go on with what is
+/// foreseen.
+#[allow(clippy::too_many_arguments, reason = "a system's parameters are what it reads and writes")]
 pub fn certify_connections(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
     stop: Res<'_, StopSignal>,
     roadmap: Res<'_, Roadmap>,
     leaves: Res<'_, LeafIndex>,
+    foreseen: Res<'_, Foreseen>,
+    errands: Res<'_, Errands>,
     mut connections: ResMut<'_, Connections>,
-    buffers: Local<'_, ScratchPool<(CollisionScratch, MotionScratch)>>,
+    buffers: Local<'_, ScratchPool<ConnectionScratch>>,
 ) {
     let buffers = &*buffers;
     let bridges = Bridges::new(&connections.0, &roadmap);
-    // In order: what stands in front makes what is behind needless.
+    // In order: what stands in front makes what is behind needless. What another thread is at already comes last, so that
+    // nobody waits for it who could do something else.
     let mut proposals: Vec<_> = connections.0.iter_mut().enumerate().collect();
+    proposals.sort_by_key(|(_, c)| foreseen.of(c.from, c.to).is_some_and(Prospect::is_under_way));
+    let left = AtomicUsize::new(proposals.len());
     each(
         &mut proposals,
         || buffers.borrow(),
         |scratch, (index, connection)| {
             let index = *index;
-            scratch.0.set_level(settings.level);
+            if left.fetch_sub(1, Ordering::Relaxed) == 1 {
+                foreseen.release(&errands);
+            }
             if !stop.is_raised() && !bridges.is_needless(index) {
-                connection.certified = connect(&model, &settings, &roadmap, &leaves, connection, scratch);
+                let ends = (connection.from, connection.to);
+                connection.certified = match foreseen.of(ends.0, ends.1) {
+                    Some(prospect) => prospect.certify(scratch),
+                    None => Attempt::new(&model, &roadmap, &leaves, ends)
+                        .and_then(|attempt| attempt.certify(&model, &settings, scratch)),
+                };
                 if connection.certified.is_some() {
                     bridges.build(index);
                 }
@@ -119,21 +141,51 @@ impl Bridges {
     }
 }
 
-fn connect(
-    model: &PlanningModel,
-    settings: &SearchSettings,
-    roadmap: &Roadmap,
-    leaves: &LeafIndex,
-    connection: &Connection,
-    (collision, motion): &mut (CollisionScratch, MotionScratch),
-) -> Option<Motion> {
-    let row = roadmap.node(connection.from);
-    let transition = model.graph.loop_of(row.state)?;
-    let leaf = leaves.leaf(row.leaf);
-    let carriages = model.carriages_of_leaf(leaf, leaves);
-    let ends = (roadmap.configuration(connection.from), roadmap.configuration(connection.to));
-    let steered = steering::steer_whole(model, settings, leaf, leaves, ends, motion)?;
-    let clearance =
-        validation::certify_whole(model, settings, transition, row.state, &carriages, &steered.knots, collision)?;
-    Some(Motion { transition, leg: 0, leaf: row.leaf, knots: steered.knots, clearance, residual: steered.residual })
+/// A motion to be tried between two nodes of one leaf, with all that it takes: whoever certifies it needs no world.
+pub(crate) struct Attempt {
+    transition: TransitionId,
+    state: StateId,
+    leaf: LeafId,
+    carriages: Vec<Carriage>,
+    /// Right-hand sides of the rows that are left on the leaf.
+    arguments: Vec<Pose>,
+    ends: (Vec<f64>, Vec<f64>),
+}
+
+impl Attempt {
+    /// `None` where there is no motion within the leaf.
+    pub(crate) fn new(
+        model: &PlanningModel,
+        roadmap: &Roadmap,
+        leaves: &LeafIndex,
+        (from, to): (NodeId, NodeId),
+    ) -> Option<Self> {
+        let row = roadmap.node(from);
+        let leaf = leaves.leaf(row.leaf);
+        Some(Self {
+            transition: model.graph.loop_of(row.state)?,
+            state: row.state,
+            leaf: row.leaf,
+            carriages: model.carriages_of_leaf(leaf, leaves),
+            arguments: steering::arguments_on(model, leaf, leaves)?,
+            ends: (roadmap.configuration(from).to_vec(), roadmap.configuration(to).to_vec()),
+        })
+    }
+
+    /// The certified motion, whole or not at all.
+    pub(crate) fn certify(
+        &self,
+        model: &PlanningModel,
+        settings: &SearchSettings,
+        (collision, motion): &mut ConnectionScratch,
+    ) -> Option<Motion> {
+        collision.set_level(settings.level);
+        let ends = (&*self.ends.0, &*self.ends.1);
+        let steered = steering::steer_whole(model, settings, self.state, &self.arguments, ends, motion)?;
+        let (carriages, knots) = (&self.carriages, steered.knots);
+        let clearance =
+            validation::certify_whole(model, settings, self.transition, self.state, carriages, &knots, collision)?;
+        let residual = steered.residual;
+        Some(Motion { transition: self.transition, leg: 0, leaf: self.leaf, knots, clearance, residual })
+    }
 }

@@ -1,7 +1,12 @@
 //! Work on many slots by all threads of the pool.
 
+use crate::errands::wait_for;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
+
+/// Fewer candidates than these are not worth another thread.
+pub(crate) const LEAST_SHARED: usize = 8;
 
 /// Does `work` on every item: threads take one item after another from the front, each with a scratch of its own, so that
 /// nobody waits while items are left and the first are begun first. Items are of unequal length (one candidate's motions
@@ -13,6 +18,8 @@ pub(crate) fn each<T: Send, S>(items: &mut [T], scratch: impl Fn() -> S + Sync, 
         let mut scratch = scratch();
         return items.iter_mut().for_each(|item| work(&mut scratch, item));
     }
+    let unfinished = AtomicUsize::new(items.len());
+    let caller = rayon::current_thread_index();
     let queue = Mutex::new(items.iter_mut());
     // A panic in `work` leaves the queue as sound as it was.
     let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
@@ -20,6 +27,11 @@ pub(crate) fn each<T: Send, S>(items: &mut [T], scratch: impl Fn() -> S + Sync, 
         let mut own = None;
         while let Some(item) = next() {
             work(own.get_or_insert_with(&scratch), item);
+            unfinished.fetch_sub(1, Ordering::Relaxed);
+        }
+        // Who goes on when all is done had better not fall asleep over the last items.
+        if caller.is_some() && rayon::current_thread_index() == caller {
+            wait_for(|| unfinished.load(Ordering::Relaxed) == 0);
         }
     });
 }

@@ -8,7 +8,7 @@ use crate::events::StopSignal;
 use crate::graph::building::led_to;
 use crate::membership::{parameter_of, residual};
 use crate::model::PlanningModel;
-use crate::parallel::each;
+use crate::parallel::{LEAST_SHARED, each};
 use crate::random::{Purpose, stream};
 use crate::schedule::StepCounter;
 use crate::scratch_pool::ScratchPool;
@@ -23,9 +23,7 @@ use foliate_components::roadmap::Roadmap;
 use foliate_kernels::kinematics::Carriage;
 use foliate_kernels::projection::{Job, Scratch as NewtonScratch, Settings as NewtonSettings, project_batch};
 use rand::RngExt;
-
-/// Fewer candidates than these are not worth another thread.
-const LEAST_SHARED: usize = 8;
+use std::cmp::Reverse;
 
 /// Seeds among which one is drawn, of the sixteen that are found near a grasp.
 const NEAR_SEEDS: usize = 8;
@@ -96,6 +94,9 @@ pub fn project_waypoints(
     for same in lanes.chunk_by_mut(|a, b| a.candidate.transition == b.candidate.transition) {
         blocks.extend(same.chunks_mut(longest));
     }
+    // The longest first, so that none is left alone at the end.
+    let legs = |id: Option<TransitionId>| id.map_or(0, |id| model.graph.transition(id).legs.len());
+    blocks.sort_by_key(|block| Reverse(block.len() * legs(block.first().and_then(|lane| lane.candidate.transition))));
     let buffers = &*buffers;
     each(
         &mut blocks,
@@ -213,8 +214,8 @@ impl Context<'_> {
                 continue;
             }
             let parameters = self.arrive(leg.state, next_state, lane, &mut end, &mut scratch.X_WJ);
-            let mut knots = std::mem::take(&mut lane.q);
-            knots.extend_from_slice(&end);
+            // New memory: what another thread has allocated makes both wait when it grows.
+            let knots = [&*lane.q, &end].concat();
             lane.q = end;
             if self.model.object_out_of_bounds(&lane.q) {
                 lane.candidate.reject(Rejection::OutOfBounds(number as u8));

@@ -7,6 +7,7 @@
 //! those, the draw goes by how often each was reached. A guided candidate takes the leaf that it aims at.
 
 use crate::model::PlanningModel;
+use crate::parallel::LEAST_SHARED;
 use crate::random::{Purpose, draw, stream};
 use crate::reached_leaves::LeafColumns;
 use crate::schedule::StepCounter;
@@ -34,7 +35,7 @@ pub fn draw_leaves(
         transition.filter(|t| candidate.is_alive() && t.kind == TransitionKind::Crossed)
     };
     let mut pool: Vec<_> = candidates.iter_mut().filter_map(|c| crossed(&c).map(|t| (c, t))).collect();
-    pool.par_iter_mut().for_each(|(candidate, transition)| {
+    pool.par_iter_mut().with_min_len(2 * LEAST_SHARED).for_each(|(candidate, transition)| {
         let Some(near) = candidate.near else { return };
         if let Some(aim) = candidate.aim.filter(|&aim| has_added(&model, explored.leaves.leaf(aim).state, transition)) {
             candidate.drawn = Some(aim);

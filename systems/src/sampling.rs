@@ -1,6 +1,7 @@
 //! Set Sample: shoots q_rand for each candidate from its own stream (P1 §III-A step 1).
 
 use crate::model::PlanningModel;
+use crate::parallel::LEAST_SHARED;
 use crate::random::{Purpose, stream};
 use crate::schedule::StepCounter;
 use crate::settings::SearchSettings;
@@ -24,7 +25,7 @@ pub fn sample_configurations(
     mut arena: ResMut<'_, CandidateArena>,
 ) {
     let size = arena.configuration_size();
-    arena.random.par_chunks_mut(size).enumerate().for_each(|(candidate, q)| {
+    arena.random.par_chunks_mut(size).enumerate().with_min_len(2 * LEAST_SHARED).for_each(|(candidate, q)| {
         let mut rng = stream(settings.seed, Purpose::Sample, step.step, candidate as u32);
         model.problem.robot.space.random(&mut rng, q);
         model.lock(q);

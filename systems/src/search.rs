@@ -3,7 +3,9 @@
 use crate::commit::{self, NewNodes};
 use crate::conclusion::{self, Ending, Roots};
 use crate::connection::Connections;
+use crate::errands::{Errands, Watch};
 use crate::events::{EventSink, StopSignal};
+use crate::foreseen::Foreseen;
 use crate::goals::{GoalSampler, plant};
 use crate::membership::{self, Feasible};
 use crate::model::PlanningModel;
@@ -87,9 +89,12 @@ impl Search {
 
     /// Steps until the search ends, on the threads of the pool in which it is called.
     ///
-    /// Call it inside `rayon::ThreadPool::install` of a pool that the host owns; the answer does not depend on its size.
+    /// Call it inside `rayon::ThreadPool::install` of a pool that the host owns; the answer does not depend on its size. The
+    /// pool's other threads do not sleep meanwhile, as far as there are cores for them: see [`crate::errands`].
     pub fn run(&mut self) -> SearchOutcome {
+        let watch = Watch::begin(self.world.resource::<Errands>());
         loop {
+            watch.call();
             if let Some(outcome) = self.step() {
                 return outcome.clone();
             }
@@ -207,6 +212,8 @@ fn empty_world(model: &PlanningModel, settings: SearchSettings, stop: StopSignal
     world.init_resource::<LeafIndex>();
     world.init_resource::<NewNodes>();
     world.init_resource::<Connections>();
+    world.init_resource::<Errands>();
+    world.init_resource::<Foreseen>();
     world.init_resource::<ReachedLeaves>();
     world.init_resource::<Families>();
     world.init_resource::<crate::guidance::aiming::Aims>();

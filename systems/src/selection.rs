@@ -3,6 +3,7 @@
 use crate::guidance::aiming::Aims;
 use crate::model::PlanningModel;
 use crate::neighbours::Neighbours;
+use crate::parallel::LEAST_SHARED;
 use crate::random::{Purpose, draw, stream};
 pub use crate::reached_leaves::ReachedLeaves;
 use crate::schedule::StepCounter;
@@ -108,7 +109,7 @@ pub fn select_nodes(
     let trees: Vec<ComponentId> = explored.trees().collect();
     let roadmap = &*explored.roadmap;
     let mut pool: Vec<_> = candidates.iter_mut().collect();
-    pool.par_iter_mut().filter(|c| c.is_alive() && c.near.is_none()).for_each(|candidate| {
+    pool.par_iter_mut().with_min_len(LEAST_SHARED).filter(|c| c.is_alive() && c.near.is_none()).for_each(|candidate| {
         let mut rng = stream(settings.seed, Purpose::Select, step.step, candidate.index);
         let q = arena.random_of(candidate.index);
         let families = &*explored.families;
@@ -149,7 +150,7 @@ pub fn select_transitions(
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
     let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive() && c.transition.is_none()).collect();
-    pool.par_iter_mut().for_each(|candidate| {
+    pool.par_iter_mut().with_min_len(2 * LEAST_SHARED).for_each(|candidate| {
         let Some(near) = candidate.near else {
             return candidate.reject(Rejection::NoNode);
         };

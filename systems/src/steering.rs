@@ -13,6 +13,7 @@ use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Local, Query, Res, ResMut};
 use foliate_components::Pose;
 use foliate_components::candidate::{Candidate, CandidateArena, LegParameter, PlannedLeg};
+use foliate_components::graph::StateId;
 use foliate_components::leaf::{Leaf, LeafIndex};
 use foliate_components::outcome::Rejection;
 use foliate_kernels::projection::{MotionEnd, MotionScratch, MotionSettings, Settings, project_motion};
@@ -105,23 +106,33 @@ fn steer_leg(
     if steered.is_whole { Kept::Whole } else { Kept::Part }
 }
 
-/// A motion on a leaf between two of its configurations; `None` where it does not arrive.
+/// Right-hand sides of the rows that keep a motion on a leaf; empty where none are left, `None` where they do not compile.
+#[must_use]
+pub fn arguments_on(model: &PlanningModel, leaf: &Leaf, leaves: &LeafIndex) -> Option<Vec<Pose>> {
+    let interior = model.interior_program(leaf.state).ok()?;
+    if interior.program.rows() == 0 {
+        return Some(Vec::new());
+    }
+    let parameters: Vec<_> = leaf.parameters.iter().map(|&p| LegParameter::Known(p)).collect();
+    Some(interior.arguments(model, leaves, leaf.state, &parameters, None))
+}
+
+/// A motion between two configurations of a leaf of `state`, given the leaf's [`arguments_on`] it; `None` where it does not
+/// arrive.
 #[must_use]
 pub fn steer_whole(
     model: &PlanningModel,
     settings: &SearchSettings,
-    leaf: &Leaf,
-    leaves: &LeafIndex,
+    state: StateId,
+    arguments: &[Pose],
     (a, b): (&[f64], &[f64]),
     scratch: &mut MotionScratch,
 ) -> Option<Steered> {
-    let interior = model.interior_program(leaf.state).ok()?;
+    let interior = model.interior_program(state).ok()?;
     if interior.program.rows() == 0 {
         return Some(Steered { knots: [a, b].concat(), residual: 0.0, is_whole: true });
     }
-    let parameters: Vec<_> = leaf.parameters.iter().map(|&p| LegParameter::Known(p)).collect();
-    let arguments = interior.arguments(model, leaves, leaf.state, &parameters, None);
-    Some(project_between(model, settings, interior, &arguments, (a, b), scratch)).filter(|steered| steered.is_whole)
+    Some(project_between(model, settings, interior, arguments, (a, b), scratch)).filter(|steered| steered.is_whole)
 }
 
 /// Projects the straight motion from one configuration to another onto implicit rows, as far as that goes.

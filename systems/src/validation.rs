@@ -18,6 +18,7 @@ use foliate_kernels::collision::{
 };
 use foliate_kernels::kinematics::Carriage;
 use foliate_kernels::lanes::Level;
+use std::cmp::Reverse;
 
 /// Buffers of one thread.
 #[derive(Debug, Default)]
@@ -52,6 +53,9 @@ pub fn certify_legs(
     counter.validated += pool.iter().filter(|c| projected(c)).count() as u64;
     let CandidateArena { legs, complete, .. } = &mut *arena;
     let mut slots: Vec<_> = pool.iter_mut().zip(legs.iter_mut().zip(complete)).collect();
+    // The longest motions first, so that none is left alone at the end.
+    let length = |legs: &[PlannedLeg]| legs.iter().map(|leg| model.length(&leg.knots)).sum::<f64>();
+    slots.sort_by_cached_key(|(_, (legs, _))| Reverse(length(legs).to_bits()));
     each(
         &mut slots,
         || buffers.borrow(),

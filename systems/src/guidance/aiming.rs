@@ -3,6 +3,7 @@
 use crate::guidance::grasp_distance::{End, GraspDistance, StatePair};
 use crate::guidance::weighted_leaves::{FOCUS, Weighted, WeightedLeaves};
 use crate::model::PlanningModel;
+use crate::parallel::LEAST_SHARED;
 use crate::random::{Purpose, draw, stream};
 use crate::reached_leaves::ReachedLeaves;
 use crate::schedule::StepCounter;
@@ -367,7 +368,7 @@ pub fn choose_leaves(
     };
     let trees: Vec<_> = explored.trees().map(weigh).collect();
     let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive() && c.near.is_none()).collect();
-    pool.par_iter_mut().for_each_init(AimScratch::default, |scratch, candidate| {
+    pool.par_iter_mut().with_min_len(LEAST_SHARED).for_each_init(AimScratch::default, |scratch, candidate| {
         let mut rng = stream(settings.seed, Purpose::Aim, step.step, candidate.index);
         if rng.random::<f64>() >= settings.guided_probability {
             return;

@@ -5,20 +5,12 @@ use super::mrrt::Mrrt;
 use crate::guidance::aiming;
 use crate::model::PlanningModel;
 use crate::schedule::{SearchSet, empty_schedule};
-use crate::sequences::{joining, leaf_graph, planting};
+use crate::sequences::{joining, leaf_graph, planting, rounds};
 use crate::{
-    commit, conclusion, connection, feedback, goals, projection, rendezvous, sampling, selection, steering, validation,
-    waypoints,
+    commit, conclusion, feedback, goals, projection, rendezvous, sampling, selection, steering, validation, waypoints,
 };
-use bevy_ecs::prelude::{IntoScheduleConfigs, Schedule, SystemSet, World};
+use bevy_ecs::prelude::{IntoScheduleConfigs, Schedule, World};
 use foliate_components::graph::TransitionKind;
-
-/// Rounds of joining in a step: a motion that fails may leave another sequence whose motions are all untried.
-const ROUNDS: usize = 6;
-
-/// A round of joining, within [`SearchSet::Connect`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, SystemSet)]
-struct Round(usize);
 
 /// Short motions between leaves are planted where `mrrt` would first certify how to get there; only the long motions of
 /// sequences that reach from the start to a goal are certified, those estimated to be easiest first. A problem whose only
@@ -39,6 +31,8 @@ impl Scheduler for Sequence {
         world.init_resource::<planting::Plantings>();
         world.init_resource::<joining::Growing>();
         world.init_resource::<joining::Straight>();
+        world.init_resource::<joining::Next>();
+        world.init_resource::<rounds::Rounds>();
         let mut schedule = empty_schedule();
         schedule.add_systems((
             (sampling::reset_candidates, sampling::sample_configurations).chain().in_set(SearchSet::Sample),
@@ -61,24 +55,11 @@ impl Scheduler for Sequence {
                 .in_set(SearchSet::Steer),
             (validation::certify_legs, planting::keep_whole_plantings).chain().in_set(SearchSet::Validate),
             (commit::commit_extensions, goals::draw_more_goals).chain().in_set(SearchSet::Commit),
+            rounds::join_in_rounds.in_set(SearchSet::Connect),
             (conclusion::conclude, conclusion::report_progress, feedback::report_feedback, conclusion::report_solution)
                 .chain()
                 .in_set(SearchSet::Conclude),
         ));
-        for round in 0..ROUNDS {
-            let set = Round(round).in_set(SearchSet::Connect);
-            schedule.configure_sets(if round == 0 { set } else { set.after(Round(round - 1)) });
-            schedule.add_systems(
-                (
-                    joining::propose_joins,
-                    connection::certify_connections,
-                    joining::learn_from_joins,
-                    commit::commit_connections,
-                )
-                    .chain()
-                    .in_set(Round(round)),
-            );
-        }
         schedule
     }
 }

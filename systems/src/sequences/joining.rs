@@ -6,6 +6,8 @@ use super::turns::Turn;
 use crate::commit::NewNodes;
 use crate::conclusion::Roots;
 use crate::connection::{Connection, Connections};
+use crate::errands::Errands;
+use crate::foreseen::Foreseen;
 use crate::model::PlanningModel;
 use crate::random::{Purpose, stream};
 use crate::schedule::StepCounter;
@@ -13,6 +15,7 @@ use crate::selection::Families;
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Query, Res, ResMut, Resource};
 use foliate_components::candidate::{Candidate, CandidateArena};
+use foliate_components::leaf::LeafIndex;
 use foliate_components::roadmap::{ComponentId, NodeId, Roadmap};
 use rand::RngExt;
 
@@ -21,6 +24,9 @@ const EFFORT: f64 = 8.0;
 
 /// Straight motions that are tried in one round.
 const AT_ONCE: usize = 2;
+
+/// Straight motions beyond those of a round that threads may try meanwhile which have nothing else to do.
+const AHEAD: usize = 4;
 
 /// A node that has grown for a join is tried against so many nodes of the other side.
 const NEIGHBOURS: usize = 3;
@@ -35,6 +41,10 @@ pub struct Growing(pub Vec<Join>);
 /// The straight motions of this round, in the order of the proposals; `None` for what grew.
 #[derive(Clone, Debug, Default, Resource)]
 pub struct Straight(Vec<Option<Join>>);
+
+/// The straight motions of the sequence that is worked on for which it is not yet the turn, in order.
+#[derive(Clone, Debug, Default, Resource)]
+pub struct Next(Vec<Join>);
 
 /// Sets a part of the candidates to growing the trees of joins that a straight motion could not make.
 #[allow(clippy::too_many_arguments, reason = "a system's parameters are what it reads and writes")]
@@ -125,6 +135,7 @@ pub fn propose_joins(
     mut growing: ResMut<'_, Growing>,
     mut graph: ResMut<'_, LeafGraph>,
     mut straight: ResMut<'_, Straight>,
+    mut later: ResMut<'_, Next>,
     mut connections: ResMut<'_, Connections>,
 ) {
     graph.grow(&roadmap, &model.problem.robot.space, &model.robot_weights);
@@ -133,6 +144,7 @@ pub fn propose_joins(
         return;
     }
     straight.0.clear();
+    later.0.clear();
     for node in std::mem::take(&mut new.0) {
         let (leaf, tree) = (roadmap.node(node).leaf, roadmap.component_of(node));
         for &join in growing.0.iter().filter(|&&join| graph.leaf(join) == leaf) {
@@ -159,6 +171,26 @@ pub fn propose_joins(
         connections.0.push(Connection { from, to, certified: None });
         straight.0.push(Some(join));
     }
+    later.0.extend(untried.iter().skip(AT_ONCE).take(AHEAD));
+}
+
+/// Leaves the straight motions that come next to threads that have nothing else to do. Most of them are tried whatever
+/// becomes of those before them: the next way shares them.
+#[allow(clippy::too_many_arguments, reason = "a system's parameters are what it reads and writes")]
+pub fn foresee_joins(
+    model: Res<'_, PlanningModel>,
+    settings: Res<'_, SearchSettings>,
+    errands: Res<'_, Errands>,
+    roadmap: Res<'_, Roadmap>,
+    leaves: Res<'_, LeafIndex>,
+    graph: Res<'_, LeafGraph>,
+    connections: Res<'_, Connections>,
+    next: Res<'_, Next>,
+    mut foreseen: ResMut<'_, Foreseen>,
+) {
+    let next: Vec<_> = next.0.iter().map(|&join| graph.ends(join)).collect();
+    let asked: Vec<_> = connections.0.iter().map(|connection| (connection.from, connection.to)).collect();
+    foreseen.expect((&model, &settings, &errands), (&roadmap, &leaves), &next, &asked);
 }
 
 /// Remembers which straight motions join and which do not.

@@ -4,4 +4,5 @@
 pub mod joining;
 pub mod leaf_graph;
 pub mod planting;
+pub mod rounds;
 pub mod turns;

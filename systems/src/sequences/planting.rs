@@ -3,11 +3,13 @@
 use super::turns::Turn;
 use crate::guidance::aiming::Aims;
 use crate::model::PlanningModel;
+use crate::parallel::each;
 use crate::random::{Purpose, draw, stream};
 use crate::schedule::StepCounter;
+use crate::scratch_pool::ScratchPool;
 use crate::selection::{Explored, TransitionWeights};
 use crate::settings::SearchSettings;
-use bevy_ecs::prelude::{Query, Res, ResMut, Resource};
+use bevy_ecs::prelude::{Local, Query, Res, ResMut, Resource};
 use foliate_components::Pose;
 use foliate_components::candidate::{Candidate, CandidateArena, PlannedLeg};
 use foliate_components::graph::{Leg, Transition, TransitionId, TransitionKind};
@@ -147,29 +149,48 @@ pub fn leave_out_first_legs(
     settings: Res<'_, SearchSettings>,
     mut arena: ResMut<'_, CandidateArena>,
     mut candidates: Query<'_, '_, &mut Candidate>,
+    buffers: Local<'_, ScratchPool<(CollisionScratch, Vec<Pose>)>>,
 ) {
+    let buffers = &*buffers;
     let size = arena.configuration_size();
-    for mut candidate in candidates.iter_mut().filter(|c| c.is_alive() && c.plants) {
-        let Some(first) = arena.legs[candidate.index as usize].first_mut() else { continue };
+    let mut planted = Vec::new();
+    let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive() && c.plants).collect();
+    pool.sort_unstable_by_key(|c| c.index);
+    let mut legs = arena.legs.iter_mut().enumerate();
+    for candidate in pool {
+        let own = legs.find(|&(index, _)| index == candidate.index as usize);
+        let Some(first) = own.and_then(|(_, legs)| legs.first_mut()) else { continue };
         let before = first.knots.len() - size;
         first.knots.drain(..before);
-        if let Some(pair) = breaks_margin(&model, &settings, first) {
-            candidate.reject(Rejection::WaypointBlocked(0));
-            candidate.blocked_by = Some(model.pair_shapes(pair));
-        }
+        planted.push((candidate, &*first));
     }
+    if model.problem.margins.is_empty() {
+        return;
+    }
+    each(
+        &mut planted,
+        || buffers.borrow(),
+        |scratch, (candidate, first)| {
+            let (collision, X_WJ) = &mut **scratch;
+            X_WJ.resize(model.kinematics.bodies(), Pose::identity());
+            if let Some(pair) = breaks_margin(&model, &settings, first, (collision, X_WJ)) {
+                candidate.reject(Rejection::WaypointBlocked(0));
+                candidate.blocked_by = Some(model.pair_shapes(pair));
+            }
+        },
+    );
 }
 
 /// The pair that is closer than the margins of a leg's own state allow, where the leg ends. Along a transition the margins of
 /// what it brings together are lifted, but here other motions may start.
-fn breaks_margin(model: &PlanningModel, settings: &SearchSettings, leg: &PlannedLeg) -> Option<PairId> {
-    if model.problem.margins.is_empty() {
-        return None;
-    }
-    let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
-    model.kinematics.forward(&leg.knots, &mut X_WJ);
-    let guard = settings.clearance_guard;
-    model.first_collision(leg.state, &X_WJ, guard, &mut CollisionScratch::new()).map(|contact| contact.pair)
+fn breaks_margin(
+    model: &PlanningModel,
+    settings: &SearchSettings,
+    leg: &PlannedLeg,
+    (collision, X_WJ): (&mut CollisionScratch, &mut [Pose]),
+) -> Option<PairId> {
+    model.kinematics.forward(&leg.knots, X_WJ);
+    model.first_collision(leg.state, X_WJ, settings.clearance_guard, collision).map(|contact| contact.pair)
 }
 
 /// Drops what steering cut short of what is to be planted: nothing but the whole joins two leaves.
