@@ -6,7 +6,7 @@
 
 use super::gjk::{ROUNDING, Relative};
 use super::lane_boxes::{combined, dot};
-use super::mesh_tree::Corners;
+use super::mesh_tree::{Bounds, Corners};
 use crate::lanes::{F64Row, Isa, Lanes, Mask, Vector3};
 use glam::DVec3;
 
@@ -146,6 +146,38 @@ impl<V: Lanes> LaneTriangles<V> {
     fn most_along(&self, n: Vector3<V>) -> V {
         dot(n, self.corners[0]).max(dot(n, self.corners[1])).max(dot(n, self.corners[2]))
     }
+}
+
+/// Along the axes, the least and the largest coordinates of eight triangles.
+pub(super) struct Extents<V> {
+    low: Vector3<V>,
+    high: Vector3<V>,
+}
+
+impl<V: Lanes> Extents<V> {
+    #[inline(always)]
+    pub(super) fn of(eight: &LaneTriangles<V>) -> Self {
+        let [a, b, c] = eight.corners;
+        let least = |p: Vector3<V>, q: Vector3<V>| Vector3::new(p.x.min(q.x), p.y.min(q.y), p.z.min(q.z));
+        let most = |p: Vector3<V>, q: Vector3<V>| Vector3::new(p.x.max(q.x), p.y.max(q.y), p.z.max(q.z));
+        Self { low: least(least(a, b), c), high: most(most(a, b), c) }
+    }
+}
+
+/// The triangles that are not `least` away from a box.
+#[inline(always)]
+pub(super) fn beside<I: Isa>(isa: I, extents: &Extents<I::F64>, bounds: &Bounds, least: f64) -> u32 {
+    if least <= 0.0 {
+        return u32::MAX;
+    }
+    let zero = I::F64::constant(isa, 0.0);
+    let (low, high) = (bounds.center - bounds.half, bounds.center + bounds.half);
+    let above = extents.low.minus(Vector3::splat(isa, high));
+    let below = Vector3::<I::F64>::splat(isa, low).minus(extents.high);
+    let gap =
+        Vector3::new(above.x.max(below.x).max(zero), above.y.max(below.y).max(zero), above.z.max(below.z).max(zero));
+    // Compared so that NaN is near.
+    !I::F64::constant(isa, least * least).le(dot(gap, gap)).bits()
 }
 
 /// Eight triangles as they are.

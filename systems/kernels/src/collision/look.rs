@@ -15,6 +15,9 @@ const HULL_SHARE: f64 = 0.05;
 /// Meshes are asked for this many times more than what an interval takes: twice for each neighbour to one side.
 const NEIGHBOURS: f64 = 4.0;
 
+/// Hulls that overlapped so often in a row are asked again after as many samples that their triangles leave open.
+const MOST_SPARED: u8 = 8;
+
 /// What became of a pair in an interval.
 pub(super) enum Outcome {
     /// Free throughout, by at least this, metres.
@@ -53,8 +56,10 @@ pub(super) struct Hints {
     pub solids: DVec3,
     /// Their hulls.
     pub hulls: DVec3,
-    /// Whether the hulls overlapped where they were asked last.
-    pub overlap: bool,
+    /// How often in a row the hulls overlapped where they were asked last, up to a few times.
+    pub overlaps: u8,
+    /// How often they need not be asked again after the triangles.
+    pub spared: u8,
 }
 
 impl Look<'_> {
@@ -107,15 +112,15 @@ impl Look<'_> {
         hints: &mut Hints,
         along: impl FnOnce(DVec3) -> f64,
     ) -> (Outcome, DVec3) {
-        if hints.overlap {
+        if hints.overlaps > 0 {
             let outcome = self.by_triangles(id, here, hints);
-            return match outcome {
-                Outcome::Certified(_) | Outcome::Collides(_) => (outcome, DVec3::ZERO),
-                Outcome::Open | Outcome::Doubtful(_) => {
-                    let (by_hulls, n) = self.by_hulls(id, here, hints, along);
-                    (by_hulls.unwrap_or(outcome), n)
-                }
-            };
+            let decided = matches!(outcome, Outcome::Certified(_) | Outcome::Collides(_));
+            if decided || hints.spared > 0 {
+                hints.spared -= u8::from(!decided);
+                return (outcome, DVec3::ZERO);
+            }
+            let (by_hulls, n) = self.by_hulls(id, here, hints, along);
+            return (by_hulls.unwrap_or(outcome), n);
         }
         let (by_hulls, n) = self.by_hulls(id, here, hints, along);
         (by_hulls.unwrap_or_else(|| self.by_triangles(id, here, hints)), n)
@@ -134,7 +139,8 @@ impl Look<'_> {
         let floor = if here.is_fine { needed } else { keep };
         let ask = Ask { floor, relative: 0.05, ..Ask::exact(needed) };
         let apart = hull_clearance(self.scene, id, here.X, ask, &mut hints.hulls);
-        hints.overlap = apart <= 0.0;
+        hints.overlaps = if apart > 0.0 { 0 } else { (hints.overlaps + 1).min(MOST_SPARED) };
+        hints.spared = hints.overlaps;
         let n = if apart >= keep { hints.hulls } else { DVec3::ZERO };
         let certified = certified(apart, keep, n, here, along);
         let is_left_to_halves = apart - keep >= HULL_SHARE * here.closer && 2.0 * here.closer > here.resolution;

@@ -4,7 +4,7 @@
 use super::convex::{Convex, Core};
 use super::gjk::{Ask, ROUNDING, Relative, core_distance};
 use super::lane_boxes::{Probe, View, beyond};
-use super::lane_triangles::{Gaps, crossing, load, load_moved, reaching, to_segment, to_triangle};
+use super::lane_triangles::{Extents, Gaps, beside, crossing, load, load_moved, reaching, to_segment, to_triangle};
 use super::mesh_tree::{Block, MeshTree, WIDE};
 use crate::lanes::{Isa, Kernel};
 use glam::{DMat3, DVec3};
@@ -181,14 +181,15 @@ impl Kernel for ToMesh<'_> {
                     continue;
                 }
                 let eight = load_moved(isa, &b.corners[corners as usize], X_AB);
+                let extents = Extents::of(&eight);
                 while lanes != 0 {
                     let lane = lanes.trailing_zeros() as usize;
                     lanes &= lanes - 1;
-                    let near = views.of_b.near(isa, &block_a.bounds_of(lane), block_b, least.value);
+                    let near = block_b.lanes() & beside(isa, &extents, &block_a.bounds_of(lane), least.value);
                     let triangle = &a.triangles[block_a.first as usize + lane];
                     // Of a triangle without numbers no number.
                     let start = hint.dot(triangle[0]).min(hint.dot(triangle[1])).min(hint.dot(triangle[2]));
-                    let mut meeting = near.lanes & reaching(isa, &eight, *hint, start, least.value);
+                    let mut meeting = near & reaching(isa, &eight, *hint, start, least.value);
                     if meeting != 0 {
                         meeting &= crossing(isa, &eight, triangle, least.value);
                     }
