@@ -5,11 +5,13 @@
 //! each joint moves to either side of them, stand in lanes. Configurations that lie on no common motion are knots with
 //! nothing between them.
 
+use super::interval::{Interval, Sample};
 use super::pairs::{ActiveGroup, PairSet};
+use super::place_bodies::{PlaceBodies, Step};
 use super::scene::{CollisionScene, SceneJoint};
 use super::velocity_bound::FINE;
 use crate::kinematics::{Carriage, Kinematics};
-use crate::lanes::{F32Row, F64Row, Isa, Kernel, Lanes, Level, Rotation, Transform, Vector3, sin_cos};
+use crate::lanes::{F32Row, F64Row, Level};
 use foliate_components::Pose;
 use foliate_components::configuration::quaternion;
 use foliate_components::pose::exp_so3;
@@ -20,99 +22,8 @@ use glam::{DMat3, DQuat, DVec3};
 pub(super) const LANES: usize = 16;
 /// Numbers of a pose: columns of the rotation, then the translation.
 pub(super) const POSE: usize = 12;
-/// Intervals are not halved more often than this.
-const DEEPEST: u32 = 48;
-
-/// Part of a polyline.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Interval {
-    /// From knot `first` to knot `last`; where that is one piece, the part of it below.
-    first: u32,
-    last: u32,
-    /// [k, k + 1] · 2^−depth.
-    k: u64,
-    depth: u32,
-}
-
-/// Where an interval is looked at.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Sample {
-    /// At a knot, as the middle of a span.
-    Knot { first: u32, middle: u32, last: u32 },
-    /// At a parameter of a piece, as the middle of an interval of twice that half width.
-    Inside { piece: u32, t: f64, half_width: f64 },
-}
-
-impl Interval {
-    /// One knot, and nothing to either side of it.
-    pub(super) fn knot(knot: u32) -> Self {
-        Self { first: knot, last: knot, k: 0, depth: 0 }
-    }
-
-    pub(super) fn whole(pieces: u32) -> Self {
-        Self { first: 0, last: pieces, k: 0, depth: 0 }
-    }
-
-    fn is_span(self) -> bool {
-        self.last - self.first != 1
-    }
-
-    /// Where it begins, in pieces.
-    pub(super) fn left(self) -> f64 {
-        f64::from(self.first) + self.k as f64 * 0.5_f64.powi(self.depth as i32)
-    }
-
-    /// Whether another interval begins where this one ends.
-    pub(super) fn is_followed_by(self, next: Self) -> bool {
-        let end =
-            if self.is_span() || self.k + 1 == 1 << self.depth { (self.last, 0) } else { (self.first, self.k + 1) };
-        // Both as multiples of the shortest part that there is.
-        end.0 == next.first && end.1 << (DEEPEST - self.depth) == next.k << (DEEPEST - next.depth)
-    }
-
-    /// Where the sample is, in pieces.
-    pub(super) fn middle(self) -> f64 {
-        match self.sample() {
-            Sample::Knot { middle, .. } => f64::from(middle),
-            Sample::Inside { piece, t, .. } => f64::from(piece) + t,
-        }
-    }
-
-    pub(super) fn sample(self) -> Sample {
-        if self.is_span() {
-            let middle = self.first.midpoint(self.last);
-            return Sample::Knot { first: self.first, middle, last: self.last };
-        }
-        let width = 0.5_f64.powi(self.depth as i32);
-        Sample::Inside { piece: self.first, t: (self.k as f64 + 0.5) * width, half_width: 0.5 * width }
-    }
-
-    /// Its halves; none where it is as short as intervals get.
-    pub(super) fn halves(self) -> Option<[Self; 2]> {
-        if self.is_span() {
-            let middle = self.first.midpoint(self.last);
-            return Some([Self { last: middle, ..self }, Self { first: middle, ..self }]);
-        }
-        let half = |side| Self { k: 2 * self.k + side, depth: self.depth + 1, ..self };
-        (self.depth < DEEPEST).then(|| [half(0), half(1)])
-    }
-}
-
 /// Sines in lanes are exact up to here, radians; beyond it nothing is proved.
 const FARTHEST: f64 = 1e5;
-
-/// A body that moves along the motion, and what moves it.
-#[derive(Clone, Copy, Debug)]
-struct Step {
-    body: u32,
-    /// The body that it hangs on; none for the world.
-    parent: Option<u32>,
-    /// Where it hangs (with joint: at zero).
-    hangs: Pose,
-    motion: Option<Motion>,
-    /// First of its rows in `values`.
-    value: u32,
-}
 
 /// What is known of a motion, and of the block being looked at. Buffers are reused from motion to motion.
 #[derive(Clone, Debug, Default)]
@@ -494,110 +405,5 @@ impl SceneJoint {
                 (length(&delta[j + 3..j + 6]), length(&delta[j..j + 3]), length(&q[i..i + 3]).max(length(&end)))
             }
         }
-    }
-}
-
-/// Forward kinematics of the bodies that move, with carried objects.
-struct PlaceBodies<'a> {
-    steps: &'a [Step],
-    values: &'a [[F64Row; 2]],
-    start: &'a [Pose],
-    body_moves: &'a [bool],
-    exact: &'a mut [[[F64Row; POSE]; 2]],
-    poses: &'a mut [[F32Row; POSE]],
-}
-
-impl Kernel for PlaceBodies<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<I: Isa>(self, isa: I) {
-        for step in self.steps {
-            for half in 0..2 {
-                let values = &self.values[step.value as usize..];
-                let hung: Transform<I::F64> = match step.parent {
-                    None => Transform::splat(isa, &step.hangs),
-                    Some(parent) if self.body_moves[parent as usize] => {
-                        Transform::load(isa, &self.exact[parent as usize][half])
-                            .times(&Transform::splat(isa, &step.hangs))
-                    }
-                    Some(parent) => Transform::splat(isa, &(self.start[parent as usize] * step.hangs)),
-                };
-                let placed = match step.motion {
-                    None => hung,
-                    Some(Motion::Revolute { axis }) => {
-                        let angle = I::F64::load(isa, &values[0][half]);
-                        Transform { rotation: turned(hung.rotation, axis, angle), translation: hung.translation }
-                    }
-                    Some(Motion::Prismatic { axis }) => {
-                        let by = I::F64::load(isa, &values[0][half]);
-                        let along = Vector3::splat(isa, axis).scaled(by);
-                        Transform { rotation: hung.rotation, translation: hung.point(along) }
-                    }
-                    Some(Motion::Planar) => {
-                        let (x, y) = (I::F64::load(isa, &values[0][half]), I::F64::load(isa, &values[1][half]));
-                        let at = hung.point(Vector3::new(x, y, I::F64::constant(isa, 0.0)));
-                        let angle = I::F64::load(isa, &values[2][half]);
-                        Transform { rotation: turned(hung.rotation, DVec3::Z, angle), translation: at }
-                    }
-                    Some(Motion::FreeFlyer) => {
-                        let row = [
-                            I::F64::load(isa, &values[0][half]),
-                            I::F64::load(isa, &values[1][half]),
-                            I::F64::load(isa, &values[2][half]),
-                            I::F64::load(isa, &values[3][half]),
-                            I::F64::load(isa, &values[4][half]),
-                            I::F64::load(isa, &values[5][half]),
-                            I::F64::load(isa, &values[6][half]),
-                        ];
-                        let own = Transform {
-                            rotation: Rotation::from_quaternion(row[3], row[4], row[5], row[6]),
-                            translation: Vector3::new(row[0], row[1], row[2]),
-                        };
-                        hung.times(&own)
-                    }
-                };
-                let rows = &mut self.exact[step.body as usize][half];
-                placed.store(rows);
-                let rounded = &mut self.poses[step.body as usize];
-                for number in 0..POSE {
-                    for lane in 0..8 {
-                        rounded[number].0[8 * half + lane] = rows[number].0[lane] as f32;
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// A frame, turned about an axis of its own.
-#[inline(always)]
-fn turned<V: Lanes>(frame: Rotation<V>, axis: DVec3, angle: V) -> Rotation<V> {
-    let (sine, cosine) = sin_cos(angle);
-    let [x, y, z] = frame.columns;
-    if axis.x.abs() == 1.0 {
-        let sine = sine * V::constant(angle.isa(), axis.x);
-        Rotation { columns: [x, y.scaled_plus(cosine, z.scaled(sine)), z.scaled_plus(cosine, y.scaled(-sine))] }
-    } else if axis.y.abs() == 1.0 {
-        let sine = sine * V::constant(angle.isa(), axis.y);
-        Rotation { columns: [x.scaled_plus(cosine, z.scaled(-sine)), y, z.scaled_plus(cosine, x.scaled(sine))] }
-    } else if axis.z.abs() == 1.0 {
-        let sine = sine * V::constant(angle.isa(), axis.z);
-        Rotation { columns: [x.scaled_plus(cosine, y.scaled(sine)), y.scaled_plus(cosine, x.scaled(-sine)), z] }
-    } else {
-        // Rodrigues: c + (1 − c) a aᵀ + s [a]×, column by column.
-        let isa = angle.isa();
-        let a = Vector3::<V>::splat(isa, axis);
-        let rest = V::constant(isa, 1.0) - cosine;
-        let (ax, ay, az) = (a.scaled(rest * a.x), a.scaled(rest * a.y), a.scaled(rest * a.z));
-        let (sx, sy, sz) = (a.x * sine, a.y * sine, a.z * sine);
-        let own = Rotation {
-            columns: [
-                Vector3::new(ax.x + cosine, ax.y + sz, ax.z - sy),
-                Vector3::new(ay.x - sz, ay.y + cosine, ay.z + sx),
-                Vector3::new(az.x + sy, az.y - sx, az.z + cosine),
-            ],
-        };
-        frame.times(&own)
     }
 }

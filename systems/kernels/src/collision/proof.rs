@@ -10,7 +10,8 @@
 //! (DESIGN §5.5; Schwarzer, Saha and Latombe 2005; hpp-notes card L).
 
 use super::certificate::CertificateSettings;
-use super::course::{Interval, LANES, Sample};
+use super::course::LANES;
+use super::interval::{Interval, Sample};
 use super::look::{Here, Look, Outcome};
 use super::pairs::{ActiveGroup, PairSet};
 use super::scene::{CollisionScene, PairId};

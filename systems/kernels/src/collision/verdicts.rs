@@ -1,8 +1,9 @@
 //! Exact verdicts of many configurations, bounds of sixteen of them first: from outside what is surely free, from inside what
 //! surely collides.
 
-use super::course::{Interval, LANES};
+use super::course::LANES;
 use super::distance::Ask;
+use super::interval::Interval;
 use super::pairs::PairSet;
 use super::scene::{CollisionScene, PairId};
 use super::scratch::CollisionScratch;

@@ -4,27 +4,25 @@
 //! compiled when it is first asked for, so that a graph with thousands of states starts at once. Where the graph is lazy,
 //! every search lets a model of its own grow, which shares all but the graph with the one it started from.
 
-use crate::constraint_programs::{LegProgram, parameter_in};
+mod clearance;
+mod hanging;
+
+pub use hanging::{hanging, solid_grasp};
+
+use crate::constraint_programs::LegProgram;
 use crate::graph::building::GraphError;
-use crate::graph::carriers::{Carriers, grasp_of, is_beyond, is_rigid, root_of};
+use crate::graph::carriers::{Carriers, grasp_of, root_of};
 use crate::graph::cases::Case;
 use crate::graph::growth::Growth;
 use crate::graph::resting::{Resting, RestingPlace};
 use bevy_ecs::prelude::Resource;
-use foliate_components::Pose;
-use foliate_components::candidate::PlannedLeg;
 use foliate_components::constraint::{Constraint, Grasp, Locked, LockedValue};
 use foliate_components::graph::{ConstraintGraph, ConstraintId, ConstraintKind, StateId, Transition, TransitionId};
-use foliate_components::leaf::{Leaf, LeafIndex, Parameter};
-use foliate_components::path::Attachment;
-use foliate_components::pose::{log_so3, pose_to_array};
 use foliate_components::problem::{JointRest, Problem};
 use foliate_components::roadmap::{NodeId, Roadmap};
-use foliate_components::robot::{JointIndex, LinkIndex, PartIndex, Robot, ShapeIndex, Source, SurfaceIndex};
-use foliate_kernels::collision::{
-    CollisionScene, CollisionScratch, Contact, PairId, PairRule, PairSet, first_collision,
-};
-use foliate_kernels::kinematics::{Carriage, Kinematics};
+use foliate_components::robot::{JointIndex, Robot, Source};
+use foliate_kernels::collision::{CollisionScene, PairRule, PairSet};
+use foliate_kernels::kinematics::Kinematics;
 use foliate_kernels::projection::{CompileError, SeedTable};
 use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
@@ -305,321 +303,6 @@ impl Model {
         self.constraint_of(self.graph.constraint(constraint).kind)
     }
 
-    /// The pairs of shapes on motions of a transition that lie in `state`. Which pairs move depends on who carries whom,
-    /// which the state decides; margins are lifted from what touches at either end of the transition.
-    #[must_use]
-    pub fn pairs(&self, transition: TransitionId, state: StateId, carriages: &[Carriage]) -> &PairSet {
-        let shared = || self.states[state.at()].pairs.get_or_init(|| PairSet::new(&self.collision, carriages, &[]));
-        if self.problem.margins.is_empty() {
-            return shared();
-        }
-        let ends = self.graph.transition(transition);
-        // Motions that only enter the target come after the last leg; they stand still, and margins do not matter.
-        let Some(leg) = ends.legs.iter().position(|leg| leg.state == state) else { return shared() };
-        self.transitions[transition.at()].legs[leg].pairs.get_or_init(|| {
-            let touching = self.touching_along(transition);
-            PairSet::new(&self.collision, carriages, &touching)
-        })
-    }
-
-    /// The pairs of a motion that is part of a transition which is not travelled to its end: margins are lifted only from what
-    /// touches where it begins, or in the states in which its legs lie.
-    #[must_use]
-    pub fn pairs_on_the_way(&self, transition: TransitionId, states: &[StateId], carriages: &[Carriage]) -> PairSet {
-        let from = self.graph.transition(transition).from;
-        let touching: Vec<_> = states.iter().chain([&from]).flat_map(|&state| self.touching(state)).collect();
-        PairSet::new(&self.collision, carriages, &touching)
-    }
-
-    /// The links that touch by grasp or placement at either end of a transition.
-    fn touching_along(&self, transition: TransitionId) -> Vec<(LinkIndex, LinkIndex)> {
-        let ends = self.graph.transition(transition);
-        let mut touching = self.touching(ends.from);
-        touching.extend(self.touching(ends.to));
-        touching
-    }
-
-    /// The links that touch by grasp or placement in a state: fingers hang on a gripper's body, and touch too.
-    fn touching(&self, state: StateId) -> Vec<(LinkIndex, LinkIndex)> {
-        let robot = &self.problem.robot;
-        let mut links = Vec::new();
-        let mut touch = |first: &[LinkIndex], second: &[LinkIndex]| {
-            links.extend(first.iter().flat_map(|&a| second.iter().map(move |&b| (a, b))));
-        };
-        for &constraint in &self.graph.state(state).manifold {
-            match self.graph.constraint(constraint).kind {
-                ConstraintKind::Grasp { gripper, handle } => {
-                    let hand = links_beyond(robot, robot.grippers[gripper.at()].link);
-                    touch(&hand, &links_with(robot, robot.handles[handle.at()].link));
-                }
-                ConstraintKind::Placement { object, on } => {
-                    let place = self.objects[object as usize].resting_on(on);
-                    for surface in &self.graph.objects[object as usize].surfaces {
-                        let lying = links_with(robot, robot.surfaces[surface.at()].link);
-                        for support in place.iter().flat_map(|place| &place.supports) {
-                            touch(&lying, &links_with(robot, robot.surfaces[support.at()].link));
-                        }
-                    }
-                    if let Some(floor) = place.and_then(|place| place.touches) {
-                        let part = self.graph.objects[object as usize].part;
-                        touch(&links_with(robot, robot.parts[part.at()].root_link), &links_with(robot, floor));
-                    }
-                }
-                _ => {}
-            }
-        }
-        links
-    }
-
-    /// The first pair of shapes that is too close where the bodies are, margins of touching pairs in `state` lifted.
-    #[must_use]
-    pub fn first_collision(
-        &self,
-        state: StateId,
-        X_WJ: &[Pose],
-        guard: f64,
-        scratch: &mut CollisionScratch,
-    ) -> Option<Contact> {
-        let verdict = || PairSet::new(&self.collision, &[], &self.touching(state));
-        let pairs = match self.problem.margins.is_empty() {
-            true => &self.all_pairs,
-            false => self.states[state.at()].verdict.get_or_init(verdict),
-        };
-        first_collision(&self.collision, X_WJ, pairs, guard, scratch)
-    }
-
-    /// The first pair of shapes that is too close at a waypoint of a transition: margins are lifted from what touches at
-    /// either end, as along its motions.
-    #[must_use]
-    pub fn first_collision_along(
-        &self,
-        transition: TransitionId,
-        X_WJ: &[Pose],
-        guard: f64,
-        scratch: &mut CollisionScratch,
-    ) -> Option<Contact> {
-        first_collision(&self.collision, X_WJ, self.waypoint_pairs(transition), guard, scratch)
-    }
-
-    /// Every pair, with the margins that hold at the waypoints of a transition: lifted from what touches at either end.
-    #[must_use]
-    pub fn waypoint_pairs(&self, transition: TransitionId) -> &PairSet {
-        let verdict = || PairSet::new(&self.collision, &[], &self.touching_along(transition));
-        match self.problem.margins.is_empty() {
-            true => &self.all_pairs,
-            false => self.transitions[transition.at()].verdict.get_or_init(verdict),
-        }
-    }
-
-    /// Names of the shapes of a pair.
-    #[must_use]
-    pub fn pair_shapes(&self, pair: PairId) -> (ShapeIndex, ShapeIndex) {
-        let pair = self.collision.pairs()[pair.at()];
-        (pair.first, pair.second)
-    }
-
-    /// Names of the shapes of a pair, for messages.
-    #[must_use]
-    pub fn pair_name(&self, pair: PairId) -> String {
-        let (a, b) = self.pair_shapes(pair);
-        let shapes = &self.problem.robot.shapes;
-        format!("{} and {}", shapes[a.at()].name, shapes[b.at()].name)
-    }
-
-    /// What carries each object in a state.
-    #[must_use]
-    pub fn carriers(&self, state: StateId) -> &Carriers {
-        self.states[state.at()].carriers.get_or_init(|| {
-            let manifold = &self.graph.state(state).manifold;
-            Carriers::of_manifold(&self.problem.robot, &self.graph, manifold, |constraint| self.grasp(constraint))
-        })
-    }
-
-    /// The object that a grasp holds by its root, or that a placement or rest is about.
-    #[must_use]
-    pub fn object_of(&self, constraint: ConstraintId) -> Option<usize> {
-        match self.graph.constraint(constraint).kind {
-            ConstraintKind::Placement { object, .. }
-            | ConstraintKind::Preplacement { object, .. }
-            | ConstraintKind::Rest { object } => Some(object as usize),
-            ConstraintKind::Grasp { handle, .. } | ConstraintKind::Pregrasp { handle, .. } => {
-                self.graph.objects.iter().position(|o| o.handles.contains(&handle))
-            }
-            ConstraintKind::JointRest { .. } | ConstraintKind::Given { .. } => None,
-        }
-    }
-
-    /// Whether a grasp determines the pose of the object's root.
-    #[must_use]
-    pub fn holds_rigidly(&self, constraint: ConstraintId) -> bool {
-        let root = self.object_of(constraint).and_then(|object| self.objects[object].root);
-        self.grasp(constraint).is_some_and(|grasp| is_rigid(grasp, root))
-    }
-
-    /// How every object hangs on what carries it, in a state whose foliating constraints have the values `parameter`; a
-    /// carrier comes before what it carries.
-    pub fn carriages<'a>(
-        &self,
-        state: StateId,
-        parameter: impl Fn(ConstraintId) -> Option<&'a Parameter>,
-    ) -> Vec<Carriage> {
-        let carriers = self.carriers(state);
-        let carriage = |&index: &usize| {
-            let (constraint, object) = (carriers.of[index]?, self.objects[index].root?);
-            if let Some(value) = parameter(constraint) {
-                return Some(Carriage { object, carrier: value.carrier, X_CO: value.value });
-            }
-            let (carrier, X_CO) = solid_grasp(self.grasp(constraint)?);
-            Some(Carriage { object, carrier, X_CO })
-        };
-        carriers.order.iter().filter_map(carriage).collect()
-    }
-
-    /// How every object hangs on what carries it, on a leaf.
-    #[must_use]
-    pub fn carriages_of_leaf(&self, leaf: &Leaf, leaves: &LeafIndex) -> Vec<Carriage> {
-        let foliation = &self.graph.state(leaf.state).foliation;
-        self.carriages(leaf.state, |constraint| {
-            let position = foliation.iter().position(|&c| c == constraint)?;
-            Some(leaves.parameter(leaf.parameters[position]))
-        })
-    }
-
-    /// How every object hangs on what carries it, along a leg.
-    #[must_use]
-    pub fn carriages_of_leg(&self, leg: &PlannedLeg, leaves: &LeafIndex) -> Vec<Carriage> {
-        self.carriages(leg.state, |constraint| parameter_in(self, leaves, leg.state, &leg.parameters, constraint))
-    }
-
-    /// What every object hangs on, on a leaf, for output; an object's carrier comes first.
-    #[must_use]
-    pub fn attachments(&self, leaf: &Leaf, leaves: &LeafIndex) -> Vec<Attachment> {
-        let state = self.graph.state(leaf.state);
-        let carriers = self.carriers(leaf.state);
-        let mut attachments = Vec::new();
-        for (index, object) in self.objects.iter().enumerate() {
-            let first = attachments.len();
-            for &constraint in &state.manifold {
-                if self.object_of(constraint) != Some(index) {
-                    continue;
-                }
-                let carrier = carriers.of[index] == Some(constraint);
-                let attachment = match self.graph.constraint(constraint).kind {
-                    ConstraintKind::Grasp { gripper, handle } => {
-                        let held = self.problem.robot.links[self.problem.robot.handles[handle.at()].link.at()].joint;
-                        let object = object.root.or(held);
-                        object.map(|object| Attachment::Grasp { object, gripper, handle, carrier })
-                    }
-                    ConstraintKind::Placement { on, .. } => self.contact(leaf, leaves, constraint, index, on),
-                    ConstraintKind::Rest { .. } => object.root.map(|object| Attachment::Rest { object, on: None }),
-                    _ => None,
-                };
-                match attachment {
-                    Some(attachment) if carrier => attachments.insert(first, attachment),
-                    Some(attachment) => attachments.push(attachment),
-                    None => {}
-                }
-            }
-        }
-        attachments
-    }
-
-    /// Which surfaces touch where an object lies on a leaf.
-    fn contact(
-        &self,
-        leaf: &Leaf,
-        leaves: &LeafIndex,
-        constraint: ConstraintId,
-        object: usize,
-        on: Option<JointIndex>,
-    ) -> Option<Attachment> {
-        let position = self.graph.state(leaf.state).foliation.iter().position(|&c| c == constraint)?;
-        let parameter = leaves.parameter(leaf.parameters[position]);
-        let root = self.objects[object].root?;
-        let place = self.objects[object].resting_on(on)?;
-        let Resting::Surfaces(lying) = &place.resting else {
-            return Some(Attachment::Rest { object: root, on: place.touches });
-        };
-        // Seen from the carrier, which stands at the origin.
-        let mut X_WJ = vec![Pose::identity(); self.kinematics.bodies()];
-        X_WJ[root.at()] = parameter.value;
-        let touching = foliate_kernels::constraints::placement::contact(lying, &X_WJ);
-        let surface = numbered(&self.problem.robot, &self.graph.objects[object].surfaces, touching.object)?;
-        let support = numbered(&self.problem.robot, &place.supports, touching.support)?;
-        Some(Attachment::Contact { object: root, surface, support })
-    }
-
-    /// How far the objects' coordinates in the knots of a motion are from where their carriers take them: at the joint
-    /// knots of two segments an object has the next leaf's exact pose. And how far what carries them is from holding: by as
-    /// much as the start or goal is, where a leaf has its values from there. Metres and radians.
-    #[must_use]
-    pub fn carrier_gap(&self, leaf: &Leaf, leaves: &LeafIndex, knots: &[Vec<f64>]) -> f64 {
-        let carriages = self.carriages_of_leaf(leaf, leaves);
-        let carrying = || self.carriers(leaf.state).of.iter().flatten();
-        let mut X_WJ = vec![Pose::identity(); self.kinematics.bodies()];
-        let mut gap = 0.0_f64;
-        for q in knots {
-            self.kinematics.forward(q, &mut X_WJ);
-            let written: Vec<Pose> = carriages.iter().map(|c| X_WJ[c.object.at()]).collect();
-            self.kinematics.carry(q, &carriages, &mut X_WJ);
-            for (carriage, written) in carriages.iter().zip(written) {
-                let carried = X_WJ[carriage.object.at()];
-                let turn = log_so3(written.rotation.conjugate() * carried.rotation).length();
-                gap = gap.max(carried.translation.distance(written.translation)).max(turn);
-            }
-            let off = carrying().map(|&constraint| crate::membership::residual(self, constraint, q, &X_WJ));
-            gap = off.fold(gap, f64::max);
-        }
-        gap
-    }
-
-    /// Whether an object is outside the bounds of its coordinates.
-    #[must_use]
-    pub fn object_out_of_bounds(&self, q: &[f64]) -> bool {
-        let space = &self.problem.robot.space;
-        self.objects.iter().filter_map(|object| object.root).any(|root| {
-            match self.problem.robot.joints[root.at()].source {
-                Source::Coordinates { q: first, .. } => {
-                    (first..first + 3).any(|i| !(q[i] >= space.lower[i] - 1e-9 && q[i] <= space.upper[i] + 1e-9))
-                }
-                Source::Follows { .. } => false,
-            }
-        })
-    }
-
-    /// Puts the movable objects of `q` where `poses` say, or else where `start` has them, their joints included.
-    pub fn place_objects(&self, start: &[f64], poses: &[(PartIndex, Pose)], q: &mut [f64]) {
-        let joints = &self.problem.robot.joints;
-        for (record, object) in self.graph.objects.iter().zip(&self.objects) {
-            for joint in &joints[self.problem.robot.parts[record.part.at()].joints.clone()] {
-                if let Source::Coordinates { q: first, .. } = joint.source {
-                    let numbers = first..first + joint.motion.configuration_size();
-                    q[numbers.clone()].copy_from_slice(&start[numbers]);
-                }
-            }
-            let pose = poses.iter().find(|(part, _)| *part == record.part).map(|(_, pose)| pose_to_array(pose));
-            if let (Some(numbers), Some(root)) = (pose, object.root)
-                && let Source::Coordinates { q: first, .. } = joints[root.at()].source
-            {
-                q[first..first + 7].copy_from_slice(&numbers);
-            }
-        }
-    }
-
-    /// Sets joints that are at rest in a state to the value at which they rest; those that stay where they were left
-    /// keep theirs.
-    pub fn rest(&self, state: StateId, q: &mut [f64]) {
-        for &constraint in &self.graph.state(state).manifold {
-            if matches!(self.graph.constraint(constraint).kind, ConstraintKind::JointRest { .. })
-                && let Some(Constraint::Locked(Locked { joint, value: LockedValue::Fixed(value) })) =
-                    self.constraint(constraint)
-                && let Source::Coordinates { q: coordinate, .. } = self.problem.robot.joints[joint.at()].source
-            {
-                q[coordinate] = value;
-            }
-        }
-    }
-
     /// The node nearest to `q` among `nodes`, by weighted distance; ties by lowest id.
     pub fn nearest(
         &self,
@@ -711,18 +394,6 @@ impl ProblemTables {
     }
 }
 
-/// The surface and the number in it of the `count`-th polygon of some surfaces.
-fn numbered(robot: &Robot, surfaces: &[SurfaceIndex], mut count: usize) -> Option<(SurfaceIndex, u32)> {
-    for &surface in surfaces {
-        let polygons = robot.surfaces[surface.at()].polygons.len();
-        if count < polygons {
-            return Some((surface, count as u32));
-        }
-        count -= polygons;
-    }
-    None
-}
-
 fn object_models(problem: &Problem, graph: &ConstraintGraph) -> Result<Vec<ObjectModel>, ModelError> {
     let (robot, options) = (&problem.robot, &problem.graph);
     let model = |object: &foliate_components::problem::ObjectOptions| {
@@ -741,22 +412,6 @@ fn object_models(problem: &Problem, graph: &ConstraintGraph) -> Result<Vec<Objec
         Ok(ObjectModel { root: Some(root), resting })
     };
     graph.objects.iter().map(model).collect()
-}
-
-/// The links that are one body with a link, itself included; of what is fixed in the world only the link itself.
-fn links_with(robot: &Robot, link: LinkIndex) -> Vec<LinkIndex> {
-    let body = robot.links[link.at()].joint;
-    let part = &robot.parts[robot.links[link.at()].part.at()];
-    let same = |&other: &usize| other == link.at() || (body.is_some() && robot.links[other].joint == body);
-    part.links.clone().filter(same).map(|l| LinkIndex(l as u32)).collect()
-}
-
-/// The links that are one body with a link or move with it: a hand's fingers.
-fn links_beyond(robot: &Robot, link: LinkIndex) -> Vec<LinkIndex> {
-    let Some(body) = robot.links[link.at()].joint else { return vec![link] };
-    let part = &robot.parts[robot.links[link.at()].part.at()];
-    let beyond = |&other: &usize| is_beyond(robot, robot.links[other].joint, body);
-    part.links.clone().filter(beyond).map(|l| LinkIndex(l as u32)).collect()
 }
 
 /// Joints that never move: those that the problem locks, and those between equal bounds.
@@ -803,19 +458,4 @@ fn coordinate_weights(robot: &Robot) -> Vec<f64> {
         }
     }
     weights
-}
-
-/// How a solid grasp carries: the gripper's body, and the pose of the object's root in it when both frames coincide.
-#[must_use]
-pub fn solid_grasp(grasp: &Grasp) -> (Option<JointIndex>, Pose) {
-    (grasp.gripper.joint, grasp.gripper.joint_from_frame * grasp.handle.joint_from_frame.inverse())
-}
-
-/// The pose of an object's root in its carrier, from the poses of all bodies.
-#[must_use]
-pub fn hanging(object: JointIndex, carrier: Option<JointIndex>, X_WJ: &[Pose]) -> Pose {
-    match carrier {
-        Some(carrier) => X_WJ[carrier.at()].inverse() * X_WJ[object.at()],
-        None => X_WJ[object.at()],
-    }
 }

@@ -1,0 +1,148 @@
+//! Which pairs of shapes matter where, and whether a configuration keeps them apart.
+
+use super::Model;
+use crate::graph::carriers::is_beyond;
+use foliate_components::Pose;
+use foliate_components::graph::{ConstraintKind, StateId, TransitionId};
+use foliate_components::robot::{LinkIndex, Robot, ShapeIndex};
+use foliate_kernels::collision::{CollisionScratch, Contact, PairId, PairSet, first_collision};
+use foliate_kernels::kinematics::Carriage;
+
+impl Model {
+    /// The pairs of shapes on motions of a transition that lie in `state`. Which pairs move depends on who carries whom,
+    /// which the state decides; margins are lifted from what touches at either end of the transition.
+    #[must_use]
+    pub fn pairs(&self, transition: TransitionId, state: StateId, carriages: &[Carriage]) -> &PairSet {
+        let shared = || self.states[state.at()].pairs.get_or_init(|| PairSet::new(&self.collision, carriages, &[]));
+        if self.problem.margins.is_empty() {
+            return shared();
+        }
+        let ends = self.graph.transition(transition);
+        // Motions that only enter the target come after the last leg; they stand still, and margins do not matter.
+        let Some(leg) = ends.legs.iter().position(|leg| leg.state == state) else { return shared() };
+        self.transitions[transition.at()].legs[leg].pairs.get_or_init(|| {
+            let touching = self.touching_along(transition);
+            PairSet::new(&self.collision, carriages, &touching)
+        })
+    }
+
+    /// The pairs of a motion that is part of a transition which is not travelled to its end: margins are lifted only from what
+    /// touches where it begins, or in the states in which its legs lie.
+    #[must_use]
+    pub fn pairs_on_the_way(&self, transition: TransitionId, states: &[StateId], carriages: &[Carriage]) -> PairSet {
+        let from = self.graph.transition(transition).from;
+        let touching: Vec<_> = states.iter().chain([&from]).flat_map(|&state| self.touching(state)).collect();
+        PairSet::new(&self.collision, carriages, &touching)
+    }
+
+    /// The links that touch by grasp or placement at either end of a transition.
+    fn touching_along(&self, transition: TransitionId) -> Vec<(LinkIndex, LinkIndex)> {
+        let ends = self.graph.transition(transition);
+        let mut touching = self.touching(ends.from);
+        touching.extend(self.touching(ends.to));
+        touching
+    }
+
+    /// The links that touch by grasp or placement in a state: fingers hang on a gripper's body, and touch too.
+    fn touching(&self, state: StateId) -> Vec<(LinkIndex, LinkIndex)> {
+        let robot = &self.problem.robot;
+        let mut links = Vec::new();
+        let mut touch = |first: &[LinkIndex], second: &[LinkIndex]| {
+            links.extend(first.iter().flat_map(|&a| second.iter().map(move |&b| (a, b))));
+        };
+        for &constraint in &self.graph.state(state).manifold {
+            match self.graph.constraint(constraint).kind {
+                ConstraintKind::Grasp { gripper, handle } => {
+                    let hand = links_beyond(robot, robot.grippers[gripper.at()].link);
+                    touch(&hand, &links_with(robot, robot.handles[handle.at()].link));
+                }
+                ConstraintKind::Placement { object, on } => {
+                    let place = self.objects[object as usize].resting_on(on);
+                    for surface in &self.graph.objects[object as usize].surfaces {
+                        let lying = links_with(robot, robot.surfaces[surface.at()].link);
+                        for support in place.iter().flat_map(|place| &place.supports) {
+                            touch(&lying, &links_with(robot, robot.surfaces[support.at()].link));
+                        }
+                    }
+                    if let Some(floor) = place.and_then(|place| place.touches) {
+                        let part = self.graph.objects[object as usize].part;
+                        touch(&links_with(robot, robot.parts[part.at()].root_link), &links_with(robot, floor));
+                    }
+                }
+                _ => {}
+            }
+        }
+        links
+    }
+
+    /// The first pair of shapes that is too close where the bodies are, margins of touching pairs in `state` lifted.
+    #[must_use]
+    pub fn first_collision(
+        &self,
+        state: StateId,
+        X_WJ: &[Pose],
+        guard: f64,
+        scratch: &mut CollisionScratch,
+    ) -> Option<Contact> {
+        let verdict = || PairSet::new(&self.collision, &[], &self.touching(state));
+        let pairs = match self.problem.margins.is_empty() {
+            true => &self.all_pairs,
+            false => self.states[state.at()].verdict.get_or_init(verdict),
+        };
+        first_collision(&self.collision, X_WJ, pairs, guard, scratch)
+    }
+
+    /// The first pair of shapes that is too close at a waypoint of a transition: margins are lifted from what touches at
+    /// either end, as along its motions.
+    #[must_use]
+    pub fn first_collision_along(
+        &self,
+        transition: TransitionId,
+        X_WJ: &[Pose],
+        guard: f64,
+        scratch: &mut CollisionScratch,
+    ) -> Option<Contact> {
+        first_collision(&self.collision, X_WJ, self.waypoint_pairs(transition), guard, scratch)
+    }
+
+    /// Every pair, with the margins that hold at the waypoints of a transition: lifted from what touches at either end.
+    #[must_use]
+    pub fn waypoint_pairs(&self, transition: TransitionId) -> &PairSet {
+        let verdict = || PairSet::new(&self.collision, &[], &self.touching_along(transition));
+        match self.problem.margins.is_empty() {
+            true => &self.all_pairs,
+            false => self.transitions[transition.at()].verdict.get_or_init(verdict),
+        }
+    }
+
+    /// Names of the shapes of a pair.
+    #[must_use]
+    pub fn pair_shapes(&self, pair: PairId) -> (ShapeIndex, ShapeIndex) {
+        let pair = self.collision.pairs()[pair.at()];
+        (pair.first, pair.second)
+    }
+
+    /// Names of the shapes of a pair, for messages.
+    #[must_use]
+    pub fn pair_name(&self, pair: PairId) -> String {
+        let (a, b) = self.pair_shapes(pair);
+        let shapes = &self.problem.robot.shapes;
+        format!("{} and {}", shapes[a.at()].name, shapes[b.at()].name)
+    }
+}
+
+/// The links that are one body with a link, itself included; of what is fixed in the world only the link itself.
+fn links_with(robot: &Robot, link: LinkIndex) -> Vec<LinkIndex> {
+    let body = robot.links[link.at()].joint;
+    let part = &robot.parts[robot.links[link.at()].part.at()];
+    let same = |&other: &usize| other == link.at() || (body.is_some() && robot.links[other].joint == body);
+    part.links.clone().filter(same).map(|l| LinkIndex(l as u32)).collect()
+}
+
+/// The links that are one body with a link or move with it: a hand's fingers.
+fn links_beyond(robot: &Robot, link: LinkIndex) -> Vec<LinkIndex> {
+    let Some(body) = robot.links[link.at()].joint else { return vec![link] };
+    let part = &robot.parts[robot.links[link.at()].part.at()];
+    let beyond = |&other: &usize| is_beyond(robot, robot.links[other].joint, body);
+    part.links.clone().filter(beyond).map(|l| LinkIndex(l as u32)).collect()
+}
