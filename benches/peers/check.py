@@ -20,9 +20,11 @@ from settings import SCENES
 from solvers import scene_file
 
 
-def check_all(results: Path, work: Path, scenes: list[str]) -> None:
-    """Proves every answer of `scenes` that has no verdict yet."""
+def check_all(results: Path, work: Path, scenes: list[str], only: str | None = None) -> None:
+    """Proves every answer of `scenes`, of one planner if `only` says so, that has no verdict yet."""
     rows = [row for row in read_rows(results / "rows.csv") if row.solved and row.scene in scenes]
+    if only is not None:
+        rows = [row for row in rows if (row.solver == FOLIATE) == (only == FOLIATE)]
     verdicts = Verdicts(results / "checks.csv")
     for scene in scenes:
         waiting = [row for row in rows if row.scene == scene and verdicts.of(row) is None]

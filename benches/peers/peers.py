@@ -2,7 +2,7 @@
 """HPP and Foliate on the same problems, one solve after the other on one core.
 
     peers.py run --foliate PROGRAM --commit ID [--scenes NAME ...] [--seeds 10] [--only foliate] [--again] [--control 3]
-    peers.py check [--scenes NAME ...]
+    peers.py check [--scenes NAME ...] [--only hpp]
     peers.py table
 
 `run` appends a row per solve to `results/rows.csv` and goes on where an earlier call ended; `check` proves answers with
@@ -133,7 +133,7 @@ def main(arguments: list[str] | None = None) -> int:
         elif options.command == "check":
             import check
 
-            check.check_all(options.results, options.work, options.scenes)
+            check.check_all(options.results, options.work, options.scenes, options.only)
         else:
             import table
 
