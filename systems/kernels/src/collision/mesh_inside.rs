@@ -3,7 +3,7 @@
 use super::mesh_tree::{Bounds, MeshTree, WIDE};
 use glam::DVec3;
 
-/// Eight to a block, so trees over 2³² triangles are 11 deep, and a step leaves at most seven blocks behind.
+/// Eight to a block, so trees over 2³² triangles are at most 12 deep, and a step leaves at most seven blocks behind.
 const STACK: usize = 12 * WIDE;
 
 impl MeshTree {
