@@ -5,7 +5,9 @@
 //! immutable during a search.
 
 mod compose;
+pub mod mesh_record;
 pub mod model;
+pub mod positions;
 pub mod shape;
 
 pub use compose::{ComposeError, PartKind, PartPlacement, RootJoint};

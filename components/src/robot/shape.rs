@@ -1,5 +1,7 @@
 //! Solids: primitives with their own frame in the middle, z along the axis (URDF's convention), and triangle meshes.
 
+use super::mesh_record::MeshRecord;
+use super::positions::first_at_position;
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -45,6 +47,8 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
     /// Whether every edge is shared by exactly two triangles, so that the mesh bounds a solid.
     pub closed: bool,
+    /// What was found out about vertices and triangles before, so that it need not be again. Whoever uses it proves it first.
+    pub record: Option<MeshRecord>,
 }
 
 impl Mesh {
@@ -57,31 +61,35 @@ impl Mesh {
         let count = vertices.len() as u32;
         let triangles: Vec<_> = triangles.into_iter().filter(|t| t.iter().all(|&i| i < count)).collect();
         let closed = is_closed(&vertices, &triangles);
-        Self { source, vertices, triangles, closed }
+        Self { source, vertices, triangles, closed, record: None }
     }
 }
 
 /// Whether the triangles bound a solid: every undirected edge (by position) belongs to exactly two triangles.
 fn is_closed(vertices: &[DVec3], triangles: &[[u32; 3]]) -> bool {
-    use std::collections::HashMap;
-    let mut ids: HashMap<[u64; 3], u32> = HashMap::with_capacity(vertices.len());
-    let same: Vec<u32> = vertices
-        .iter()
-        .enumerate()
-        // `+ 0.0` maps −0 to +0, which are one position.
-        .map(|(i, p)| *ids.entry([p.x, p.y, p.z].map(|c| (c + 0.0).to_bits())).or_insert(i as u32))
-        .collect();
-    let mut edges: HashMap<(u32, u32), u32> = HashMap::with_capacity(triangles.len() * 2);
-    for t in triangles {
-        let t = t.map(|i| same[i as usize]);
-        if t[0] == t[1] || t[1] == t[2] || t[2] == t[0] {
-            continue; // degenerate: bounds nothing
-        }
-        for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
-            *edges.entry((a.min(b), a.max(b))).or_default() += 1;
-        }
+    let same = first_at_position(vertices);
+    let corners = triangles.iter().map(|t| t.map(|i| same[i as usize]));
+    // Triangles with two corners at one position bound nothing.
+    let edges = corners.filter(|[a, b, c]| a != b && b != c && c != a).flat_map(|[a, b, c]| [(a, b), (b, c), (c, a)]);
+    let edges = edges.map(|(a, b)| (a.min(b), a.max(b)));
+    // Sorted by the lower end, by counting; those of one vertex are few.
+    let mut ends = vec![0_usize; vertices.len() + 1];
+    edges.clone().for_each(|(low, _)| ends[low as usize + 1] += 1);
+    for vertex in 0..vertices.len() {
+        ends[vertex + 1] += ends[vertex];
     }
-    !edges.is_empty() && edges.values().all(|&n| n == 2)
+    let count = ends[vertices.len()];
+    let mut highs = vec![0_u32; count];
+    let mut next = ends.clone();
+    for (low, high) in edges {
+        highs[next[low as usize]] = high;
+        next[low as usize] += 1;
+    }
+    let twice = |of_vertex: &mut [u32]| {
+        of_vertex.sort_unstable();
+        of_vertex.chunk_by(|a, b| a == b).all(|edge| edge.len() == 2)
+    };
+    count > 0 && ends.windows(2).all(|range| twice(&mut highs[range[0]..range[1]]))
 }
 
 impl Geometry {

@@ -2,6 +2,7 @@
 
 use super::convex::{Convex, Core};
 use super::distance::{Solid, between_segments};
+use super::point_rows::PointRows;
 use foliate_components::Pose;
 use glam::DVec3;
 
@@ -33,10 +34,12 @@ impl Ball {
     /// (Bădoiu and Clarkson 2003: step towards it, by less every time). Starts at `start`.
     pub fn around(start: DVec3, farthest: impl Fn(DVec3) -> DVec3) -> Self {
         let mut center = start;
-        let mut best = Self { center, radius: farthest(center).distance(center) };
+        let mut point = farthest(center);
+        let mut best = Self { center, radius: point.distance(center) };
         for step in 0..400 {
-            center += (farthest(center) - center) / f64::from(step + 2);
-            let radius = farthest(center).distance(center);
+            center += (point - center) / f64::from(step + 2);
+            point = farthest(center);
+            let radius = point.distance(center);
             if radius < best.radius {
                 best = Self { center, radius };
             }
@@ -54,13 +57,21 @@ impl Ball {
                 let core = convex.core.farthest_from(DVec3::ZERO).length();
                 Self { center: DVec3::ZERO, radius: (core + convex.radius) * SLACK }
             }
-            Solid::Mesh(mesh) => {
-                let start = mesh.bounds().map_or(DVec3::ZERO, |b| b.center);
-                // Where the centre should be, the extreme points in some directions tell; the radius is then exact.
-                let center = Self::around(start, |from| farthest_of(&mesh.hull.points, from)).center;
-                Self { center, radius: farthest(solid, center).distance(center) * SLACK }
-            }
+            Solid::Mesh(mesh) => mesh.around.ball,
         }
+    }
+
+    /// Where the centre of a ball around many points should be, as few of them tell.
+    pub(super) fn center_of_few(few: &[DVec3], start: DVec3) -> DVec3 {
+        match PointRows::of(few) {
+            Some(rows) => Self::around(start, |from| few[rows.last_from(from).0]).center,
+            None => Self::around(start, |from| farthest_of(few, from)).center,
+        }
+    }
+
+    /// About a centre, as far as the farthest point that it has to hold.
+    pub(super) fn reaching(center: DVec3, farthest: f64) -> Self {
+        Self { center, radius: farthest * SLACK }
     }
 }
 
@@ -80,11 +91,7 @@ impl Capsule {
                     Self { middle: ball.center, half: DVec3::ZERO, radius: ball.radius }
                 }
             },
-            Solid::Mesh(mesh) => {
-                let (center, half) = mesh.bounds().map_or((DVec3::ZERO, DVec3::ZERO), |b| (b.center, b.half));
-                let points: Vec<DVec3> = mesh.triangles.iter().flatten().copied().collect();
-                Self::of_points(center, half, &points, 0.0)
-            }
+            Solid::Mesh(mesh) => mesh.around.capsule,
         }
     }
 
@@ -94,21 +101,21 @@ impl Capsule {
 
     /// Along the longest side of a box that holds the points; the segment is shortened as far as the radius, which
     /// the other sides force, covers the ends.
-    fn of_points(center: DVec3, half: DVec3, points: &[DVec3], radius: f64) -> Self {
-        let axis = if half.x >= half.y && half.x >= half.z {
-            DVec3::X
-        } else if half.y >= half.z {
-            DVec3::Y
-        } else {
-            DVec3::Z
-        };
+    pub(super) fn of_points(center: DVec3, half: DVec3, points: &[DVec3], radius: f64) -> Self {
+        let axis = DVec3::AXES[longest_axis(half)];
         let across = |p: DVec3| (p - center).reject_from(axis).length();
         let widest = points.iter().map(|&p| across(p)).fold(0.0, f64::max);
         let reach = points
             .iter()
             .map(|&p| (p - center).dot(axis).abs() - (widest * widest - across(p) * across(p)).max(0.0).sqrt())
             .fold(0.0, f64::max);
-        Self { middle: center, half: axis * reach, radius: widest * SLACK + 1e-12 + radius }
+        let capsule = Self::about(center, axis * reach, widest);
+        Self { radius: capsule.radius + radius, ..capsule }
+    }
+
+    /// What holds points within `widest` of a segment.
+    pub(super) fn about(middle: DVec3, half: DVec3, widest: f64) -> Self {
+        Self { middle, half, radius: widest * SLACK + 1e-12 }
     }
 
     /// The capsule in a frame in which its own has this pose.
@@ -138,9 +145,21 @@ pub(super) fn farthest(solid: &Solid, from: DVec3) -> DVec3 {
     }
 }
 
-fn farthest_of(points: &[DVec3], from: DVec3) -> DVec3 {
+/// The last of the points that lie farthest from `from`; `from` itself where there are none.
+pub(super) fn farthest_of(points: &[DVec3], from: DVec3) -> DVec3 {
     let by_distance = |a: &&DVec3, b: &&DVec3| a.distance_squared(from).total_cmp(&b.distance_squared(from));
     points.iter().max_by(by_distance).copied().unwrap_or(from)
+}
+
+/// Of a box's sides the longest, as the number of its axis.
+pub(super) fn longest_axis(half: DVec3) -> usize {
+    if half.x >= half.y && half.x >= half.z {
+        0
+    } else if half.y >= half.z {
+        1
+    } else {
+        2
+    }
 }
 
 fn corners(h: DVec3) -> [DVec3; 8] {

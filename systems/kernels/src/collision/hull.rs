@@ -78,42 +78,143 @@ pub(super) struct Hull {
 }
 
 /// With more points every direction would cost more than closer hulls save.
-const MOST_POINTS: usize = 128;
+pub(super) const MOST_POINTS: usize = 128;
 /// Vertices that are farther than this share of the mesh's size beyond the hull become points of it.
 const FAR: f64 = 0.003;
 /// Rounding of coordinates up to some tens of metres, with room to spare; metres.
 const ROUNDING: f64 = 1e-9;
 
-impl Hull {
-    /// Of `vertices`, beginning with the `extreme` among them.
-    pub(super) fn new(vertices: &[DVec3], extreme: Vec<DVec3>) -> Self {
-        let mut points: Vec<DVec3> = Vec::with_capacity(MOST_POINTS);
-        for point in extreme {
-            if !points.contains(&point) {
-                points.push(point);
+/// Which vertices make a hull, and what shows that it is one.
+#[derive(Debug, Default)]
+pub(super) struct FoundHull {
+    /// Numbers of vertices.
+    pub points: Vec<u32>,
+    /// For each vertex the points, as places in `points`, that it was seen to be close to.
+    pub near: Vec<[u8; 4]>,
+    /// Metres.
+    pub slack: f64,
+}
+
+impl FoundHull {
+    /// Of `vertices`, beginning with those of the numbers `extreme`.
+    pub(super) fn of(vertices: &[DVec3], extreme: Vec<u32>) -> Self {
+        let mut found = Self::default();
+        let mut hull = Hull { lanes: Level::detected(), ..Hull::default() };
+        for number in extreme {
+            let point = vertices[number as usize];
+            if !hull.points.contains(&point) {
+                hull.add(point);
+                found.points.push(number);
             }
         }
-        if points.is_empty() || !vertices.iter().all(|v| v.is_finite()) {
+        if hull.points.is_empty() || !vertices.iter().all(|v| v.is_finite()) {
             return Self::default();
         }
-        let size = points.iter().map(|p| p.distance(points[0])).fold(0.0, f64::max);
-        let mut slack: f64 = 0.0;
-        for &vertex in vertices {
-            let far = beyond(&points, vertex, slack);
-            if far > FAR * size && points.len() < MOST_POINTS {
-                points.push(vertex);
+        let size = hull.points.iter().map(|p| p.distance(hull.points[0])).fold(0.0, f64::max);
+        let (mut slack, mut met): (f64, _) = (0.0, Met::default());
+        found.near.reserve(vertices.len());
+        for (number, &vertex) in vertices.iter().enumerate() {
+            let (far, near) = hull.beyond(vertex, slack, &mut met);
+            if far > FAR * size && hull.points.len() < MOST_POINTS {
+                found.near.push([hull.points.len() as u8; 4]);
+                hull.add(vertex);
+                found.points.push(number as u32);
             } else {
                 slack = slack.max(far);
+                found.near.push(near);
             }
         }
-        let middle = points.iter().sum::<DVec3>() / points.len() as f64;
-        let rows = in_rows(&points);
-        Self { points, rows, slack: slack + ROUNDING, middle, lanes: Level::detected() }
+        found.slack = slack + ROUNDING;
+        found
+    }
+}
+
+/// Whether every vertex is within `slack` of the convex hull of `points`, as what it is said to be `near` shows.
+pub(super) fn is_around(points: &[DVec3], vertices: &[DVec3], near: &[[u8; 4]], slack: f64) -> bool {
+    if vertices.len() != near.len() || !(slack.is_finite() && slack >= ROUNDING) {
+        return false;
+    }
+    // Half of the rounding may have been used up when the slack was found, half of it here.
+    let most = slack - 0.5 * ROUNDING;
+    vertices.iter().zip(near).all(|(&vertex, near)| {
+        // False also for what is no number.
+        distance_from_few(points, vertex, near).is_some_and(|distance| distance <= most)
+    })
+}
+
+/// How far a vertex is from the convex hull of the points at some places; none where a place does not exist.
+fn distance_from_few(points: &[DVec3], vertex: DVec3, places: &[u8; 4]) -> Option<f64> {
+    let at = |place: u8| points.get(usize::from(place)).map(|&p| p - vertex);
+    let mut simplex = Simplex::of(at(places[0])?);
+    for &place in &places[1..] {
+        simplex.add(at(place)?);
+    }
+    match simplex.reduce() {
+        Closest::Outside(point) => Some(point.length()),
+        Closest::Inside => Some(0.0),
     }
 }
 
 impl Hull {
-    /// As [`farthest_along`].
+    /// Of points that are known to be around something but for the slack; nothing where there are none.
+    pub(super) fn of(points: Vec<DVec3>, slack: f64) -> Self {
+        if points.is_empty() {
+            return Self::default();
+        }
+        let middle = points.iter().sum::<DVec3>() / points.len() as f64;
+        let rows = in_rows(&points);
+        Self { points, rows, slack, middle, lanes: Level::detected() }
+    }
+
+    fn add(&mut self, point: DVec3) {
+        self.points.push(point);
+        let last = self.points.len() - 1;
+        let begun = &self.points[last - last % 8..];
+        let row = in_rows(begun);
+        self.rows.truncate(last / 8);
+        self.rows.extend(row);
+    }
+
+    /// At least the distance of `vertex` from the convex hull of the points, nearly that where it is more than `enough`; and the places
+    /// of the points to which it was found to be that close, the last repeated where they are fewer than four.
+    fn beyond(&self, vertex: DVec3, enough: f64, met: &mut Met) -> (f64, [u8; 4]) {
+        let mut closest = self.points[0] - vertex;
+        let mut simplex = Simplex::of(closest);
+        met.0.clear();
+        met.0.push((closest, 0));
+        // Whatever the walk does, `closest` is a point of the hull, seen from the vertex.
+        for _ in 0..32 {
+            let length = closest.length();
+            let place = self.lanes.run(Farthest { rows: &self.rows, d: -closest });
+            let w = self.points.get(place).copied().unwrap_or(DVec3::NAN) - vertex;
+            if length <= enough || length * length - closest.dot(w) <= 1e-3 * length * length || !simplex.add(w) {
+                break;
+            }
+            met.0.push((w, place as u8));
+            match simplex.reduce() {
+                Closest::Outside(point) => closest = point,
+                Closest::Inside => return (0.0, met.places(&simplex)),
+            }
+        }
+        (closest.length(), met.places(&simplex))
+    }
+}
+
+/// The points that a walk has met, seen from where it walks, and their places.
+#[derive(Default)]
+struct Met(Vec<(DVec3, u8)>);
+
+impl Met {
+    /// Where the points of a simplex are.
+    fn places(&self, simplex: &Simplex) -> [u8; 4] {
+        let points = simplex.points();
+        let place = |point: &DVec3| self.0.iter().find(|(p, _)| p == point).map_or(0, |&(_, place)| place);
+        std::array::from_fn(|i| points.get(i).or(points.last()).map_or(0, place))
+    }
+}
+
+impl Hull {
+    /// A point that lies farthest in direction `d`, of several the first.
     #[inline]
     fn support(&self, d: DVec3) -> DVec3 {
         let best = self.lanes.run(Farthest { rows: &self.rows, d });
@@ -167,36 +268,4 @@ impl Kernel for Farthest<'_> {
         }
         found
     }
-}
-
-/// A point that lies farthest in direction `d`.
-#[inline]
-fn farthest_along(points: &[DVec3], d: DVec3) -> DVec3 {
-    let (mut best, mut found) = (f64::NEG_INFINITY, DVec3::NAN);
-    for point in points {
-        let along = d.dot(*point);
-        if along > best {
-            (best, found) = (along, *point);
-        }
-    }
-    found
-}
-
-/// At least the distance of `vertex` from the convex hull of `points`; nearly that where it is more than `enough`.
-fn beyond(points: &[DVec3], vertex: DVec3, enough: f64) -> f64 {
-    let mut closest = points[0] - vertex;
-    let mut simplex = Simplex::of(closest);
-    // Whatever the walk does, `closest` is a point of the hull, seen from the vertex.
-    for _ in 0..32 {
-        let length = closest.length();
-        let w = farthest_along(points, -closest) - vertex;
-        if length <= enough || length * length - closest.dot(w) <= 1e-3 * length * length || !simplex.add(w) {
-            break;
-        }
-        match simplex.reduce() {
-            Closest::Outside(point) => closest = point,
-            Closest::Inside => return 0.0,
-        }
-    }
-    closest.length()
 }

@@ -3,8 +3,12 @@
 //! parry's mesh distance is three orders of magnitude too slow for a planner and its meshes are hollow, so this is ours:
 //! axis-aligned boxes in the mesh's frame, eight to a block and side by side in lanes, median splits, f64 throughout.
 
+use super::around::Around;
 use super::hull::Hull;
+use super::mesh_record::{findings, proves};
+use super::triangle_order::parts_of;
 use crate::lanes::{F64Row, Level, Row};
+use foliate_components::robot::mesh_record::MeshRecord;
 use foliate_components::robot::shape::Mesh;
 use glam::DVec3;
 use std::ops::Range;
@@ -26,6 +30,8 @@ pub struct MeshTree {
     pub(super) witnesses: Vec<DVec3>,
     /// Few points around it.
     pub(super) hull: Hull,
+    /// What holds it, larger and larger.
+    pub(super) around: Around,
     pub(super) closed: bool,
     /// How distances are computed, not what they are: they are equal bit for bit at every level.
     pub(super) lanes: Level,
@@ -36,6 +42,14 @@ pub struct MeshTree {
 pub(super) struct Bounds {
     pub center: DVec3,
     pub half: DVec3,
+}
+
+/// The least and largest coordinates of some triangles, and whether all of these are finite.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Extent {
+    low: DVec3,
+    high: DVec3,
+    whole: bool,
 }
 
 /// Up to eight boxes, of blocks or of triangles, and the box around them.
@@ -70,51 +84,68 @@ impl Block {
 }
 
 impl MeshTree {
-    /// Builds the tree. Triangles with a coordinate that is not finite are kept and make every answer *in collision*.
+    /// Builds the tree: from the mesh's record where that is proved, else from nothing; the tree is the same. Triangles with a
+    /// coordinate that is not finite are kept and make every answer *in collision*.
     #[must_use]
     pub fn new(mesh: &Mesh) -> Self {
-        let corner = |i: u32| mesh.vertices.get(i as usize).copied().unwrap_or(DVec3::NAN);
+        match mesh.record.as_ref().filter(|record| proves(mesh, record)) {
+            Some(record) => Self::of_record(mesh, record),
+            None => Self::of_record(mesh, &findings(mesh)),
+        }
+    }
+
+    /// What a record that holds makes of a mesh.
+    fn of_record(mesh: &Mesh, record: &MeshRecord) -> Self {
+        let corners = corners_of(mesh);
         let mut tree = Self {
-            triangles: mesh.triangles.iter().map(|t| whole_or_nothing(t.map(corner))).collect(),
-            witnesses: witnesses(mesh),
+            triangles: record.order.iter().map(|&t| corners(t as usize)).collect(),
+            witnesses: witnesses(mesh, &record.same),
             closed: mesh.closed,
             lanes: Level::detected(),
             ..Self::default()
         };
         if !tree.triangles.is_empty() {
-            tree.split();
+            tree.fill_blocks();
         }
-        if tree.bounds().is_some_and(|bounds| bounds.half.is_finite()) {
-            tree.hull = Hull::new(&mesh.vertices, extreme_points(&mesh.vertices));
-        }
+        let vertex = |i: &u32| mesh.vertices.get(*i as usize).copied();
+        tree.hull = Hull::of(record.hull.iter().filter_map(vertex).collect(), record.slack);
+        tree.around = Around::of(mesh, &tree);
         tree
     }
 
-    /// Level by level, so that what a block leads to stands side by side.
-    fn split(&mut self) {
+    /// Level by level, so that what a block leads to stands side by side; then boxes, those of the smallest first.
+    fn fill_blocks(&mut self) {
         let mut ranges: Vec<Range<usize>> = std::iter::once(0..self.triangles.len()).collect();
-        let mut next = 0;
-        while let Some(range) = ranges.get(next).cloned() {
-            next += 1;
-            let block = if range.len() <= WIDE {
-                self.last_block(range)
-            } else {
-                let parts = parts_of(&mut self.triangles, range.clone());
-                let boxes: Vec<Bounds> = parts.iter().map(|part| bounds(&self.triangles[part.clone()])).collect();
-                let first = ranges.len() as u32;
-                ranges.extend(parts);
-                Block::new(bounds(&self.triangles[range]), &boxes, first, None)
-            };
-            self.blocks.push(block);
+        let mut leads: Vec<Range<usize>> = Vec::new();
+        while let Some(range) = ranges.get(leads.len()).cloned() {
+            let first = ranges.len();
+            if range.len() > WIDE {
+                ranges.extend(parts_of(range, |_, _| {}));
+            }
+            leads.push(first..ranges.len());
         }
-    }
-
-    fn last_block(&mut self, range: Range<usize>) -> Block {
-        let triangles = &self.triangles[range.clone()];
-        let boxes: Vec<Bounds> = triangles.iter().map(|t| bounds(std::slice::from_ref(t))).collect();
-        let corner = |c: usize| in_rows(|lane| triangles.get(lane).unwrap_or(&triangles[0])[c]);
-        self.corners.push([corner(0), corner(1), corner(2)]);
-        Block::new(bounds(triangles), &boxes, range.start as u32, Some(self.corners.len() as u32 - 1))
+        let mut corners = leads.iter().filter(|parts| parts.is_empty()).count();
+        self.corners = vec![Corners::default(); corners];
+        let mut extents = vec![Extent::EMPTY; ranges.len()];
+        let mut blocks = Vec::with_capacity(ranges.len());
+        for (place, (range, parts)) in ranges.into_iter().zip(leads).enumerate().rev() {
+            let last = parts.is_empty().then(|| {
+                corners -= 1;
+                corners
+            });
+            let boxes: Vec<Extent> = match last {
+                Some(_) => self.triangles[range.clone()].iter().map(Extent::of).collect(),
+                None => extents[parts.clone()].to_vec(),
+            };
+            extents[place] = boxes.iter().fold(Extent::EMPTY, Extent::and);
+            if let Some(corners) = last {
+                self.corners[corners] = in_lanes(&self.triangles[range.clone()]);
+            }
+            let first = if last.is_some() { range.start } else { parts.start } as u32;
+            blocks.push(Block::new(extents[place].bounds(), &boxes, first, last.map(|corners| corners as u32)));
+        }
+        blocks.reverse();
+        self.blocks = blocks;
     }
 
     /// The box around the mesh; none where there are no triangles.
@@ -150,8 +181,8 @@ impl MeshTree {
 }
 
 impl Block {
-    fn new(bounds: Bounds, boxes: &[Bounds], first: u32, corners: Option<u32>) -> Self {
-        let of = |lane: usize| boxes.get(lane).unwrap_or(&boxes[0]);
+    fn new(bounds: Bounds, boxes: &[Extent], first: u32, corners: Option<u32>) -> Self {
+        let of = |lane: usize| boxes.get(lane).unwrap_or(&boxes[0]).bounds();
         let (centers, halves) = (in_rows(|lane| of(lane).center), in_rows(|lane| of(lane).half));
         Self { bounds, centers, halves, count: boxes.len() as u32, first, corners }
     }
@@ -162,103 +193,74 @@ fn in_rows(of: impl Fn(usize) -> DVec3) -> [F64Row; 3] {
     [Row(points.map(|p| p.x)), Row(points.map(|p| p.y)), Row(points.map(|p| p.z))]
 }
 
-/// Cuts a range of more than eight triangles three times in two, at medians of the longest side; all but the last
-/// of eight triangles are full.
-fn parts_of(triangles: &mut [[DVec3; 3]], range: Range<usize>) -> Vec<Range<usize>> {
-    let mut parts = vec![range];
-    for _ in 0..WIDE.ilog2() {
-        parts = parts.into_iter().flat_map(|part| halves(triangles, part)).filter(|part| !part.is_empty()).collect();
-    }
-    parts
-}
-
-fn halves(triangles: &mut [[DVec3; 3]], range: Range<usize>) -> [Range<usize>; 2] {
-    if range.len() <= WIDE {
-        return [range.clone(), range.end..range.end];
-    }
-    let axis = longest_axis(bounds(&triangles[range.clone()]).half);
-    let middle = range.len().div_ceil(2).next_multiple_of(WIDE).min(range.len() - 1);
-    let key = |t: &[DVec3; 3]| t[0][axis] + t[1][axis] + t[2][axis];
-    triangles[range.clone()].select_nth_unstable_by(middle, |a, b| key(a).total_cmp(&key(b)));
-    [range.start..range.start + middle, range.start + middle..range.end]
-}
-
 /// One coordinate that is not finite spoils the triangle: minima and maxima over its corners are then no numbers either.
 fn whole_or_nothing(triangle: [DVec3; 3]) -> [DVec3; 3] {
     if triangle.iter().all(|p| p.is_finite()) { triangle } else { [DVec3::NAN; 3] }
 }
 
-fn bounds(triangles: &[[DVec3; 3]]) -> Bounds {
-    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for p in triangles.iter().flatten() {
-        if !p.is_finite() {
+/// The triangles of a mesh by number; with corners that are no numbers where a vertex is not there.
+pub(super) fn corners_of(mesh: &Mesh) -> impl Fn(usize) -> [DVec3; 3] + '_ {
+    let corner = |i: u32| mesh.vertices.get(i as usize).copied().unwrap_or(DVec3::NAN);
+    move |t| whole_or_nothing(mesh.triangles.get(t).map_or([DVec3::NAN; 3], |t| t.map(corner)))
+}
+
+impl Extent {
+    /// Of nothing.
+    pub(super) const EMPTY: Self = Self { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY, whole: true };
+
+    pub(super) fn of(triangle: &[DVec3; 3]) -> Self {
+        let [a, b, c] = *triangle;
+        Self { low: a.min(b).min(c), high: a.max(b).max(c), whole: a.is_finite() && b.is_finite() && c.is_finite() }
+    }
+
+    /// Of both.
+    pub(super) fn and(self, other: &Self) -> Self {
+        Self { low: self.low.min(other.low), high: self.high.max(other.high), whole: self.whole && other.whole }
+    }
+
+    pub(super) fn bounds(&self) -> Bounds {
+        if !self.whole {
             // A box that nothing is far from.
             return Bounds { center: DVec3::ZERO, half: DVec3::INFINITY };
         }
-        (low, high) = (low.min(*p), high.max(*p));
-    }
-    Bounds { center: (low + high) * 0.5, half: (high - low) * (0.5 * (1.0 + 1e-15)) }
-}
-
-/// The vertices that lie farthest in each of 98 directions.
-fn extreme_points(vertices: &[DVec3]) -> Vec<DVec3> {
-    let range = || -2..=2_i32;
-    let directions = range().flat_map(|x| range().flat_map(move |y| range().map(move |z| (x, y, z))));
-    directions
-        .filter(|&(x, y, z)| x.abs().max(y.abs()).max(z.abs()) == 2)
-        .filter_map(|(x, y, z)| {
-            let d = DVec3::new(f64::from(x), f64::from(y), f64::from(z));
-            vertices.iter().max_by(|a, b| a.dot(d).total_cmp(&b.dot(d))).copied()
-        })
-        .collect()
-}
-
-fn longest_axis(half: DVec3) -> usize {
-    if half.x >= half.y && half.x >= half.z {
-        0
-    } else if half.y >= half.z {
-        1
-    } else {
-        2
+        Bounds { center: (self.low + self.high) * 0.5, half: (self.high - self.low) * (0.5 * (1.0 + 1e-15)) }
     }
 }
 
-/// One vertex of each connected component (triangles that share a vertex position).
-fn witnesses(mesh: &Mesh) -> Vec<DVec3> {
-    use std::collections::HashMap;
-    let mut ids: HashMap<[u64; 3], usize> = HashMap::with_capacity(mesh.vertices.len());
-    let same: Vec<usize> = mesh
-        .vertices
-        .iter()
-        .enumerate()
-        .map(|(i, p)| *ids.entry([p.x, p.y, p.z].map(|c| (c + 0.0).to_bits())).or_insert(i))
-        .collect();
-    let mut parent: Vec<usize> = (0..mesh.vertices.len()).collect();
+/// Up to eight triangles in lanes.
+fn in_lanes(triangles: &[[DVec3; 3]]) -> Corners {
+    let corner = |c: usize| in_rows(|lane| triangles.get(lane).unwrap_or(&triangles[0])[c]);
+    [corner(0), corner(1), corner(2)]
+}
+
+/// One vertex of each connected component (triangles that share a vertex position, for which `same` has the first vertex).
+fn witnesses(mesh: &Mesh, same: &[u32]) -> Vec<DVec3> {
+    let first = |i: u32| match same.is_empty() {
+        true => Some(i).filter(|&i| (i as usize) < mesh.vertices.len()),
+        false => same.get(i as usize).copied(),
+    };
+    let mut parent: Vec<u32> = (0..mesh.vertices.len() as u32).collect();
     for t in &mesh.triangles {
-        let Some(first) = same.get(t[0] as usize).map(|&i| root(&mut parent, i)) else { continue };
-        for &i in &t[1..] {
-            if let Some(&i) = same.get(i as usize) {
-                let other = root(&mut parent, i);
-                parent[other] = first;
-            }
+        let Some(one) = first(t[0]).map(|i| root(&mut parent, i)) else { continue };
+        for i in t[1..].iter().filter_map(|&i| first(i)) {
+            let other = root(&mut parent, i);
+            parent[other as usize] = one;
         }
     }
-    let mut seen = std::collections::HashSet::new();
+    let mut seen = vec![false; mesh.vertices.len()];
     let mut found = Vec::new();
-    for t in &mesh.triangles {
-        if let Some(&i) = same.get(t[0] as usize)
-            && seen.insert(root(&mut parent, i))
-        {
-            found.push(mesh.vertices[i]);
+    for i in mesh.triangles.iter().filter_map(|t| first(t[0])) {
+        if !std::mem::replace(&mut seen[root(&mut parent, i) as usize], true) {
+            found.push(mesh.vertices[i as usize]);
         }
     }
     found
 }
 
-fn root(parent: &mut [usize], mut i: usize) -> usize {
-    while parent[i] != i {
-        parent[i] = parent[parent[i]];
-        i = parent[i];
+fn root(parent: &mut [u32], mut i: u32) -> u32 {
+    while parent[i as usize] != i {
+        parent[i as usize] = parent[parent[i as usize] as usize];
+        i = parent[i as usize];
     }
     i
 }

@@ -6,6 +6,7 @@
 //! Where bounds from inside overlap, two solids collide for sure.
 //! Nothing is ever called free that is not proved so: in doubt, in collision.
 
+mod around;
 mod attachment;
 pub mod bounds;
 pub mod certificate;
@@ -21,17 +22,20 @@ mod lane_triangles;
 mod look;
 mod mesh_distance;
 mod mesh_inside;
+pub mod mesh_record;
 pub mod mesh_tree;
 mod outer;
 mod pair_rule;
 pub mod pairs;
 mod place_bodies;
+mod point_rows;
 pub mod polyline;
 mod proof;
 pub mod scene;
 mod scratch;
 mod simplex;
 mod sweep;
+mod triangle_order;
 pub mod velocity_bound;
 pub mod verdict;
 mod verdicts;

@@ -60,7 +60,7 @@ impl Outer {
             }
         };
         let ball = match form {
-            Form::Box(_) => super::bounds::farthest(solid, center).distance(center) as f32,
+            Form::Box(_) => reach(solid, center) as f32,
             Form::Cylinder { radius, half_length } => radius.hypot(half_length),
             Form::Capsule { radius, half_length } => radius + half_length,
         };
@@ -76,6 +76,14 @@ impl Outer {
             hull,
             hull_slack,
         }
+    }
+}
+
+/// How far from its centre a solid reaches.
+fn reach(solid: &Solid, center: DVec3) -> f64 {
+    match solid {
+        Solid::Convex(_) => super::bounds::farthest(solid, center).distance(center),
+        Solid::Mesh(mesh) => mesh.around.about_middle,
     }
 }
 

@@ -7,8 +7,10 @@ use super::outer::Outer;
 use super::pair_rule::{PairRule, Rules};
 use foliate_components::Pose;
 use foliate_components::configuration::ConfigurationSpace;
+use foliate_components::robot::shape::{Geometry, Mesh};
 use foliate_components::robot::{JointIndex, LinkIndex, Motion, Robot, ShapeIndex, Source};
 use glam::{DQuat, DVec3};
+use std::sync::Arc;
 
 /// Index of a pair in [`CollisionScene::pairs`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -116,8 +118,9 @@ impl CollisionScene {
     /// Prepares all shapes of a robot and lists the pairs that `rule` leaves.
     #[must_use]
     pub fn new(robot: &Robot, rule: &PairRule<'_>) -> Self {
+        let mut solids = Solids::default();
         let mut scene = Self {
-            solids: robot.shapes.iter().map(|shape| SceneSolid::new(robot, shape)).collect(),
+            solids: robot.shapes.iter().map(|s| SceneSolid::new(robot, s, solids.of(&s.geometry))).collect(),
             clusters: Vec::new(),
             groups: Vec::new(),
             pairs: Vec::new(),
@@ -244,9 +247,26 @@ fn ball_of_all(solids: &[SceneSolid], members: &[u32]) -> Ball {
     Ball::around(center, farthest)
 }
 
+/// Solids of shapes; a mesh that many share has one tree.
+#[derive(Default)]
+struct Solids {
+    meshes: Vec<(Arc<Mesh>, Solid)>,
+}
+
+impl Solids {
+    fn of(&mut self, geometry: &Geometry) -> Solid {
+        let Geometry::Mesh(mesh) = geometry else { return Solid::of(geometry) };
+        if let Some((_, solid)) = self.meshes.iter().find(|(known, _)| Arc::ptr_eq(known, mesh)) {
+            return solid.clone();
+        }
+        let solid = Solid::of(geometry);
+        self.meshes.push((mesh.clone(), solid.clone()));
+        solid
+    }
+}
+
 impl SceneSolid {
-    fn new(robot: &Robot, shape: &foliate_components::robot::Shape) -> Self {
-        let solid = Solid::of(&shape.geometry);
+    fn new(robot: &Robot, shape: &foliate_components::robot::Shape, solid: Solid) -> Self {
         let X_JS = shape.joint_from_shape;
         let ball = Ball::of(&solid);
         Self {

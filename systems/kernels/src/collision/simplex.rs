@@ -25,6 +25,11 @@ impl Simplex {
         Self { points: [point; 4], count: 1 }
     }
 
+    /// Its vertices.
+    pub(super) fn points(&self) -> &[DVec3] {
+        &self.points[..self.count]
+    }
+
     /// Adds a vertex; false where it is already there (no progress is possible) or there is no room.
     pub(super) fn add(&mut self, point: DVec3) -> bool {
         if self.count >= 4 || self.points[..self.count].contains(&point) {
