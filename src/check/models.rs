@@ -109,6 +109,8 @@ pub(super) fn ordered(a: &str, b: &str) -> (String, String) {
 impl World {
     /// Reads every model that the file names.
     pub(super) fn load(file: &PathFile, base: &Path, packages: &PackagePath) -> Result<Self, CheckError> {
+        // A proof reads the models themselves.
+        let packages = &packages.clone().with_mesh_cache(None);
         let mut parts = Vec::with_capacity(file.parts.len());
         for (index, entry) in file.parts.iter().enumerate() {
             let place = format!("parts[{index}]");

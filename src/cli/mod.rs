@@ -13,7 +13,7 @@ mod summary;
 
 use clap::{Parser, Subcommand};
 use foliate::kernels::lanes::Level;
-use foliate::scene::{PackagePath, SceneError};
+use foliate::scene::{MeshCache, PackagePath, SceneError};
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -25,6 +25,10 @@ struct Cli {
     /// Directory that holds packages, for package:// URLs; may be given several times
     #[arg(long, global = true, value_name = "DIR")]
     package_path: Vec<PathBuf>,
+    /// Neither read nor keep meshes in the mesh cache (FOLIATE_MESH_CACHE, or foliate/meshes in the user's cache directory);
+    /// answers are the same, loading takes longer
+    #[arg(long, global = true)]
+    no_mesh_cache: bool,
     /// SIMD level of the arithmetic, instead of the best that this machine has; results are equal bit for bit only at one
     /// level
     #[arg(long, global = true, value_name = "LEVEL", value_parser = Level::named)]
@@ -81,7 +85,8 @@ pub(crate) fn main() -> ExitCode {
     if let Some(level) = cli.simd {
         cli.command.force(level);
     }
-    let packages = PackagePath::from_environment(&cli.package_path);
+    let mesh_cache = if cli.no_mesh_cache { None } else { MeshCache::of_user() };
+    let packages = PackagePath::from_environment(&cli.package_path).with_mesh_cache(mesh_cache);
     let ending = match &cli.command {
         Command::Demo(arguments) => demo::run(arguments, &packages),
         Command::Solve(arguments) => solve::run(arguments, &packages),

@@ -8,6 +8,7 @@ mod error;
 mod input;
 mod keys;
 mod mesh;
+mod mesh_cache;
 mod package;
 mod shipped;
 mod source;
@@ -18,6 +19,7 @@ mod xml;
 pub use assemble::{PartSource, Scene, coordinate_names};
 pub use error::SceneError;
 pub use mesh::UpAxis;
+pub use mesh_cache::MeshCache;
 pub use package::{PackagePath, model_cache};
 pub use shipped::{ShippedScene, shipped_scenes};
 pub use source::{ModelFile, Origin};
@@ -88,5 +90,6 @@ pub fn read_model(urdf: &str, srdf: Option<&str>, packages: &PackagePath) -> Res
         let srdf = open(srdf)?;
         srdf::read(&srdf.label, &srdf.text, &mut model, &mut warnings)?;
     }
+    warnings.extend(meshes.finish());
     Ok(ReadModel { model, warnings })
 }

@@ -1,12 +1,14 @@
 //! `package://` without ROS: a search list, and no way out of the package.
 
+use super::mesh_cache::MeshCache;
 use std::ffi::OsStr;
 use std::path::{Component, Path, PathBuf};
 
-/// Directories in which packages are looked for, in order.
+/// Directories in which packages are looked for, in order, and where meshes are kept once they are read.
 #[derive(Clone, Debug, Default)]
 pub struct PackagePath {
     places: Vec<Place>,
+    meshes: Option<MeshCache>,
 }
 
 /// A directory, and where the search list has it from.
@@ -50,7 +52,21 @@ impl PackagePath {
     #[must_use]
     pub fn only(given: &[PathBuf]) -> Self {
         let place = |directory: &PathBuf| Place { directory: directory.clone(), from: "--package-path" };
-        Self { places: given.iter().map(place).collect() }
+        Self { places: given.iter().map(place).collect(), meshes: None }
+    }
+
+    /// Where meshes are kept between runs, or that they are not. Without this they are not: nothing is written to a disk whose
+    /// owner has not asked for it.
+    #[must_use]
+    pub fn with_mesh_cache(mut self, cache: impl Into<Option<MeshCache>>) -> Self {
+        self.meshes = cache.into();
+        self
+    }
+
+    /// Where meshes are kept, if they are.
+    #[must_use]
+    pub fn mesh_cache(&self) -> Option<&MeshCache> {
+        self.meshes.as_ref()
     }
 
     /// The first directory of the list that is the package of that name.
@@ -111,13 +127,18 @@ impl PackagePath {
 /// cache directory.
 #[must_use]
 pub fn model_cache() -> Option<PathBuf> {
+    user_cache("FOLIATE_MODEL_CACHE", "models")
+}
+
+/// The directory that a variable names, or one of ours in the user's cache directory.
+pub(crate) fn user_cache(variable: &str, name: &str) -> Option<PathBuf> {
     let from = |variable: &str| std::env::var_os(variable).filter(|v| !v.is_empty()).map(PathBuf::from);
-    from("FOLIATE_MODEL_CACHE").or_else(|| {
+    from(variable).or_else(|| {
         let cache = from("XDG_CACHE_HOME").filter(|p| p.is_absolute()).or_else(|| {
             from("HOME")
                 .map(|home| if cfg!(target_os = "macos") { home.join("Library/Caches") } else { home.join(".cache") })
         });
-        cache.or_else(|| from("LOCALAPPDATA")).map(|cache| cache.join("foliate").join("models"))
+        cache.or_else(|| from("LOCALAPPDATA")).map(|cache| cache.join("foliate").join(name))
     })
 }
 

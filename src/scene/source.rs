@@ -117,5 +117,9 @@ impl ModelFile {
 
 /// Hexadecimal SHA-256.
 pub(crate) fn sha256(content: &[u8]) -> String {
-    Sha256::digest(content).iter().map(|b| format!("{b:02x}")).collect()
+    hexadecimal(&Sha256::digest(content).into())
+}
+
+pub(crate) fn hexadecimal(sum: &[u8; 32]) -> String {
+    sum.iter().map(|b| format!("{b:02x}")).collect()
 }

@@ -19,10 +19,11 @@ use super::input;
 use super::keys::{File, Keys};
 use super::mesh::Meshes;
 use super::package::PackagePath;
-use super::source::{Place, SceneBase, locate, sha256};
+use super::source::{Place, SceneBase, hexadecimal, locate, sha256};
 use foliate_components::problem::Problem;
 use foliate_components::robot::Robot;
-use std::path::Path;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
 
 /// The first line of every scene file.
 pub(crate) const FORMAT: &str = "foliate.scene/1";
@@ -48,6 +49,8 @@ pub(crate) struct Loader<'a> {
     pub base: SceneBase,
     pub meshes: Meshes<'a>,
     pub warnings: Vec<SceneError>,
+    /// SHA-256 of models that were read, hexadecimal.
+    pub sums: HashMap<PathBuf, String>,
 }
 
 /// Reads a scene from its text. `name` is what messages call the file.
@@ -63,7 +66,8 @@ pub(crate) fn load(name: &str, text: &str, base: SceneBase, packages: &PackagePa
     }
     let scene_name = keys.required("name")?.string()?.to_owned();
     let description = keys.optional("description").map_or(Ok(""), |i| i.string())?.to_owned();
-    let mut loader = Loader { packages, base, meshes: Meshes::new(packages), warnings: Vec::new() };
+    let mut loader =
+        Loader { packages, base, meshes: Meshes::new(packages), warnings: Vec::new(), sums: HashMap::new() };
 
     let part_items = keys.required("part")?;
     let items = part_items.list()?;
@@ -95,6 +99,7 @@ pub(crate) fn load(name: &str, text: &str, base: SceneBase, packages: &PackagePa
     keys.finish()?;
     let problem = Problem { name: scene_name, robot, graph, ignored_pairs, margins, start, goals };
     let parts = parts.into_iter().map(|p| p.source).collect();
+    loader.warnings.extend(loader.meshes.finish());
     Ok(Scene { problem, description, parts, warnings: loader.warnings })
 }
 
@@ -106,17 +111,27 @@ fn check_sums(keys: &mut Keys<'_>, loader: &mut Loader<'_>) -> Result<(), SceneE
         if noted.len() != 64 || !noted.bytes().all(|b| b.is_ascii_hexdigit()) {
             return Err(item.error("a SHA-256 has 64 hexadecimal digits"));
         }
-        let content = match locate(url, &loader.base, loader.packages) {
-            Ok(Place::Path(path)) => input::bytes(&path, input::MESH_CAP)?,
-            Ok(Place::Program(content)) => content.as_bytes().to_vec(),
+        let sum = match locate(url, &loader.base, loader.packages) {
+            Ok(Place::Path(path)) => match loader.sum(&path) {
+                Some(sum) => sum,
+                None => sha256(&input::bytes(&path, input::MESH_CAP)?),
+            },
+            Ok(Place::Program(content)) => sha256(content.as_bytes()),
             Err((message, hint)) => return Err(item.error(message).hint(hint)),
         };
-        if sha256(&content) != noted {
+        if sum != noted {
             let message = "the file differs from the one that the scene was made with";
             loader.warnings.push(item.error(message).hint("results may differ from published ones"));
         }
     }
     Ok(())
+}
+
+impl Loader<'_> {
+    /// SHA-256 of a file, hexadecimal, where it was read.
+    fn sum(&self, path: &Path) -> Option<String> {
+        self.sums.get(path).cloned().or_else(|| self.meshes.sum(path).map(|sum| hexadecimal(&sum)))
+    }
 }
 
 /// Reads a scene file from disk.

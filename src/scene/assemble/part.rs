@@ -4,7 +4,7 @@ use super::Loader;
 use crate::scene::error::{SceneError, did_you_mean, quoted};
 use crate::scene::keys::{Item, Keys};
 use crate::scene::mesh::UpAxis;
-use crate::scene::source::{ModelFile, OpenError, Opened, open};
+use crate::scene::source::{ModelFile, OpenError, Opened, Origin, open};
 use crate::scene::srdf::{check_mask, check_polygons};
 use crate::scene::{srdf, urdf};
 use foliate_components::Pose;
@@ -96,12 +96,16 @@ fn kind(item: &Item<'_>) -> Result<PartKind, SceneError> {
     one_of(item, &kinds)
 }
 
-fn opened(item: &Item<'_>, loader: &Loader<'_>) -> Result<Opened, SceneError> {
+fn opened(item: &Item<'_>, loader: &mut Loader<'_>) -> Result<Opened, SceneError> {
     let url = item.string()?;
-    open(url, &loader.base, loader.packages).map_err(|error| match error {
+    let opened = open(url, &loader.base, loader.packages).map_err(|error| match error {
         OpenError::Name(message, hint) => item.error(format!("`{}`: {message}", quoted(url))).hint(hint),
         OpenError::File(error) => error,
-    })
+    })?;
+    if let Origin::File(path) = &opened.file.origin {
+        loader.sums.insert(path.clone(), opened.file.sha256.clone());
+    }
+    Ok(opened)
 }
 
 fn placement(keys: &mut Keys<'_>, name: &str, kind: PartKind, model: &Model) -> Result<PartPlacement, SceneError> {

@@ -10,15 +10,18 @@ mod stl;
 
 use super::error::SceneError;
 use super::input;
+use super::mesh_cache::{Kept, Key, SMALLEST_FILE};
 use super::package::{Contained, PackagePath, contained, is_below};
 use foliate_components::robot::shape::Mesh;
+use foliate_kernels::collision::mesh_record;
 use glam::DVec3;
+use sha2::{Digest, Sha256};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Most triangles of one mesh.
-const TRIANGLES: usize = 4_000_000;
+pub(crate) const TRIANGLES: usize = 4_000_000;
 /// Most triangles of all meshes of a scene, each file counted once.
 const TRIANGLES_IN_ALL: usize = 20_000_000;
 
@@ -90,6 +93,12 @@ pub(crate) struct Meshes<'a> {
     packages: &'a PackagePath,
     read: HashMap<(PathBuf, [u64; 3], UpAxis), Arc<Mesh>>,
     triangles: usize,
+    /// SHA-256 of the files whose bytes were hashed.
+    sums: HashMap<PathBuf, [u8; 32]>,
+    /// About entries of the cache.
+    remarks: Vec<SceneError>,
+    /// Whether the cache has grown.
+    has_kept: bool,
 }
 
 /// What a model asks for.
@@ -111,7 +120,14 @@ pub(crate) enum MeshError {
 
 impl<'a> Meshes<'a> {
     pub fn new(packages: &'a PackagePath) -> Self {
-        Self { packages, read: HashMap::new(), triangles: 0 }
+        Self {
+            packages,
+            read: HashMap::new(),
+            triangles: 0,
+            sums: HashMap::new(),
+            remarks: Vec::new(),
+            has_kept: false,
+        }
     }
 
     /// The mesh of that name, scaled.
@@ -121,21 +137,50 @@ impl<'a> Meshes<'a> {
         if let Some(mesh) = self.read.get(&key) {
             return Ok(mesh.clone());
         }
-        let mut content = read(&key.0, request.up_axis).map_err(MeshError::File)?;
-        self.triangles += content.triangles.len();
+        let mesh = Arc::new(self.open(&key.0, request).map_err(MeshError::File)?);
+        self.triangles += mesh.triangles.len();
         if self.triangles > TRIANGLES_IN_ALL {
             let message = format!("with this mesh the model has more than {TRIANGLES_IN_ALL} triangles");
             return Err(MeshError::Name(message, "simplify the collision meshes".into()));
         }
-        for vertex in &mut content.vertices {
-            *vertex *= request.scale;
-        }
-        if request.scale.to_array().iter().filter(|s| **s < 0.0).count() % 2 == 1 {
-            content.triangles.iter_mut().for_each(|t| t.swap(1, 2)); // a mirror turns the inside out
-        }
-        let mesh = Arc::new(Mesh::new(request.url.to_owned(), content.vertices, content.triangles));
         self.read.insert(key, mesh.clone());
         Ok(mesh)
+    }
+
+    /// The mesh of a file, from the cache where it is there; else it is there afterwards.
+    fn open(&mut self, path: &Path, request: &MeshRequest<'_>) -> Result<Mesh, SceneError> {
+        let reader = Reader::of(path)?;
+        let bytes = input::bytes(path, reader.cap())?;
+        let cache = self.packages.mesh_cache().filter(|_| bytes.len() >= SMALLEST_FILE);
+        let Some(cache) = cache else { return Ok(meant(reader.read(path, bytes, request.up_axis)?, request)) };
+        let sum = self.sums.entry(path.to_owned()).or_insert_with(|| Sha256::digest(&bytes).into());
+        let key = Key::new(sum, reader.name(), request.up_axis, request.scale);
+        match cache.find(&key, request.url) {
+            Kept::Mesh(mesh) => return Ok(mesh),
+            Kept::Bad(why) => {
+                let entry = cache.path(&key).display().to_string();
+                let remark = SceneError::new(entry, "kept mesh", format!("is not used: {why}"));
+                self.remarks.push(remark.hint("it is written anew"));
+            }
+            Kept::Nothing => {}
+        }
+        let mut mesh = meant(reader.read(path, bytes, request.up_axis)?, request);
+        mesh.record = mesh_record::record(&mesh);
+        self.has_kept |= cache.keep(&key, &mesh);
+        Ok(mesh)
+    }
+
+    /// SHA-256 of a mesh's file, where it was needed.
+    pub fn sum(&self, path: &Path) -> Option<[u8; 32]> {
+        self.sums.get(path).copied()
+    }
+
+    /// When all meshes are read: remarks about the cache, which is cut to its size where it has grown.
+    pub fn finish(self) -> Vec<SceneError> {
+        if let Some(cache) = self.packages.mesh_cache().filter(|_| self.has_kept) {
+            cache.trim();
+        }
+        self.remarks
     }
 
     fn resolve(&self, url: &str, base: &Base) -> Result<PathBuf, MeshError> {
@@ -165,22 +210,63 @@ impl<'a> Meshes<'a> {
     }
 }
 
-/// Reads a mesh file by its extension.
-pub(crate) fn read(path: &Path, up_axis: UpAxis) -> Result<Triangles, SceneError> {
-    let file = path.display().to_string();
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    let mut content = match extension.as_str() {
-        "stl" => stl::read(&file, &input::bytes(path, input::MESH_CAP)?),
-        "obj" => obj::read(&file, &input::text(path, input::MESH_CAP)?),
-        "dae" => dae::read(&file, &input::text(path, input::MESH_CAP / 2)?, up_axis),
-        _ => {
-            let message = format!("meshes of the kind `.{}` are not read", super::error::quoted(&extension));
-            Err(SceneError::new(&file, "file", message).hint("convert it to .stl, .obj or .dae"))
-        }
-    }?;
-    content.drop_unused();
-    if content.triangles.is_empty() {
-        return Err(SceneError::new(file, "mesh", "has no triangles").hint("points and lines bound no solid"));
+/// The mesh that a model means by a file's triangles.
+fn meant(mut content: Triangles, request: &MeshRequest<'_>) -> Mesh {
+    for vertex in &mut content.vertices {
+        *vertex *= request.scale;
     }
-    Ok(content)
+    if request.scale.to_array().iter().filter(|s| **s < 0.0).count() % 2 == 1 {
+        content.triangles.iter_mut().for_each(|t| t.swap(1, 2)); // a mirror turns the inside out
+    }
+    Mesh::new(request.url.to_owned(), content.vertices, content.triangles)
+}
+
+/// What understands the files of an extension.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Reader {
+    Stl,
+    Obj,
+    Dae,
+}
+
+impl Reader {
+    fn of(path: &Path) -> Result<Self, SceneError> {
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+        let known = [Self::Stl, Self::Obj, Self::Dae].into_iter().find(|reader| reader.name() == extension);
+        known.ok_or_else(|| {
+            let message = format!("meshes of the kind `.{}` are not read", super::error::quoted(&extension));
+            SceneError::new(path.display().to_string(), "file", message).hint("convert it to .stl, .obj or .dae")
+        })
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Stl => "stl",
+            Self::Obj => "obj",
+            Self::Dae => "dae",
+        }
+    }
+
+    /// Largest file, bytes.
+    fn cap(self) -> u64 {
+        match self {
+            Self::Stl | Self::Obj => input::MESH_CAP,
+            Self::Dae => input::MESH_CAP / 2,
+        }
+    }
+
+    /// The triangles that a file's bytes hold.
+    fn read(self, path: &Path, bytes: Vec<u8>, up_axis: UpAxis) -> Result<Triangles, SceneError> {
+        let file = path.display().to_string();
+        let mut content = match self {
+            Self::Stl => stl::read(&file, &bytes)?,
+            Self::Obj => obj::read(&file, &input::decode(bytes, &file)?)?,
+            Self::Dae => dae::read(&file, &input::decode(bytes, &file)?, up_axis)?,
+        };
+        content.drop_unused();
+        if content.triangles.is_empty() {
+            return Err(SceneError::new(file, "mesh", "has no triangles").hint("points and lines bound no solid"));
+        }
+        Ok(content)
+    }
 }

@@ -2,8 +2,8 @@
 
 use super::{TRIANGLES, Triangles};
 use crate::scene::error::{SceneError, quoted};
+use foliate_components::robot::positions::Positions;
 use glam::DVec3;
-use std::collections::HashMap;
 
 /// Bytes before the first triangle: a comment, and their number.
 const HEADER: usize = 84;
@@ -39,17 +39,20 @@ pub(super) fn read(file: &str, content: &[u8]) -> Result<Triangles, SceneError> 
 }
 
 /// Vertices by position.
-#[derive(Default)]
 struct Corners {
     mesh: Triangles,
-    known: HashMap<[u64; 3], u32>,
+    known: Positions,
 }
 
 impl Corners {
+    /// With room for as many triangles as there are in most files of that many.
+    fn of(triangles: usize) -> Self {
+        Self { mesh: Triangles::default(), known: Positions::with_capacity(triangles / 2) }
+    }
+
     fn vertex(&mut self, p: DVec3) -> u32 {
         let next = self.mesh.vertices.len() as u32;
-        // Adding zero makes −0 and 0 the same.
-        let number = *self.known.entry(p.to_array().map(|c| (c + 0.0).to_bits())).or_insert(next);
+        let number = self.known.number(p, next);
         if number == next {
             self.mesh.vertices.push(p);
         }
@@ -66,7 +69,7 @@ fn binary(file: &str, records: &[u8]) -> Result<Triangles, SceneError> {
             format!("declares {count} triangles, at most {TRIANGLES} are read"),
         ));
     }
-    let mut corners = Corners::default();
+    let mut corners = Corners::of(count);
     corners.mesh.triangles.reserve(count);
     for (number, record) in records.chunks_exact(RECORD).enumerate() {
         let mut triangle = [0; 3];
@@ -91,7 +94,7 @@ fn text(file: &str, content: &[u8]) -> Result<Triangles, SceneError> {
         SceneError::new(file, "header", "begins with `solid` but is neither text nor of its declared length")
             .hint("the file is cut off, or no STL")
     })?;
-    let mut corners = Corners::default();
+    let mut corners = Corners::of(0);
     let mut loop_corners: Option<Vec<u32>> = None;
     let mut ended = false;
     for (index, line) in content.lines().enumerate() {

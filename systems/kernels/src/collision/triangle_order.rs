@@ -10,7 +10,7 @@ pub(super) fn triangle_order(triangles: &[[DVec3; 3]]) -> Vec<u32> {
     let boxes: Vec<Extent> = triangles.iter().map(Extent::of).collect();
     let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
     let mut keyed: Vec<(f64, u32)> = Vec::with_capacity(triangles.len());
-    let mut ranges: Vec<Range<usize>> = vec![0..triangles.len()];
+    let mut ranges: Vec<Range<usize>> = std::iter::once(0..triangles.len()).collect();
     while let Some(range) = ranges.pop() {
         if range.len() <= WIDE {
             continue;

@@ -1,0 +1,100 @@
+//! The files of the cache: read whole, written so that nobody ever sees half of one, the oldest deleted where there are too many.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, ErrorKind, Read, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::SystemTime;
+
+/// Of entries, after 64 hexadecimal digits.
+pub(super) const EXTENSION: &str = ".mesh";
+/// Of files that are being written.
+const UNFINISHED: &str = ".unfinished";
+
+/// The bytes of a file of at most `cap` bytes, or none where it does not exist.
+///
+/// # Errors
+/// It is there but no regular file, too large, or cannot be read; in words.
+pub(super) fn read(path: &Path, cap: u64) -> Result<Option<Vec<u8>>, String> {
+    let metadata = match fs::metadata(path) {
+        Ok(metadata) => metadata,
+        // Also where the directory is none.
+        Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => return Ok(None),
+        Err(error) => return Err(format!("cannot be opened: {error}")),
+    };
+    // A pipe would block.
+    if !metadata.is_file() {
+        return Err("is not a regular file".into());
+    }
+    if metadata.len() > cap {
+        return Err(format!("has {} bytes, an entry at most {cap}", metadata.len()));
+    }
+    let mut bytes = Vec::with_capacity(metadata.len() as usize);
+    let file = match File::open(path) {
+        Ok(file) => file,
+        // Another process has just deleted it.
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(format!("cannot be opened: {error}")),
+    };
+    file.take(cap).read_to_end(&mut bytes).map_err(|error| format!("cannot be read: {error}"))?;
+    Ok(Some(bytes))
+}
+
+/// Writes a file under a name that nobody else has, then gives it its own.
+pub(super) fn write(directory: &Path, name: &str, bytes: &[u8]) -> io::Result<()> {
+    static COUNT: AtomicU64 = AtomicU64::new(0);
+    fs::create_dir_all(directory)?;
+    let count = COUNT.fetch_add(1, Ordering::Relaxed);
+    let unfinished = directory.join(format!("{name}.{}-{count}{UNFINISHED}", std::process::id()));
+    let mut file = OpenOptions::new().write(true).create_new(true).open(&unfinished)?;
+    let written = file.write_all(bytes);
+    drop(file);
+    let named = written.and_then(|()| fs::rename(&unfinished, directory.join(name)));
+    if named.is_err() {
+        let _it_stays = fs::remove_file(&unfinished);
+    }
+    named
+}
+
+/// Deletes the oldest files of the cache until these have at most so many bytes together. Files with other names are left alone.
+pub(super) fn trim(directory: &Path, most_bytes: u64) {
+    let mut files = ours(directory);
+    let mut bytes: u64 = files.iter().map(|file| file.bytes).sum();
+    if bytes <= most_bytes {
+        return;
+    }
+    files.sort_by(|a, b| (a.written, &a.path).cmp(&(b.written, &b.path)));
+    for file in files {
+        if bytes <= most_bytes {
+            break;
+        }
+        // Another process may have been faster.
+        let _gone = fs::remove_file(&file.path);
+        bytes = bytes.saturating_sub(file.bytes);
+    }
+}
+
+struct Ours {
+    path: PathBuf,
+    bytes: u64,
+    written: SystemTime,
+}
+
+fn ours(directory: &Path) -> Vec<Ours> {
+    let Ok(entries) = fs::read_dir(directory) else { return Vec::new() };
+    entries
+        .filter_map(Result::ok)
+        .filter(|entry| entry.file_name().to_str().is_some_and(is_ours))
+        .filter_map(|entry| {
+            let metadata = entry.metadata().ok().filter(fs::Metadata::is_file)?;
+            let written = metadata.modified().unwrap_or(SystemTime::UNIX_EPOCH);
+            Some(Ours { path: entry.path(), bytes: metadata.len(), written })
+        })
+        .collect()
+}
+
+fn is_ours(name: &str) -> bool {
+    let Some((digits, rest)) = name.split_at_checked(64) else { return false };
+    let is_entry = rest == EXTENSION || (rest.starts_with(EXTENSION) && rest.ends_with(UNFINISHED));
+    digits.bytes().all(|b| b.is_ascii_hexdigit()) && is_entry
+}

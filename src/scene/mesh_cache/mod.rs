@@ -1,0 +1,133 @@
+//! Meshes on disk as they were read once, with what their trees are built from, under the SHA-256 of the file that they come from.
+//!
+//! A file of a mesh is always read, for its SHA-256; what is spared is to understand it and to search its hull. Only what follows from
+//! the bytes of the file and the way they are read is kept. An entry is foreign input: it counts for nothing unless its key, its lengths,
+//! its checksum and every number in it are right and its record is proved ([`foliate_kernels::collision::mesh_record::proves`]), and what
+//! is not right is found anew and written over. No failure of the disk is an error.
+
+mod directory;
+mod entry;
+
+use super::mesh::UpAxis;
+use super::package::user_cache;
+use foliate_components::robot::mesh_record::MeshRecord;
+use foliate_components::robot::shape::Mesh;
+use glam::DVec3;
+use sha2::{Digest, Sha256};
+use std::path::{Path, PathBuf};
+
+/// Smaller files are read and searched in less time than their entry.
+pub(crate) const SMALLEST_FILE: usize = 8 << 10;
+/// Largest entry, bytes.
+const LARGEST_ENTRY: u64 = 64 << 20;
+/// Most bytes of all entries together, unless told otherwise.
+const MOST_BYTES: u64 = 256 << 20;
+/// Counts changes of how files of meshes are read; entries of other versions are not found.
+const READING_VERSION: u32 = 1;
+
+/// A directory in which meshes are kept between runs. Nothing is written by a library that was not given one:
+/// [`PackagePath::with_mesh_cache`](super::PackagePath::with_mesh_cache).
+///
+/// Everything in it may be deleted at any time. Processes may share it.
+#[derive(Clone, Debug)]
+pub struct MeshCache {
+    directory: PathBuf,
+    most_bytes: u64,
+}
+
+/// Which entry: what the file holds, and how it is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Key([u8; 32]);
+
+/// What there is under a key.
+pub(crate) enum Kept {
+    /// A mesh, with a record that is proved.
+    Mesh(Mesh),
+    /// An entry that is not what it should be, and why.
+    Bad(String),
+    Nothing,
+}
+
+impl MeshCache {
+    /// In a directory, which is made when there is something to keep. Entries are called `….mesh`; other files are left alone.
+    #[must_use]
+    pub fn in_directory(directory: impl Into<PathBuf>) -> Self {
+        Self { directory: directory.into(), most_bytes: MOST_BYTES }
+    }
+
+    /// In the directory `FOLIATE_MESH_CACHE`, or `foliate/meshes` in the user's cache directory; none where there is neither.
+    #[must_use]
+    pub fn of_user() -> Option<Self> {
+        user_cache("FOLIATE_MESH_CACHE", "meshes").map(Self::in_directory)
+    }
+
+    /// Keeps at most this many bytes (256 MiB where nothing is said): the entries written first go first.
+    #[must_use]
+    pub fn at_most(mut self, bytes: u64) -> Self {
+        self.most_bytes = bytes;
+        self
+    }
+
+    /// Where it is.
+    #[must_use]
+    pub fn directory(&self) -> &Path {
+        &self.directory
+    }
+
+    /// What is kept for a mesh. `source` is what the model calls it.
+    pub(crate) fn find(&self, key: &Key, source: &str) -> Kept {
+        let bytes = match directory::read(&self.path(key), LARGEST_ENTRY) {
+            Ok(Some(bytes)) => bytes,
+            Ok(None) => return Kept::Nothing,
+            Err(why) => return Kept::Bad(why),
+        };
+        match entry::read(&bytes, key, source) {
+            Ok(mesh) => Kept::Mesh(mesh),
+            Err(why) => Kept::Bad(why.into()),
+        }
+    }
+
+    /// Keeps a mesh that has a record; whether it is kept. What is there already is replaced.
+    pub(crate) fn keep(&self, key: &Key, mesh: &Mesh) -> bool {
+        let Some(bytes) = entry::write(key, mesh).filter(|bytes| bytes.len() as u64 <= LARGEST_ENTRY) else {
+            return false;
+        };
+        directory::write(&self.directory, &key.name(), &bytes).is_ok()
+    }
+
+    /// Lets the oldest entries go, as far as there are more bytes than wanted.
+    pub(crate) fn trim(&self) {
+        directory::trim(&self.directory, self.most_bytes);
+    }
+
+    /// Where an entry is.
+    pub(crate) fn path(&self, key: &Key) -> PathBuf {
+        self.directory.join(key.name())
+    }
+}
+
+impl Key {
+    /// Of a file by the SHA-256 of its bytes, the reader that its extension names, and what is done to its coordinates.
+    pub(crate) fn new(sha256: &[u8; 32], reader: &str, up_axis: UpAxis, scale: DVec3) -> Self {
+        let mut hash = Sha256::new();
+        for version in [entry::VERSION, READING_VERSION, MeshRecord::VERSION] {
+            hash.update(version.to_le_bytes());
+        }
+        hash.update([reader.len() as u8]);
+        hash.update(reader);
+        hash.update([match up_axis {
+            UpAxis::AsWritten => 0,
+            UpAxis::Declared => 1,
+        }]);
+        for factor in scale.to_array() {
+            hash.update(factor.to_bits().to_le_bytes());
+        }
+        hash.update(sha256);
+        Self(hash.finalize().into())
+    }
+
+    fn name(&self) -> String {
+        let digits: String = self.0.iter().map(|b| format!("{b:02x}")).collect();
+        digits + directory::EXTENSION
+    }
+}
