@@ -42,7 +42,7 @@ pub(super) fn findings(mesh: &Mesh) -> MeshRecord {
     let corners = corners_of(mesh);
     let triangles: Vec<[DVec3; 3]> = (0..mesh.triangles.len()).map(corners).collect();
     // Around numbers that are none, or too large for a box, there is nothing.
-    let extent = triangles.iter().map(Extent::of).fold(Extent::EMPTY, |all, one| all.and(&one));
+    let extent = Extent::of_all(triangles.iter().map(Extent::of));
     let hull = match !triangles.is_empty() && extent.bounds().half.is_finite() {
         true => FoundHull::of(&mesh.vertices, extreme_points(&mesh.vertices)),
         false => FoundHull::default(),

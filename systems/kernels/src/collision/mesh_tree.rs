@@ -113,39 +113,39 @@ impl MeshTree {
         tree
     }
 
-    /// Level by level, so that what a block leads to stands side by side; then boxes, those of the smallest first.
+    /// Level by level, so that what a block leads to stands side by side.
     fn fill_blocks(&mut self) {
-        let mut ranges: Vec<Range<usize>> = std::iter::once(0..self.triangles.len()).collect();
-        let mut leads: Vec<Range<usize>> = Vec::new();
-        while let Some(range) = ranges.get(leads.len()).cloned() {
-            let first = ranges.len();
-            if range.len() > WIDE {
-                ranges.extend(parts_of(range, |_, _| {}));
-            }
-            leads.push(first..ranges.len());
-        }
-        let mut corners = leads.iter().filter(|parts| parts.is_empty()).count();
-        self.corners = vec![Corners::default(); corners];
-        let mut extents = vec![Extent::EMPTY; ranges.len()];
-        let mut blocks = Vec::with_capacity(ranges.len());
-        for (place, (range, parts)) in ranges.into_iter().zip(leads).enumerate().rev() {
-            let last = parts.is_empty().then(|| {
-                corners -= 1;
-                corners
-            });
-            let boxes: Vec<Extent> = match last {
-                Some(_) => self.triangles[range.clone()].iter().map(Extent::of).collect(),
-                None => extents[parts.clone()].to_vec(),
+        let branches = branches(self.triangles.len());
+        let extents = self.extents(&branches);
+        self.blocks.reserve_exact(branches.len());
+        self.corners.reserve_exact(branches.iter().filter(|branch| branch.parts.is_empty()).count());
+        let mut boxes = [Extent::EMPTY; WIDE];
+        for (branch, extent) in branches.iter().zip(&extents) {
+            let (count, first, corners) = if branch.parts.is_empty() {
+                let triangles = &self.triangles[branch.triangles.clone()];
+                boxes.iter_mut().zip(triangles).for_each(|(one, triangle)| *one = Extent::of(triangle));
+                self.corners.push(in_lanes(triangles));
+                (triangles.len(), branch.triangles.start, Some(self.corners.len() as u32 - 1))
+            } else {
+                let parts = &extents[branch.parts.clone()];
+                boxes[..parts.len()].copy_from_slice(parts);
+                (parts.len(), branch.parts.start, None)
             };
-            extents[place] = boxes.iter().fold(Extent::EMPTY, Extent::and);
-            if let Some(corners) = last {
-                self.corners[corners] = in_lanes(&self.triangles[range.clone()]);
-            }
-            let first = if last.is_some() { range.start } else { parts.start } as u32;
-            blocks.push(Block::new(extents[place].bounds(), &boxes, first, last.map(|corners| corners as u32)));
+            self.blocks.push(Block::new(extent.bounds(), &boxes[..count], first as u32, corners));
         }
-        blocks.reverse();
-        self.blocks = blocks;
+    }
+
+    /// Of all triangles of each branch.
+    fn extents(&self, branches: &[Branch]) -> Vec<Extent> {
+        let mut extents = vec![Extent::EMPTY; branches.len()];
+        // What a branch leads to stands behind it.
+        for (place, branch) in branches.iter().enumerate().rev() {
+            extents[place] = match branch.parts.is_empty() {
+                true => Extent::of_all(self.triangles[branch.triangles.clone()].iter().map(Extent::of)),
+                false => Extent::of_all(extents[branch.parts.clone()].iter().copied()),
+            };
+        }
+        extents
     }
 
     /// The box around the mesh; none where there are no triangles.
@@ -204,6 +204,28 @@ pub(super) fn corners_of(mesh: &Mesh) -> impl Fn(usize) -> [DVec3; 3] + '_ {
     move |t| whole_or_nothing(mesh.triangles.get(t).map_or([DVec3::NAN; 3], |t| t.map(corner)))
 }
 
+/// Which triangles a block is over, and which branches it leads to; none where it is one of the last.
+struct Branch {
+    triangles: Range<usize>,
+    parts: Range<usize>,
+}
+
+/// Those of a tree over so many triangles: how they are cut is a matter of numbers alone.
+fn branches(count: usize) -> Vec<Branch> {
+    let mut branches = vec![Branch { triangles: 0..count, parts: 0..0 }];
+    let mut next = 0;
+    while let Some(triangles) = branches.get(next).map(|branch| branch.triangles.clone()) {
+        if triangles.len() > WIDE {
+            let first = branches.len();
+            let parts = parts_of(triangles, |_, _| {});
+            branches.extend(parts.into_iter().map(|triangles| Branch { triangles, parts: 0..0 }));
+            branches[next].parts = first..branches.len();
+        }
+        next += 1;
+    }
+    branches
+}
+
 impl Extent {
     /// Of nothing.
     pub(super) const EMPTY: Self = Self { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY, whole: true };
@@ -216,6 +238,11 @@ impl Extent {
     /// Of both.
     pub(super) fn and(self, other: &Self) -> Self {
         Self { low: self.low.min(other.low), high: self.high.max(other.high), whole: self.whole && other.whole }
+    }
+
+    /// Of them together.
+    pub(super) fn of_all(extents: impl Iterator<Item = Self>) -> Self {
+        extents.fold(Self::EMPTY, |all, one| all.and(&one))
     }
 
     pub(super) fn bounds(&self) -> Bounds {

@@ -17,7 +17,7 @@ pub(super) fn triangle_order(triangles: &[[DVec3; 3]]) -> Vec<u32> {
         }
         ranges.extend(parts_of(range, |part, middle| {
             let part = &mut order[part];
-            let extent = part.iter().fold(Extent::EMPTY, |all, &t| all.and(&boxes[t as usize]));
+            let extent = Extent::of_all(part.iter().map(|&t| boxes[t as usize]));
             let axis = longest_axis(extent.bounds().half);
             let key = |t: &[DVec3; 3]| t[0][axis] + t[1][axis] + t[2][axis];
             keyed.clear();
