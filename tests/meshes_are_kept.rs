@@ -466,6 +466,37 @@ fn who_does_not_want_it_has_none() {
 }
 
 #[test]
+fn all_published_models_are_kept_as_they_are_read() {
+    let Some(packages) = common::published_models("all_published_models_are_kept_as_they_are_read") else { return };
+    let folder = Folder::new("published");
+    let cached = packages.clone().with_mesh_cache(MeshCache::in_directory(folder.cache()));
+    let (mut compared, mut kept) = (0, 0);
+    for package in common::PACKAGES {
+        for urdf in common::files_below(&packages.find(package).unwrap(), ".urdf") {
+            let name = urdf.to_string_lossy();
+            let Ok(plain) = read_model(&name, None, &packages) else { continue };
+            for _ in 0..2 {
+                let read = read_model(&name, None, &cached).unwrap_or_else(|e| panic!("{e}"));
+                assert_eq!(read.warnings, plain.warnings);
+                let shapes = |read: &ReadModel| -> Vec<Arc<Mesh>> {
+                    let shapes = read.model.links.iter().flat_map(|link| &link.shapes);
+                    shapes
+                        .filter_map(|(_, s)| if let Geometry::Mesh(mesh) = s { Some(mesh.clone()) } else { None })
+                        .collect()
+                };
+                let (read, plain) = (shapes(&read), shapes(&plain));
+                assert_eq!(read.len(), plain.len());
+                read.iter().zip(&plain).for_each(|(read, plain)| assert_same(read, plain));
+                compared += read.len();
+                kept += read.iter().filter(|mesh| mesh.record.is_some()).count();
+            }
+        }
+    }
+    assert!(compared > 1000 && kept > compared / 2, "{kept} of {compared} are kept");
+    assert!(folder.entries().len() > 100, "{}", folder.entries().len());
+}
+
+#[test]
 fn searches_are_the_same_with_it_and_without() {
     let Some(packages) = common::published_models("searches_are_the_same_with_it_and_without") else { return };
     let folder = Folder::new("search");

@@ -60,7 +60,11 @@ impl Drop for Folder {
 }
 
 fn foliate(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_foliate")).args(arguments).output().expect("the program runs")
+    Command::new(env!("CARGO_BIN_EXE_foliate"))
+        .arg("--no-mesh-cache")
+        .args(arguments)
+        .output()
+        .expect("the program runs")
 }
 
 fn solve(folder: &Folder, scene: &str, seed: u32, threads: u32) -> PathBuf {

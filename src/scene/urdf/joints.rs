@@ -75,9 +75,15 @@ fn link(xml: &Xml<'_>, node: Node<'_, '_>, end: &str, links: &HashMap<&str, usiz
     let element = xml.child(node, end)?;
     let name = xml.attribute(element, "link")?;
     links.get(name).copied().ok_or_else(|| {
-        xml.error(element, format!("link `{}` does not exist", quoted(name)))
-            .hint(did_you_mean(name, links.keys().copied()))
+        xml.error(element, format!("link `{}` does not exist", quoted(name))).hint(did_you_mean(name, in_order(links)))
     })
+}
+
+/// Names in the order of what they number: a map's own order is another in every process.
+fn in_order<'a>(numbered: &HashMap<&'a str, usize>) -> impl Iterator<Item = &'a str> {
+    let mut names: Vec<(usize, &str)> = numbered.iter().map(|(&name, &number)| (number, name)).collect();
+    names.sort_unstable();
+    names.into_iter().map(|(_, name)| name)
 }
 
 fn axis(xml: &Xml<'_>, node: Node<'_, '_>, kind: JointKind) -> Result<DVec3, SceneError> {

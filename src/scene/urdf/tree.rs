@@ -71,7 +71,7 @@ pub(super) fn check_mimics(
         let Some(&found) = by_name.get(leader.as_str()) else {
             let message =
                 format!("mimics joint `{}`, which does not exist: it is read as a joint of its own", quoted(leader));
-            let hint = did_you_mean(leader, by_name.keys().copied());
+            let hint = did_you_mean(leader, joints.iter().map(|joint| joint.name.as_str()));
             warnings.push(xml.error(nodes[index], message).hint(hint));
             joints[index].mimic = None;
             continue;
