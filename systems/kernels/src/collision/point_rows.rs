@@ -13,41 +13,42 @@ const LARGEST: f64 = 1e150;
 pub(super) struct PointRows {
     rows: Vec<[F64Row; 3]>,
     count: usize,
+    /// How it is computed, not what.
+    lanes: Level,
 }
 
 impl PointRows {
     /// None where there are no points, or coordinates too large to compute with.
     pub(super) fn of(points: &[DVec3]) -> Option<Self> {
         let last = points.last()?;
-        if !points.iter().all(|p| p.abs().max_element() < LARGEST) {
+        if !points.iter().all(|p| p.abs().cmplt(DVec3::splat(LARGEST)).all()) {
             return None;
         }
         let row = |points: &[DVec3]| {
             let coordinate = |axis: usize| Row(std::array::from_fn(|lane| points.get(lane).unwrap_or(last)[axis]));
             [coordinate(0), coordinate(1), coordinate(2)]
         };
-        Some(Self { rows: points.chunks(8).map(row).collect(), count: points.len() })
+        Some(Self { rows: points.chunks(8).map(row).collect(), count: points.len(), lanes: Level::detected() })
     }
 
     /// Number of the point that lies farthest in a direction, of several the last; none where the largest product is a zero, of
     /// which there are two.
     pub(super) fn last_along(&self, d: DVec3) -> Option<usize> {
-        let (most, found) = Level::detected().run(LastAlong { rows: &self.rows, d });
+        let (most, found) = self.lanes.run(LastAlong { rows: &self.rows, d });
         (most != 0.0).then(|| found.min(self.count - 1))
     }
 
     /// Number of the point that lies farthest from another, of several the last, and the square of its distance, m².
     pub(super) fn last_from(&self, from: DVec3) -> (usize, f64) {
-        let (most, found) = Level::detected().run(LastFrom { rows: &self.rows, from });
+        let (most, found) = self.lanes.run(LastFrom { rows: &self.rows, from });
         (found.min(self.count - 1), most)
     }
 
     /// How far the points are from a line through `center` along an axis at most, and how far a segment of it about the centre
     /// has to reach so that a capsule that wide holds them: metres.
     pub(super) fn capsule_along(&self, center: DVec3, axis: usize) -> [f64; 2] {
-        let level = Level::detected();
-        let widest = level.run(Widest { rows: &self.rows, center, axis }).sqrt();
-        [widest, level.run(Reach { rows: &self.rows, center, axis, widest })]
+        let widest = self.lanes.run(Widest { rows: &self.rows, center, axis }).sqrt();
+        [widest, self.lanes.run(Reach { rows: &self.rows, center, axis, widest })]
     }
 }
 
@@ -194,5 +195,66 @@ impl PointRows {
         let axis = super::bounds::longest_axis(half);
         let [widest, reach] = self.capsule_along(center, axis);
         Capsule::about(center, DVec3::AXES[axis] * reach, widest)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::bounds::farthest_of;
+    use super::*;
+
+    /// Points on a coarse grid, so that many are equally far, some of them twice.
+    fn points(count: usize) -> Vec<DVec3> {
+        let mut state = 7_u32;
+        let mut next = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from((state >> 24) as i32 % 7 - 3) * 0.1
+        };
+        (0..count).map(|_| DVec3::new(next(), next(), next())).collect()
+    }
+
+    #[test]
+    fn the_last_of_the_farthest_is_found_at_every_level() {
+        let directions = [DVec3::new(2.0, -1.0, 0.0), DVec3::Z * -2.0, DVec3::new(1.0, 2.0, 2.0)];
+        for count in [1, 7, 8, 9, 64, 203] {
+            let points = points(count);
+            for lanes in Level::available() {
+                let rows =
+                    PointRows { lanes, ..PointRows::of(&points).unwrap_or_else(|| unreachable!("they are small")) };
+                for d in directions {
+                    let last = (0..count).max_by(|&a, &b| points[a].dot(d).total_cmp(&points[b].dot(d)));
+                    let zero = last.is_some_and(|last| points[last].dot(d) == 0.0);
+                    assert_eq!(rows.last_along(d), last.filter(|_| !zero), "{count} points, {lanes:?}");
+                    let (found, square) = rows.last_from(d);
+                    let one_by_one = |a: &usize, b: &usize| {
+                        points[*a].distance_squared(d).total_cmp(&points[*b].distance_squared(d))
+                    };
+                    assert_eq!(Some(found), (0..count).max_by(one_by_one));
+                    assert_eq!(square.sqrt().to_bits(), farthest_of(&points, d).distance(d).to_bits());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_capsule_is_that_of_one_point_after_another_at_every_level() {
+        for (count, half) in [(5, DVec3::new(3.0, 2.0, 1.0)), (64, DVec3::new(1.0, 3.0, 2.0)), (203, DVec3::Z)] {
+            let points = points(count);
+            let center = DVec3::new(0.01, -0.02, 0.03);
+            let one_by_one = Capsule::of_points(center, half, &points, 0.0);
+            for lanes in Level::available() {
+                let rows =
+                    PointRows { lanes, ..PointRows::of(&points).unwrap_or_else(|| unreachable!("they are small")) };
+                assert_eq!(format!("{:?}", rows.capsule(center, half)), format!("{one_by_one:?}"), "{lanes:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn numbers_that_are_too_large_are_left_to_others() {
+        for x in [f64::NAN, f64::INFINITY, 1e200] {
+            assert!(PointRows::of(&[DVec3::ONE, DVec3::new(0.0, x, 0.0)]).is_none());
+        }
+        assert!(PointRows::of(&[]).is_none());
     }
 }
