@@ -17,6 +17,17 @@ pub(crate) const MESH_CAP: u64 = 256 << 20;
 /// # Errors
 /// Where the file is missing, is no regular file (a pipe would block), or is larger.
 pub(crate) fn bytes(path: &Path, cap: u64) -> Result<Vec<u8>, SceneError> {
+    let mut content = Vec::new();
+    bytes_into(path, cap, &mut content)?;
+    Ok(content)
+}
+
+/// As [`bytes`], into memory that was used before: new memory takes as long as to read the file.
+///
+/// # Errors
+/// As [`bytes`].
+pub(crate) fn bytes_into(path: &Path, cap: u64, content: &mut Vec<u8>) -> Result<(), SceneError> {
+    content.clear();
     let fail = |message: String| SceneError::new(path.display().to_string(), "file", message);
     let metadata = std::fs::metadata(path).map_err(|e| fail(format!("cannot be opened: {e}")))?;
     if !metadata.is_file() {
@@ -28,13 +39,13 @@ pub(crate) fn bytes(path: &Path, cap: u64) -> Result<Vec<u8>, SceneError> {
     if metadata.len() > cap {
         return Err(too_large(metadata.len()));
     }
-    let mut content = Vec::with_capacity(metadata.len() as usize);
+    content.reserve_exact(metadata.len() as usize);
     let file = File::open(path).map_err(|e| fail(format!("cannot be opened: {e}")))?;
-    file.take(cap + 1).read_to_end(&mut content).map_err(|e| fail(format!("cannot be read: {e}")))?;
+    file.take(cap + 1).read_to_end(content).map_err(|e| fail(format!("cannot be read: {e}")))?;
     if content.len() as u64 > cap {
         return Err(too_large(content.len() as u64));
     }
-    Ok(content)
+    Ok(())
 }
 
 /// The text of a regular UTF-8 file of at most `cap` bytes, without a byte order mark.

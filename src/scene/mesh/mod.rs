@@ -99,6 +99,8 @@ pub(crate) struct Meshes<'a> {
     remarks: Vec<SceneError>,
     /// Whether the cache has grown.
     has_kept: bool,
+    /// Bytes of the last file, and of the last entry.
+    buffers: [Vec<u8>; 2],
 }
 
 /// What a model asks for.
@@ -127,6 +129,7 @@ impl<'a> Meshes<'a> {
             sums: HashMap::new(),
             remarks: Vec::new(),
             has_kept: false,
+            buffers: Default::default(),
         }
     }
 
@@ -150,12 +153,17 @@ impl<'a> Meshes<'a> {
     /// The mesh of a file, from the cache where it is there; else it is there afterwards.
     fn open(&mut self, path: &Path, request: &MeshRequest<'_>) -> Result<Mesh, SceneError> {
         let reader = Reader::of(path)?;
-        let bytes = input::bytes(path, reader.cap())?;
+        let [bytes, entry] = &mut self.buffers;
+        input::bytes_into(path, reader.cap(), bytes)?;
         let cache = self.packages.mesh_cache().filter(|_| bytes.len() >= SMALLEST_FILE);
-        let Some(cache) = cache else { return Ok(meant(reader.read(path, bytes, request.up_axis)?, request)) };
-        let sum = self.sums.entry(path.to_owned()).or_insert_with(|| Sha256::digest(&bytes).into());
-        let key = Key::new(sum, reader.name(), request.up_axis, request.scale);
-        match cache.find(&key, request.url) {
+        let Some(cache) = cache else {
+            return Ok(meant(reader.read(path, std::mem::take(bytes), request.up_axis)?, request));
+        };
+        // Of the bytes that are read now: the file may have changed since it was read for another scale.
+        let sum: [u8; 32] = Sha256::digest(&*bytes).into();
+        self.sums.insert(path.to_owned(), sum);
+        let key = Key::new(&sum, reader.name(), request.up_axis, request.scale);
+        match cache.find(&key, request.url, entry) {
             Kept::Mesh(mesh) => return Ok(mesh),
             Kept::Bad(why) => {
                 let entry = cache.path(&key).display().to_string();
@@ -164,7 +172,7 @@ impl<'a> Meshes<'a> {
             }
             Kept::Nothing => {}
         }
-        let mut mesh = meant(reader.read(path, bytes, request.up_axis)?, request);
+        let mut mesh = meant(reader.read(path, std::mem::take(bytes), request.up_axis)?, request);
         mesh.record = mesh_record::record(&mesh);
         self.has_kept |= cache.keep(&key, &mesh);
         Ok(mesh)

@@ -11,15 +11,16 @@ pub(super) const EXTENSION: &str = ".mesh";
 /// Of files that are being written.
 const UNFINISHED: &str = ".unfinished";
 
-/// The bytes of a file of at most `cap` bytes, or none where it does not exist.
+/// Reads a file of at most `cap` bytes into `bytes`; whether it exists.
 ///
 /// # Errors
 /// It is there but no regular file, too large, or cannot be read; in words.
-pub(super) fn read(path: &Path, cap: u64) -> Result<Option<Vec<u8>>, String> {
+pub(super) fn read(path: &Path, cap: u64, bytes: &mut Vec<u8>) -> Result<bool, String> {
+    bytes.clear();
     let metadata = match fs::metadata(path) {
         Ok(metadata) => metadata,
         // Also where the directory is none.
-        Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => return Ok(None),
+        Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => return Ok(false),
         Err(error) => return Err(format!("cannot be opened: {error}")),
     };
     // A pipe would block.
@@ -29,15 +30,15 @@ pub(super) fn read(path: &Path, cap: u64) -> Result<Option<Vec<u8>>, String> {
     if metadata.len() > cap {
         return Err(format!("has {} bytes, an entry at most {cap}", metadata.len()));
     }
-    let mut bytes = Vec::with_capacity(metadata.len() as usize);
+    bytes.reserve_exact(metadata.len() as usize);
     let file = match File::open(path) {
         Ok(file) => file,
         // Another process has just deleted it.
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(false),
         Err(error) => return Err(format!("cannot be opened: {error}")),
     };
-    file.take(cap).read_to_end(&mut bytes).map_err(|error| format!("cannot be read: {error}"))?;
-    Ok(Some(bytes))
+    file.take(cap).read_to_end(bytes).map_err(|error| format!("cannot be read: {error}"))?;
+    Ok(true)
 }
 
 /// Writes a file under a name that nobody else has, then gives it its own.

@@ -74,14 +74,14 @@ impl MeshCache {
         &self.directory
     }
 
-    /// What is kept for a mesh. `source` is what the model calls it.
-    pub(crate) fn find(&self, key: &Key, source: &str) -> Kept {
-        let bytes = match directory::read(&self.path(key), LARGEST_ENTRY) {
-            Ok(Some(bytes)) => bytes,
-            Ok(None) => return Kept::Nothing,
+    /// What is kept for a mesh. `source` is what the model calls it; `buffer` is written over.
+    pub(crate) fn find(&self, key: &Key, source: &str, buffer: &mut Vec<u8>) -> Kept {
+        match directory::read(&self.path(key), LARGEST_ENTRY, buffer) {
+            Ok(true) => {}
+            Ok(false) => return Kept::Nothing,
             Err(why) => return Kept::Bad(why),
-        };
-        match entry::read(&bytes, key, source) {
+        }
+        match entry::read(buffer, key, source) {
             Ok(mesh) => Kept::Mesh(mesh),
             Err(why) => Kept::Bad(why.into()),
         }
