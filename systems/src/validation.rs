@@ -253,6 +253,9 @@ fn certificate_settings(settings: &SearchSettings, all_or_nothing: bool) -> Cert
         all_or_nothing,
         start_is_free: true,
         prefix_resolution: settings.prefix_resolution,
+        // Steer keeps rows within the path tolerance all along, and the start holds to within twice that of projections,
+        // each of three rows of a vector.
+        tied_within: settings.path_tolerance + 4.0 * settings.projection_tolerance,
         ..CertificateSettings::default()
     }
 }
