@@ -38,5 +38,6 @@ pub mod sequences;
 pub mod settings;
 pub mod steering;
 pub mod validation;
+mod visited_leaves;
 pub mod waypoints;
 pub mod worlds;
