@@ -20,17 +20,20 @@ pub(crate) struct VisitedLeaves {
     leaves: Vec<LeafId>,
     /// By foliating constraint of the state, then by leaf.
     parameters: Vec<Vec<ParameterId>>,
-    /// By leaf: how many nodes lie on it. No sum of these exceeds the number of nodes, which fits.
-    visits: Vec<u32>,
+    /// By leaf: how many nodes lie on it.
+    visits: Visits,
     /// The same by tree as it is now.
-    by_tree: Vec<(ComponentId, TreeVisits)>,
+    by_tree: Vec<(ComponentId, Visits)>,
 }
 
-/// How many nodes of one tree lie on each leaf, from the first to the last that it has reached.
+/// How many nodes lie on each leaf, from the first to the last that has any. No sum of these exceeds the number of nodes,
+/// which fits.
 #[derive(Clone, Debug, Default)]
-struct TreeVisits {
+struct Visits {
     first: usize,
     visits: Vec<u32>,
+    /// Sums by block of places.
+    sums: Vec<u32>,
 }
 
 impl VisitedLeaves {
@@ -40,7 +43,7 @@ impl VisitedLeaves {
             state: leaf.state,
             leaves: Vec::new(),
             parameters: vec![Vec::new(); leaf.parameters.len()],
-            visits: Vec::new(),
+            visits: Visits::default(),
             by_tree: Vec::new(),
         }
     }
@@ -53,13 +56,13 @@ impl VisitedLeaves {
         };
         if self.leaves.get(at) != Some(&id) {
             self.leaves.insert(at, id);
-            self.visits.insert(at, 0);
             for (column, &parameter) in self.parameters.iter_mut().zip(&leaf.parameters) {
                 column.insert(at, parameter);
             }
+            self.visits.make_room(at);
             self.by_tree.iter_mut().for_each(|(_, visits)| visits.make_room(at));
         }
-        self.visits[at] += 1;
+        self.visits.add(at, 1);
         self.of(tree).add(at, 1);
     }
 
@@ -73,10 +76,10 @@ impl VisitedLeaves {
         }
     }
 
-    fn of(&mut self, tree: ComponentId) -> &mut TreeVisits {
+    fn of(&mut self, tree: ComponentId) -> &mut Visits {
         let known = self.by_tree.iter().position(|(known, _)| *known == tree);
         let at = known.unwrap_or_else(|| {
-            self.by_tree.push((tree, TreeVisits::default()));
+            self.by_tree.push((tree, Visits::default()));
             self.by_tree.len() - 1
         });
         &mut self.by_tree[at].1
@@ -95,14 +98,20 @@ impl VisitedLeaves {
     }
 }
 
-impl TreeVisits {
+impl Visits {
     /// Hears that a leaf has come to stand at a place where others were.
     fn make_room(&mut self, at: usize) {
+        let end = self.first + self.visits.len();
+        if at >= end {
+            return;
+        }
+        let moved = at.max(self.first);
         if at <= self.first {
             self.first += 1;
-        } else if at < self.first + self.visits.len() {
+        } else {
             self.visits.insert(at - self.first, 0);
         }
+        self.sum_from(moved / BLOCK);
     }
 
     fn add(&mut self, at: usize, visits: u32) {
@@ -116,20 +125,33 @@ impl TreeVisits {
         let own = at - self.first;
         if own >= self.visits.len() {
             self.visits.resize(own + 1, 0);
+            self.sums.resize(at / BLOCK + 1, 0);
         }
         self.visits[own] += visits;
+        self.sums[at / BLOCK] += visits;
     }
 
-    /// Takes the visits from those of a block that begins at `start`.
-    #[inline(always)]
-    fn take_from(&self, start: usize, block: &mut [u32; BLOCK]) {
+    fn sum_from(&mut self, block: usize) {
+        self.sums.truncate(block);
+        let blocks = (self.first + self.visits.len()).div_ceil(BLOCK);
+        for number in self.sums.len()..blocks {
+            let sum = self.block(number * BLOCK).iter().sum();
+            self.sums.push(sum);
+        }
+    }
+
+    fn sum(&self, block: usize) -> u32 {
+        self.sums.get(block).copied().unwrap_or(0)
+    }
+
+    /// The visits of the block that begins at `start`.
+    fn block(&self, start: usize) -> [u32; BLOCK] {
+        let mut block = [0; BLOCK];
         let (low, high) = (self.first.max(start), (self.first + self.visits.len()).min(start + BLOCK));
         if low < high {
-            for (visits, own) in block[low - start..].iter_mut().zip(&self.visits[low - self.first..high - self.first])
-            {
-                *visits -= own;
-            }
+            block[low - start..high - start].copy_from_slice(&self.visits[low - self.first..high - self.first]);
         }
+        block
     }
 }
 
@@ -137,26 +159,63 @@ impl TreeVisits {
 pub(crate) struct Choices<'a> {
     of: &'a VisitedLeaves,
     /// Visits that do not count.
-    own: Option<&'a TreeVisits>,
+    own: Option<&'a Visits>,
     wanted: Vec<(&'a [ParameterId], ParameterId)>,
 }
 
 impl Choices<'_> {
-    /// By leaf of the block that begins at `start`: visits that count.
+    fn blocks(&self) -> usize {
+        self.of.leaves.len().div_ceil(BLOCK)
+    }
+
+    /// By leaf of a block: whether it has what is wanted. Answers whether any has.
     #[inline(always)]
-    fn weights(&self, start: usize) -> [u32; BLOCK] {
-        let mut weights = [0; BLOCK];
-        let count = (self.of.leaves.len() - start).min(BLOCK);
-        weights[..count].copy_from_slice(&self.of.visits[start..start + count]);
-        if let Some(own) = self.own {
-            own.take_from(start, &mut weights);
-        }
+    fn has_wanted(&self, start: usize, has: &mut [bool; BLOCK]) -> bool {
+        let mut any = true;
+        *has = [true; BLOCK];
         for &(column, value) in &self.wanted {
-            for (weight, &other) in weights.iter_mut().zip(&column[start..start + count]) {
-                *weight = if other == value { *weight } else { 0 };
+            let column = &column[start..];
+            match column.first_chunk::<BLOCK>() {
+                Some(block) => {
+                    for (has, &other) in has.iter_mut().zip(block) {
+                        *has &= other == value;
+                    }
+                }
+                None => {
+                    for (index, has) in has.iter_mut().enumerate() {
+                        *has &= column.get(index) == Some(&value);
+                    }
+                }
+            }
+            any = false;
+            for &has in &*has {
+                any |= has;
+            }
+            if !any {
+                break;
             }
         }
+        any
+    }
+
+    /// By leaf of a block: visits that count.
+    fn weights(&self, start: usize, has: &[bool; BLOCK]) -> [u32; BLOCK] {
+        let mut weights = self.of.visits.block(start);
+        let own = self.own.map_or([0; BLOCK], |own| own.block(start));
+        for ((weight, own), &has) in weights.iter_mut().zip(own).zip(has) {
+            *weight = if has { *weight - own } else { 0 };
+        }
         weights
+    }
+
+    /// The sum of a block's weights.
+    #[inline(always)]
+    fn sum(&self, block: usize) -> u32 {
+        if self.wanted.is_empty() {
+            return self.of.visits.sum(block) - self.own.map_or(0, |own| own.sum(block));
+        }
+        let mut has = [true; BLOCK];
+        if self.has_wanted(block * BLOCK, &mut has) { self.weights(block * BLOCK, &has).iter().sum() } else { 0 }
     }
 }
 
@@ -172,13 +231,8 @@ impl Kernel for BlockSums<'_> {
     #[inline(always)]
     fn run<I: Isa>(self, _: I) {
         for choices in self.choices {
-            for start in (0..choices.of.leaves.len()).step_by(BLOCK) {
-                let weights = choices.weights(start);
-                let mut sum = 0;
-                for weight in weights {
-                    sum += weight;
-                }
-                self.out.push(sum);
+            for block in 0..choices.blocks() {
+                self.out.push(choices.sum(block));
             }
         }
     }
@@ -198,12 +252,12 @@ pub(crate) fn draw_by_visits(level: Level, choices: &[Choices<'_>], u: f64) -> O
     };
     let mut block = sums.iter().position(&mut is_here)?;
     for choices in choices {
-        let blocks = choices.of.leaves.len().div_ceil(BLOCK);
-        if block < blocks {
-            let start = block * BLOCK;
-            return choices.weights(start).iter().position(is_here).map(|at| choices.of.leaves[start + at]);
+        if block < choices.blocks() {
+            let (start, mut has) = (block * BLOCK, [true; BLOCK]);
+            choices.has_wanted(start, &mut has);
+            return choices.weights(start, &has).iter().position(is_here).map(|at| choices.of.leaves[start + at]);
         }
-        block -= blocks;
+        block -= choices.blocks();
     }
     None
 }
@@ -261,5 +315,6 @@ mod tests {
         (0..1000).for_each(|id| visited.visit(ComponentId(0), LeafId(id), &leaf(id)));
         visited.visit(ComponentId(1), LeafId(900), &leaf(900));
         assert_eq!(visited.by_tree[1].1.visits, [1]);
+        assert_eq!(visited.by_tree[1].1.sums, [0, 0, 0, 0, 0, 0, 0, 1]);
     }
 }

@@ -1,6 +1,5 @@
 //! Draws among leaves that many trees have reached, near ones first.
 
-use super::weighted_leaves::FOCUS;
 use crate::reached_leaves::LeafColumns;
 use foliate_components::leaf::LeafId;
 use foliate_kernels::lanes::{Isa, Kernel, Level};
@@ -20,7 +19,7 @@ pub(super) struct Reached<'a> {
     pub columns: &'a [LeafColumns],
 }
 
-/// Draws by `u` ∈ [0, 1) a leaf of some trees, each with weight [`FOCUS`]⁻²ᵈ of its distance d: in order of tree and first
+/// Draws by `u` ∈ [0, 1) a leaf of some trees, each with weight [`FOCUS`](super::weighted_leaves::FOCUS)⁻²ᵈ of its distance d: in order of tree and first
 /// visit, while distances come state by state. `nearest` is the smallest of them. Sums of whole numbers: no rounding, and
 /// additions that need not wait for each other.
 pub(super) fn draw_near(
@@ -112,23 +111,19 @@ impl Kernel for BlockSums<'_> {
 
 #[inline(always)]
 fn sum_of(far: &[u16], nearest: u16) -> u64 {
-    let mut sums = [0_u64; CHUNK];
-    for chunk in far.chunks(CHUNK) {
-        let mut padded = [u16::MAX; CHUNK];
-        let chunk = match chunk.first_chunk::<CHUNK>() {
-            Some(whole) => whole,
-            None => {
-                padded[..chunk.len()].copy_from_slice(chunk);
-                &padded
-            }
-        };
-        for (sum, &far) in sums.iter_mut().zip(chunk) {
-            *sum += weight(far, nearest);
+    let (chunks, rest) = far.as_chunks::<CHUNK>();
+    // What is not there weighs nothing.
+    let mut last = [u16::MAX; CHUNK];
+    last[..rest.len()].copy_from_slice(rest);
+    let mut sums = [0; CHUNK];
+    for chunk in chunks {
+        for index in 0..CHUNK {
+            sums[index] += weight(chunk[index], nearest);
         }
     }
     let mut sum = 0;
-    for part in sums {
-        sum += part;
+    for index in 0..CHUNK {
+        sum += sums[index] + weight(last[index], nearest);
     }
     sum
 }
@@ -136,6 +131,7 @@ fn sum_of(far: &[u16], nearest: u16) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::guidance::weighted_leaves::FOCUS;
     use crate::random::draw;
     use crate::reached_leaves::ReachedLeaves;
     use foliate_components::graph::StateId;

@@ -3,8 +3,8 @@
 use foliate_components::leaf::ParameterId;
 use foliate_kernels::lanes::{Isa, Kernel, Level};
 
-/// Leaves that are measured at once: a few vectors.
-const BLOCK: usize = 64;
+/// Leaves that are measured at once.
+const BLOCK: usize = 32;
 
 /// The distance between any leaf of one state and any of another, as a function of which values they share.
 #[derive(Clone, Debug, Default)]
@@ -64,21 +64,19 @@ impl StatePair {
     fn block(&self, leaves: OneToMany<'_>, start: usize) -> [u16; BLOCK] {
         let mut far = [self.least; BLOCK];
         for row in &self.alone {
-            let extra = row.extras(leaves, start);
-            for (far, extra) in far.iter_mut().zip(&extra) {
-                *far += extra;
-            }
+            row.add(leaves, start, &mut far);
         }
         for subject in &self.together {
             let mut most = [0; BLOCK];
             for row in subject {
-                let extra = row.extras(leaves, start);
-                for (most, &extra) in most.iter_mut().zip(&extra) {
-                    *most = extra.max(*most);
+                let mut extra = [0; BLOCK];
+                row.add(leaves, start, &mut extra);
+                for index in 0..BLOCK {
+                    most[index] = extra[index].max(most[index]);
                 }
             }
-            for (far, most) in far.iter_mut().zip(&most) {
-                *far += most;
+            for index in 0..BLOCK {
+                far[index] += most[index];
             }
         }
         far
@@ -86,27 +84,26 @@ impl StatePair {
 }
 
 impl Row {
+    /// Adds what values other than that of the one leaf cost.
     #[inline(always)]
-    fn extras(&self, leaves: OneToMany<'_>, start: usize) -> [u16; BLOCK] {
-        let (value, column) = match leaves.end {
-            End::From => (leaves.one[self.from], &leaves.many[self.to]),
-            End::To => (leaves.one[self.to], &leaves.many[self.from]),
+    fn add(&self, leaves: OneToMany<'_>, start: usize, far: &mut [u16; BLOCK]) {
+        let (value, others) = match leaves.end {
+            End::From => (leaves.one[self.from], &leaves.many[self.to][start..]),
+            End::To => (leaves.one[self.to], &leaves.many[self.from][start..]),
         };
-        let mut extras = [self.extra; BLOCK];
-        // Whole blocks have a length that the compiler knows.
-        match column[start..].first_chunk::<BLOCK>() {
-            Some(block) => {
-                for (extra, &other) in extras.iter_mut().zip(block) {
-                    *extra = if other == value { 0 } else { self.extra };
+        // Counted through, and blocks of a length that the compiler knows: two compares and one sum that stays in its register.
+        match others.first_chunk::<BLOCK>() {
+            Some(others) => {
+                for index in 0..BLOCK {
+                    far[index] += if others[index] == value { 0 } else { self.extra };
                 }
             }
             None => {
-                for (extra, &other) in extras.iter_mut().zip(&column[start..]) {
-                    *extra = if other == value { 0 } else { self.extra };
+                for (index, far) in far.iter_mut().enumerate() {
+                    *far += if others.get(index) == Some(&value) { 0 } else { self.extra };
                 }
             }
         }
-        extras
     }
 }
 
@@ -124,19 +121,10 @@ impl Kernel for Measure<'_> {
         let mut least = [u16::MAX; BLOCK];
         for (number, out) in self.out.chunks_mut(BLOCK).enumerate() {
             let far = self.pair.block(self.leaves, number * BLOCK);
+            lower(&mut least, &far, out.len());
             match out.first_chunk_mut::<BLOCK>() {
-                Some(out) => {
-                    *out = far;
-                    for (least, &far) in least.iter_mut().zip(&far) {
-                        *least = far.min(*least);
-                    }
-                }
-                None => {
-                    for ((out, least), &far) in out.iter_mut().zip(&mut least).zip(&far) {
-                        *out = far;
-                        *least = far.min(*least);
-                    }
-                }
+                Some(out) => *out = far,
+                None => out.copy_from_slice(&far[..out.len()]),
             }
         }
         smallest(&least)
@@ -157,10 +145,7 @@ impl Kernel for Nearest<'_> {
         let mut least = [u16::MAX; BLOCK];
         for start in (0..self.count).step_by(BLOCK) {
             let far = self.pair.block(self.leaves, start);
-            let here = (self.count - start).min(BLOCK);
-            for (least, &far) in least[..here].iter_mut().zip(&far) {
-                *least = far.min(*least);
-            }
+            lower(&mut least, &far, self.count - start);
         }
         smallest(&least)
     }
@@ -181,12 +166,15 @@ impl Kernel for Lower<'_> {
         for (number, known) in self.known.chunks_mut(BLOCK).enumerate() {
             let start = number * BLOCK;
             let far = self.pair.block(self.leaves, start);
-            let mut nearer = false;
-            for (known, &far) in known.iter().zip(&far) {
-                nearer |= far < *known;
-            }
-            if !nearer {
-                continue;
+            // Most blocks have none; which one has is looked for where there is one.
+            if let Some(known) = known.first_chunk::<BLOCK>() {
+                let mut any = false;
+                for index in 0..BLOCK {
+                    any |= far[index] < known[index];
+                }
+                if !any {
+                    continue;
+                }
             }
             for (index, (known, &far)) in known.iter_mut().zip(&far).enumerate() {
                 if far < *known {
@@ -194,6 +182,20 @@ impl Kernel for Lower<'_> {
                     self.lowered.push(start + index);
                 }
             }
+        }
+    }
+}
+
+/// Lowers the first `count` numbers to distances.
+#[inline(always)]
+fn lower(least: &mut [u16; BLOCK], far: &[u16; BLOCK], count: usize) {
+    if count >= BLOCK {
+        for index in 0..BLOCK {
+            least[index] = far[index].min(least[index]);
+        }
+    } else {
+        for index in 0..count {
+            least[index] = far[index].min(least[index]);
         }
     }
 }
@@ -235,7 +237,7 @@ mod tests {
         };
         let number = |row: usize, leaf: usize| ParameterId(((leaf * (row + 3) * 31 + leaf / 7) % 5) as u32);
         let one: Vec<ParameterId> = (0..4).map(|row| number(row, 11)).collect();
-        for count in [0, 1, 63, 64, 65, 400] {
+        for count in [0, 1, 31, 32, 33, 400] {
             // One leaf more than is asked about.
             let many: Vec<Vec<_>> = (0..4).map(|row| (0..=count).map(|leaf| number(row, leaf)).collect()).collect();
             let ends = [End::From, End::To];
