@@ -1,9 +1,10 @@
 //! Which leaves each tree has reached, kept by the commit so that no step has to count them again.
 
+use crate::column::Column;
 use crate::visited_leaves::VisitedLeaves;
 use bevy_ecs::prelude::Resource;
 use foliate_components::graph::StateId;
-use foliate_components::leaf::{Leaf, LeafId, ParameterId};
+use foliate_components::leaf::{Leaf, LeafId};
 use foliate_components::roadmap::ComponentId;
 use std::collections::HashSet;
 use std::ops::Range;
@@ -42,7 +43,7 @@ pub struct LeafColumns {
     /// By leaf: its place in [`ReachedLeaves::by_component`].
     pub places: Vec<u32>,
     /// By foliating constraint of the state, then by leaf.
-    pub parameters: Vec<Vec<ParameterId>>,
+    pub parameters: Vec<Column>,
     /// By block of places: how many of these leaves lie before it.
     starts: Vec<u32>,
 }
@@ -113,7 +114,7 @@ impl LeafColumns {
     pub(crate) const BLOCK: usize = 512;
 
     fn new(leaf: &Leaf) -> Self {
-        let parameters = vec![Vec::new(); leaf.parameters.len()];
+        let parameters = vec![Column::default(); leaf.parameters.len()];
         Self { state: leaf.state, places: Vec::new(), parameters, starts: Vec::new() }
     }
 
@@ -173,6 +174,7 @@ fn insert(states: &mut Vec<StateLeaves>, state: StateId, new: &[LeafId]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use foliate_components::leaf::ParameterId;
 
     fn leaf(state: u32, parameter: u32) -> Leaf {
         Leaf { state: StateId(state), parameters: Box::new([ParameterId(parameter)]) }
@@ -201,6 +203,7 @@ mod tests {
         assert_eq!(reached.by_component[0], [5, 2, 9, 7].map(LeafId));
         let columns = reached.columns_of(a);
         assert_eq!((columns[0].state, &columns[0].places), (StateId(1), &vec![0, 2, 3]));
-        assert_eq!(columns[0].parameters, [[5, 9, 7].map(ParameterId)]);
+        assert_eq!(columns[0].parameters[0].values(), [5, 9, 7].map(ParameterId));
+        assert!([9, 2].map(|value| columns[0].parameters[0].has(ParameterId(value))) == [true, false]);
     }
 }

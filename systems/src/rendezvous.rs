@@ -76,14 +76,13 @@ impl Draw<'_> {
     /// Draws by `u` ∈ [0, 1) among the leaves of some states that trees other than the candidate's have reached: those whose
     /// shared rows agree with the source's, or all where there are none.
     fn leaf(&self, wanted: impl Fn(StateId) -> bool, u: f64) -> Option<LeafId> {
-        let states = self.explored.reached.visited().iter().filter(|visited| wanted(visited.state));
-        let (agreeing, all): (Vec<_>, Vec<_>) = states
-            .map(|visited| {
-                let agreeing = visited.reached_by_others(self.tree, self.shared_rows(visited.state));
-                (agreeing, visited.reached_by_others(self.tree, std::iter::empty()))
-            })
-            .unzip();
-        draw_by_visits(self.level, &agreeing, u).or_else(|| draw_by_visits(self.level, &all, u))
+        let states = || self.explored.reached.visited().iter().filter(|visited| wanted(visited.state));
+        let all = || states().map(|visited| (visited.state, visited.reached_by_others(self.tree)));
+        let agreeing: Vec<_> = all().filter_map(|(state, choices)| choices.with(self.shared_rows(state))).collect();
+        draw_by_visits(self.level, &agreeing, u).or_else(|| {
+            let all: Vec<_> = all().map(|(_, choices)| choices).collect();
+            draw_by_visits(self.level, &all, u)
+        })
     }
 
     /// The values that the source has too, by position in the foliation of a state, with the source's own.

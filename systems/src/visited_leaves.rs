@@ -3,6 +3,7 @@
 //! Leaves stand in order of id, their parameters and visits in columns, so that a draw is one pass over numbers: sums of
 //! blocks first, then the block in which the draw falls.
 
+use crate::column::Column;
 use foliate_components::graph::StateId;
 use foliate_components::leaf::{Leaf, LeafId, ParameterId};
 use foliate_components::roadmap::ComponentId;
@@ -19,7 +20,7 @@ pub(crate) struct VisitedLeaves {
     /// By id.
     leaves: Vec<LeafId>,
     /// By foliating constraint of the state, then by leaf.
-    parameters: Vec<Vec<ParameterId>>,
+    parameters: Vec<Column>,
     /// By leaf: how many nodes lie on it.
     visits: Visits,
     /// The same by tree as it is now.
@@ -42,7 +43,7 @@ impl VisitedLeaves {
         Self {
             state: leaf.state,
             leaves: Vec::new(),
-            parameters: vec![Vec::new(); leaf.parameters.len()],
+            parameters: vec![Column::default(); leaf.parameters.len()],
             visits: Visits::default(),
             by_tree: Vec::new(),
         }
@@ -85,16 +86,10 @@ impl VisitedLeaves {
         &mut self.by_tree[at].1
     }
 
-    /// The leaves that trees other than one have reached, of which a draw takes those that have some values: by position of
-    /// the constraint in the state's foliation.
-    pub fn reached_by_others(
-        &self,
-        tree: ComponentId,
-        wanted: impl Iterator<Item = (usize, ParameterId)>,
-    ) -> Choices<'_> {
+    /// The leaves that trees other than one have reached.
+    pub fn reached_by_others(&self, tree: ComponentId) -> Choices<'_> {
         let own = self.by_tree.iter().find(|(known, _)| *known == tree).map(|(_, visits)| visits);
-        let wanted = wanted.map(|(row, value)| (self.parameters[row].as_slice(), value)).collect();
-        Choices { of: self, own, wanted }
+        Choices { of: self, own, wanted: Vec::new() }
     }
 }
 
@@ -163,7 +158,18 @@ pub(crate) struct Choices<'a> {
     wanted: Vec<(&'a [ParameterId], ParameterId)>,
 }
 
-impl Choices<'_> {
+impl<'a> Choices<'a> {
+    /// Of these the leaves that have some values: by position of the constraint in the state's foliation. `None` where some
+    /// value is nowhere.
+    pub fn with(mut self, mut values: impl Iterator<Item = (usize, ParameterId)>) -> Option<Self> {
+        let found = values.all(|(row, value)| {
+            let column: &'a Column = &self.of.parameters[row];
+            self.wanted.push((column.values(), value));
+            column.has(value)
+        });
+        found.then_some(self)
+    }
+
     fn blocks(&self) -> usize {
         self.of.leaves.len().div_ceil(BLOCK)
     }
@@ -263,6 +269,7 @@ pub(crate) fn draw_by_visits(level: Level, choices: &[Choices<'_>], u: f64) -> O
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test that cannot go on says so")]
 mod tests {
     use super::*;
     use crate::random::draw;
@@ -296,7 +303,7 @@ mod tests {
                     .map(|((id, _), visits)| (*id, *visits))
                     .collect();
                 assert!(!list.is_empty());
-                let choices = [visited.reached_by_others(tree, wanted.iter().copied())];
+                let choices = [visited.reached_by_others(tree).with(wanted.iter().copied()).unwrap()];
                 for level in Level::available() {
                     for step in 0..=1000 {
                         let u = f64::from(step) / 1000.0;
@@ -305,8 +312,14 @@ mod tests {
                 }
             }
         }
-        let nobody = [visited.reached_by_others(ComponentId(0), [(0, ParameterId(99))].into_iter())];
-        assert_eq!(draw_by_visits(Level::scalar(), &nobody, 0.5), None);
+        assert!(visited.reached_by_others(ComponentId(0)).with([(0, ParameterId(99))].into_iter()).is_none());
+        assert_eq!(draw_by_visits(Level::scalar(), &[], 0.5), None);
+        // 3 and 2 are there, but on no leaf together.
+        let mut few = VisitedLeaves::new(&leaf(0));
+        [3, 5].iter().for_each(|&id| few.visit(ComponentId(0), LeafId(id), &leaf(id)));
+        let apart = few.reached_by_others(ComponentId(1)).with([(0, ParameterId(3)), (1, ParameterId(2))].into_iter());
+        assert_eq!(draw_by_visits(Level::scalar(), &[apart.unwrap()], 0.5), None);
+        assert_eq!(draw_by_visits(Level::scalar(), &[few.reached_by_others(ComponentId(0))], 0.5), None);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::guidance::grasp_distance::GraspDistance;
 use crate::guidance::near_draw::{Reached, draw_near};
-use crate::guidance::state_pair::{End, OneToMany, StatePair};
+use crate::guidance::state_pair::{End, StatePair};
 use crate::guidance::weighted_leaves::{FOCUS, Weighted, WeightedLeaves};
 use crate::model::PlanningModel;
 use crate::parallel::LEAST_SHARED;
@@ -53,6 +53,8 @@ struct Measured {
 #[derive(Clone, Debug, Default)]
 struct Nearest {
     known: usize,
+    /// How many of them were before the graph last grew, which may have brought all closer.
+    stale: usize,
     by_tree: Vec<Vec<u16>>,
 }
 
@@ -142,9 +144,9 @@ impl Aims {
         for columns in others.iter().flat_map(|other| other.columns) {
             let start = scratch.far.len();
             scratch.far.resize(start + columns.len(), 0);
-            let leaves = OneToMany { one: &from.parameters, end: End::From, many: &columns.parameters };
             let pair = self.pair(graph, from.state, columns.state);
-            nearest = nearest.min(pair.measure(level, leaves, &mut scratch.far[start..]));
+            let distances = pair.distances(&from.parameters, End::From, &columns.parameters);
+            nearest = nearest.min(distances.measure(level, &mut scratch.far[start..]));
         }
         draw_near(level, &others, (&scratch.far, nearest), rng.random(), &mut scratch.sums)
     }
@@ -175,6 +177,8 @@ pub fn measure_leaves(
     let aims = &mut *aims;
     if aims.distance.grow(&model.graph) {
         aims.pairs.clear();
+        let all = aims.measured.iter_mut().flat_map(|measured| &mut measured.states);
+        all.for_each(|nearest| nearest.stale = nearest.known);
     }
     let trees = explored.reached.by_component.len();
     aims.measured.resize_with(trees, Measured::default);
@@ -241,8 +245,7 @@ impl Aims {
                 self.remember_pairs(graph, leaf.state, columns.state);
                 let pair = &self.pairs[&(leaf.state, columns.state)];
                 if nearest.is_none_or(|nearest| pair.least < nearest) {
-                    let leaves = OneToMany { one: &leaf.parameters, end: End::From, many: &columns.parameters };
-                    let here = pair.nearest(level, leaves, known);
+                    let here = pair.distances(&leaf.parameters, End::From, &columns.parameters).nearest(level, known);
                     nearest = nearest.into_iter().chain((known > 0).then_some(here)).min();
                 }
                 self.come_nearer(explored, level, (other, state), (born, leaf));
@@ -262,16 +265,29 @@ impl Aims {
     ) {
         let tree = explored.roadmap.component(born);
         let columns = &explored.reached.columns_of(born)[state];
+        let distances =
+            self.pairs[&(columns.state, leaf.state)].distances(&leaf.parameters, End::To, &columns.parameters);
+        if distances.has_nothing_in_common() && self.knows_state(explored, to, leaf.state) {
+            // No leaf is nearer to this one than to another of the same state that has been measured.
+            return;
+        }
         let nearest = &mut self.measured[born.at()].states[state];
-        let leaves = OneToMany { one: &leaf.parameters, end: End::To, many: &columns.parameters };
         let mut nearer = Vec::new();
-        self.pairs[&(columns.state, leaf.state)].lower(level, leaves, nearest.of(to.at()), &mut nearer);
+        distances.lower(level, nearest.of(to.at()), &mut nearer);
         let Some(leaves) = in_state(&mut self.trees[tree.at()], columns.state) else { return };
         for index in nearer {
             let leaf = explored.reached.by_component[born.at()][columns.places[index] as usize];
             let far = nearest.to_others(&explored.roadmap, tree, index).unwrap_or(0);
             leaves.change(leaf, |weighted| weighted.far = far);
         }
+    }
+
+    /// Whether any leaf of a state that the tree `born` has reached has been measured in the graph as it is.
+    fn knows_state(&self, explored: &Explored<'_>, born: ComponentId, state: StateId) -> bool {
+        let columns = explored.reached.columns_of(born).iter();
+        columns
+            .zip(&self.measured[born.at()].states)
+            .any(|(columns, nearest)| columns.state == state && nearest.known > nearest.stale)
     }
 
     /// Adds a leaf that is so far from other trees to what is known of its own.
