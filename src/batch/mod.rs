@@ -177,7 +177,9 @@ impl Batch {
         // Nothing that a panic may leave half done is looked at again: a search owns its world, and what solves share is
         // immutable or filled in whole.
         let solved = catch_unwind(AssertUnwindSafe(|| {
-            let planner = Planner::of_model(entry.model().clone())
+            // Nothing but what follows from files is shared by solves: their times are those of the first.
+            let planner = Planner::of_tables(Arc::clone(entry.model().tables()))
+                .map_err(|error| error.to_string())?
                 .settings(self.settings.search.clone())
                 .seed(seed)
                 .scheduler(Arc::clone(&self.scheduler))
@@ -225,7 +227,7 @@ impl Row {
     /// Takes over what a solve has found.
     fn fill(&mut self, solution: &Solution) {
         let report = &solution.report;
-        self.solve_time = report.solve_time;
+        self.solve_time = report.time();
         self.work = Some(Work {
             steps: report.steps,
             candidates: report.candidates,

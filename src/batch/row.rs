@@ -75,7 +75,7 @@ pub struct Row {
     pub scheduler: String,
     /// How it ended.
     pub outcome: RowOutcome,
-    /// Wall time of the search, from the prepared model to the certified path; of a crash, up to it.
+    /// Wall time from the loaded problem, with the bounds of its shapes, to the certified path; of a crash, up to it.
     pub solve_time: Duration,
     /// Wall time of reading the scene and building its model, once for all seeds.
     pub load_time: Duration,

@@ -3,7 +3,9 @@
 use super::solve::{self, SearchArguments};
 use super::{Ending, Refusal, print, story};
 use foliate::scene::{PackagePath, load_scene};
+use foliate::systems::model::ProblemTables;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Solves the embedded scene and says what happens
 #[derive(clap::Args)]
@@ -17,7 +19,7 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
     let scene = load_scene("demo", packages)?;
-    let planner = arguments.search.planner(&scene)?;
+    let planner = arguments.search.planner(Arc::new(ProblemTables::new(scene.problem.clone())))?;
     let model = planner.model();
     print(&format!(
         "{}.\n\n\
@@ -41,7 +43,7 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
          Proven between the samples too, along every motion: joint limits are kept, nothing comes closer than {:.0} µm,\n\
          and no constraint is off by more than {:.1e} (m, rad).\n\n\
          The same seed gives the same answer on any number of threads. Try another: foliate demo --seed 2\n",
-        report.solve_time.as_secs_f64() * 1e3,
+        report.time().as_secs_f64() * 1e3,
         report.candidates,
         report.nodes,
         report.leaves,

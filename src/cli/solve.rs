@@ -7,12 +7,14 @@ use foliate::kernels::lanes::Level;
 use foliate::path_file::{PathContext, save, write_path};
 use foliate::scene::{PackagePath, Scene, load_scene};
 use foliate::systems::events::SearchEvent;
+use foliate::systems::model::ProblemTables;
 use foliate::systems::schedulers;
 use foliate::systems::settings::{SearchSettings, Selection};
 use foliate::{Planner, Solution};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Plans a path for a scene and writes it
@@ -119,9 +121,9 @@ impl SearchArguments {
         deadline(self.time_limit)
     }
 
-    /// A planner for a scene's problem.
-    pub(crate) fn planner(&self, scene: &Scene) -> Result<Planner, Refusal> {
-        let planner = Planner::new(scene.problem.clone()).map_err(|e| Refusal(e.to_string()))?;
+    /// A planner for a problem.
+    pub(crate) fn planner(&self, tables: Arc<ProblemTables>) -> Result<Planner, Refusal> {
+        let planner = Planner::of_tables(tables).map_err(|e| Refusal(e.to_string()))?;
         let planner = planner.settings(self.tuning.settings(self.seed)).time_limit(self.deadline()?);
         planner.scheduler_named(&self.scheduler).ok_or_else(|| no_scheduler(&self.scheduler))
     }
@@ -145,8 +147,9 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     for warning in &scene.warnings {
         say(&format!("warning: {warning}\n"));
     }
-    let planner = arguments.search.planner(&scene)?;
+    let tables = Arc::new(ProblemTables::new(scene.problem.clone()));
     let load_time = started.elapsed();
+    let planner = arguments.search.planner(tables)?;
     let solution = solve(planner, &arguments.search, !arguments.json)?;
     let (planner, solution) = (solution.0, solution.1);
     if let (Some(out), Some(_)) = (&arguments.out, &solution.path) {

@@ -27,7 +27,7 @@ pub(crate) fn text(loaded: &Loaded<'_>, solution: &Solution) -> String {
         "{}: {} in {} ({} loading)",
         loaded.scene.problem.name,
         solution.outcome.name().replace('_', " "),
-        duration(report.solve_time),
+        duration(report.time()),
         duration(loaded.load_time)
     );
     let _ = writeln!(
@@ -134,7 +134,7 @@ pub(crate) fn json(loaded: &Loaded<'_>, search: &SearchArguments, solution: &Sol
         "outcome": solution.outcome.name(),
         "reason": reason,
         "load_ms": loaded.load_time.as_secs_f64() * 1e3,
-        "solve_ms": report.solve_time.as_secs_f64() * 1e3,
+        "solve_ms": report.time().as_secs_f64() * 1e3,
         "steps": report.steps,
         "candidates": report.candidates,
         "validated": report.validated,

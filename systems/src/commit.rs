@@ -1,8 +1,9 @@
 //! Set Commit, and the end of Connect: the only place where roadmap entities are born. Serial, in candidate order.
 
-use crate::connection::Connections;
+use crate::connection::{Connection, Connections, Obstacle};
 use crate::model::PlanningModel;
 use crate::neighbours::Neighbours;
+use crate::passages::{Passage, Passages};
 use crate::reached_leaves::ReachedLeaves;
 use crate::schedule::StepCounter;
 use crate::selection::Families;
@@ -10,7 +11,7 @@ use bevy_ecs::prelude::{Entity, Mut, Resource, World};
 use foliate_components::candidate::{Candidate, CandidateArena, LegParameter, PlannedLeg};
 use foliate_components::graph::{ConstraintId, StateId, TransitionId};
 use foliate_components::leaf::{Leaf, LeafId, LeafIndex, ParameterId};
-use foliate_components::outcome::{StateStatistics, TransitionStatistics};
+use foliate_components::outcome::{Rejection, StateStatistics, TransitionStatistics};
 use foliate_components::roadmap::{
     Along, Between, ComponentId, ConfigurationId, EdgeId, InComponent, InState, Motion, NodeId, OfFoliation, OnLeaf,
     Roadmap, Visits,
@@ -44,9 +45,11 @@ pub fn commit_extensions(world: &mut World) {
             let legs = std::mem::take(&mut arena.legs[index]);
             count(world, &candidate, !legs.is_empty(), arena.complete[index]);
             if let (Some(near), Some(transition), false) = (candidate.near, candidate.transition, legs.is_empty()) {
-                let from = if candidate.plants { plant(world, near, &legs[0]) } else { Some(near) };
-                let legs = legs.into_iter().skip(usize::from(candidate.plants)).collect();
-                new_nodes.extend(from.map(|from| add_extension(world, from, transition, legs)));
+                if candidate.plants {
+                    new_nodes.extend(plant(world, (near, transition, candidate.drawn), legs));
+                } else {
+                    new_nodes.push(add_extension(world, near, transition, legs));
+                }
             }
         }
         // Roots stand in the list before the first step.
@@ -58,19 +61,39 @@ pub fn commit_extensions(world: &mut World) {
     counter.candidates += pool;
 }
 
-/// Adds the edges of certified connections whose ends still lie in different trees, in the order of proposal.
+/// Adds the edges of certified connections whose ends still lie in different trees, in the order of proposal. Passages of
+/// which something is known now are passages no longer.
 pub fn commit_connections(world: &mut World) {
     let proposals = std::mem::take(&mut world.resource_mut::<Connections>().0);
     world.resource_mut::<StepCounter>().connections += proposals.len() as u64;
-    for proposal in proposals {
+    for Connection { from, to, verdict } in proposals {
         let roadmap = world.resource::<Roadmap>();
-        let state = roadmap.node(proposal.from).state;
-        let apart = roadmap.component_of(proposal.from) != roadmap.component_of(proposal.to);
-        count_in(world, state, |s| s.connections_tried += 1);
-        if let Some(motion) = proposal.certified.filter(|_| apart) {
-            add_edge(world, proposal.from, proposal.to, motion.transition, vec![motion]);
-            count_in(world, state, |s| s.connections_made += 1);
+        let state = roadmap.node(from).state;
+        let apart = roadmap.component_of(from) != roadmap.component_of(to);
+        let passage = verdict.as_ref().and_then(|_| world.resource_mut::<Passages>().take(from, to));
+        if passage.is_none() {
+            count_in(world, state, |s| s.connections_tried += 1);
         }
+        match (verdict, passage) {
+            (Some(Ok(motions)), passage) if apart => {
+                let Some(along) = motions.first().map(|motion| motion.transition) else { continue };
+                add_edge(world, from, to, along, motions);
+                if passage.is_none() {
+                    count_in(world, state, |s| s.connections_made += 1);
+                }
+            }
+            (Some(Err(obstacle)), Some(passage)) => count_obstacle(world, &passage, obstacle),
+            _ => {}
+        }
+    }
+}
+
+/// What was planted has not reached the target after all.
+fn count_obstacle(world: &mut World, passage: &Passage, obstacle: Obstacle) {
+    let entity = world.resource::<EntityTable>().transitions[passage.transition.at()];
+    if let Some(mut statistics) = world.get_mut::<TransitionStatistics>(entity) {
+        statistics.reached = statistics.reached.saturating_sub(1);
+        statistics.count_rejection(Rejection::MotionBlocked(obstacle.leg as u8), obstacle.blocked_by);
     }
 }
 
@@ -137,26 +160,64 @@ fn count(world: &mut World, candidate: &Candidate, kept: bool, complete: bool) {
     }
 }
 
-/// Makes the end of a leg that was left out the root of a tree of its own, of the family of `near`.
-fn plant(world: &mut World, near: NodeId, first: &PlannedLeg) -> Option<NodeId> {
+/// Makes the end of the leg that was left out the root of a tree of its own, of the family of `near`, and what the legs behind
+/// it lead to that of another; what they are on the way is a passage. Where no leg moves the two hang together at once.
+/// Returns the node that they lead to.
+fn plant(
+    world: &mut World,
+    (near, transition, drawn): (NodeId, TransitionId, Option<LeafId>),
+    mut legs: Vec<PlannedLeg>,
+) -> Option<NodeId> {
+    let behind = legs.split_off(1);
+    let [first] = &*legs else { return None };
     let known = |parameter: &LegParameter| match parameter {
         LegParameter::Known(id) => Some(*id),
         LegParameter::Fresh(_) => None,
     };
     // It lies on the leaf of `near`, of which everything is known.
     let parameters = first.parameters.iter().map(known).collect::<Option<_>>()?;
-    let roadmap = world.resource::<Roadmap>();
-    let family = world.resource::<Families>().born_for(roadmap.node(near).component);
-    let (size, trees) = (roadmap.configuration_size(), roadmap.trees() as u32);
+    let (size, born) = {
+        let roadmap = world.resource::<Roadmap>();
+        (roadmap.configuration_size(), roadmap.node(near).component)
+    };
+    let family = world.resource::<Families>().born_for(born);
     let leaf = intern_leaf(world, Leaf { state: first.state, parameters });
+    let from = add_planted(world, &first.knots[first.knots.len() - size..], leaf, family);
+    if behind.iter().all(|leg| leg.knots.len() <= size) {
+        return Some(add_extension(world, from, transition, behind));
+    }
+    let (motions, end) = intern_legs(world, transition, behind);
+    let (q, leaf) = end?;
+    let to = add_planted(world, &q, leaf, family);
+    world.resource_mut::<Passages>().add(to, Passage { from, transition, drawn, motions });
+    Some(to)
+}
+
+/// Adds the root of a tree of a family.
+fn add_planted(world: &mut World, q: &[f64], leaf: LeafId, family: ComponentId) -> NodeId {
+    let trees = world.resource::<Roadmap>().trees() as u32;
     let mut families = world.resource_mut::<Families>();
     let known = families.of.len() as u32;
     families.of.extend((known..trees).map(ComponentId));
     families.of.push(family);
-    Some(add_node(world, &first.knots[first.knots.len() - size..], leaf, None))
+    add_node(world, q, leaf, None)
 }
 
 fn add_extension(world: &mut World, near: NodeId, transition: TransitionId, legs: Vec<PlannedLeg>) -> NodeId {
+    let (motions, end) = intern_legs(world, transition, legs);
+    let component = world.resource::<Roadmap>().node(near).component;
+    let Some((q, leaf)) = end else { return near };
+    let node = add_node(world, &q, leaf, Some(component));
+    add_edge(world, near, node, transition, motions);
+    node
+}
+
+/// The motions of a transition's legs, and where the last one ends: its configuration and leaf. What they have found is interned.
+fn intern_legs(
+    world: &mut World,
+    transition: TransitionId,
+    legs: Vec<PlannedLeg>,
+) -> (Vec<Motion>, Option<(Vec<f64>, LeafId)>) {
     let mut fresh = Vec::new();
     let size = world.resource::<Roadmap>().configuration_size();
     let mut motions = Vec::with_capacity(legs.len());
@@ -177,11 +238,7 @@ fn add_extension(world: &mut World, near: NodeId, transition: TransitionId, legs
         }
         end = Some((q, leaf));
     }
-    let component = world.resource::<Roadmap>().node(near).component;
-    let Some((q, leaf)) = end else { return near };
-    let node = add_node(world, &q, leaf, Some(component));
-    add_edge(world, near, node, transition, motions);
-    node
+    (motions, end)
 }
 
 /// Ids of a leg's parameters; what the candidate has found is interned once, however many legs carry it.

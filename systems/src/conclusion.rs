@@ -3,6 +3,7 @@
 use crate::events::{EventSink, SearchEvent, StopSignal};
 use crate::goals::GoalSampler;
 use crate::model::PlanningModel;
+use crate::passages::Passages;
 use crate::schedule::StepCounter;
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Query, Res, ResMut, Resource};
@@ -43,6 +44,7 @@ pub fn conclude(
     stop: Res<'_, StopSignal>,
     roots: Res<'_, Roots>,
     roadmap: Res<'_, Roadmap>,
+    passages: Res<'_, Passages>,
     goals: Res<'_, GoalSampler>,
     transitions: Query<'_, '_, (&TransitionId, &TransitionStatistics)>,
     mut ending: ResMut<'_, Ending>,
@@ -57,7 +59,7 @@ pub fn conclude(
     } else if solved {
         Some(SearchOutcome::Solved)
     } else if roadmap.nodes().len() >= settings.max_nodes
-        || roadmap.bytes() + grown(&model, transitions) >= settings.max_bytes
+        || roadmap.bytes() + passages.bytes() + grown(&model, transitions) >= settings.max_bytes
     {
         Some(SearchOutcome::MemoryLimit)
     } else if let Some(why) = no_goal(&roots, &goals, &model, &settings) {

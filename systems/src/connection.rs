@@ -11,6 +11,7 @@ use crate::foreseen::{Foreseen, Prospect};
 use crate::model::PlanningModel;
 use crate::neighbours::Neighbours;
 use crate::parallel::each;
+use crate::passages::Passages;
 use crate::scratch_pool::ScratchPool;
 use crate::settings::SearchSettings;
 use crate::{steering, validation};
@@ -19,6 +20,7 @@ use foliate_components::Pose;
 use foliate_components::graph::{StateId, TransitionId};
 use foliate_components::leaf::{LeafId, LeafIndex};
 use foliate_components::roadmap::{Motion, NodeId, Roadmap};
+use foliate_components::robot::ShapeIndex;
 use foliate_kernels::collision::CollisionScratch;
 use foliate_kernels::kinematics::Carriage;
 use foliate_kernels::projection::MotionScratch;
@@ -28,12 +30,38 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// A motion that would join two trees.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Connection {
-    /// A new node.
+    /// A new node, or the one that a passage leads from.
     pub from: NodeId,
-    /// A node on the same leaf in another tree.
+    /// A node in another tree: on the same leaf, or the one that the passage leads to.
     pub to: NodeId,
-    /// The certified motion between them, once there is one.
-    pub certified: Option<Motion>,
+    /// What became of it, once that is known.
+    pub verdict: Option<Verdict>,
+}
+
+/// The certified motions of a connection, end to end, or what is in the way.
+pub type Verdict = Result<Vec<Motion>, Obstacle>;
+
+/// Why two nodes are not joined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Obstacle {
+    /// Number of the leg that is not free.
+    pub leg: u32,
+    /// The pair of shapes that stopped it, where one did.
+    pub blocked_by: Option<(ShapeIndex, ShapeIndex)>,
+}
+
+impl Connection {
+    /// A proposal.
+    #[must_use]
+    pub fn between(from: NodeId, to: NodeId) -> Self {
+        Self { from, to, verdict: None }
+    }
+
+    /// Whether it is certified.
+    #[must_use]
+    pub fn is_certified(&self) -> bool {
+        matches!(self.verdict, Some(Ok(_)))
+    }
 }
 
 /// Buffers of one thread.
@@ -56,7 +84,7 @@ pub fn propose_connections(
         .par_iter()
         .map(|&node| {
             let nodes = neighbours.of_other_trees(&model, &roadmap, node, settings.connect_neighbours);
-            nodes.into_iter().map(|to| Connection { from: node, to, certified: None }).collect()
+            nodes.into_iter().map(|to| Connection::between(node, to)).collect()
         })
         .collect();
     connections.0 = proposals.into_iter().flatten().collect();
@@ -72,6 +100,7 @@ pub fn certify_connections(
     stop: Res<'_, StopSignal>,
     roadmap: Res<'_, Roadmap>,
     leaves: Res<'_, LeafIndex>,
+    passages: Res<'_, Passages>,
     foreseen: Res<'_, Foreseen>,
     errands: Res<'_, Errands>,
     mut connections: ResMut<'_, Connections>,
@@ -94,12 +123,12 @@ pub fn certify_connections(
             }
             if !stop.is_raised() && !bridges.is_needless(index) {
                 let ends = (connection.from, connection.to);
-                connection.certified = match foreseen.of(ends.0, ends.1) {
-                    Some(prospect) => prospect.certify(scratch),
-                    None => Attempt::new(&model, &roadmap, &leaves, ends)
-                        .and_then(|attempt| attempt.certify(&model, &settings, scratch)),
+                connection.verdict = match foreseen.of(ends.0, ends.1) {
+                    Some(prospect) => Some(prospect.certify(scratch)),
+                    None => Attempt::new(&model, (&roadmap, &leaves, &passages), ends)
+                        .map(|attempt| attempt.certify(&model, &settings, scratch)),
                 };
-                if connection.certified.is_some() {
+                if connection.is_certified() {
                     bridges.build(index);
                 }
             }
@@ -107,7 +136,7 @@ pub fn certify_connections(
     );
     // What other threads have certified behind the first is no part of the answer.
     let needless = connections.0.iter_mut().enumerate().filter(|&(index, _)| bridges.is_needless(index));
-    needless.for_each(|(_, connection)| connection.certified = None);
+    needless.for_each(|(_, connection)| connection.verdict = None);
 }
 
 /// For every two trees the first proposal that has joined them. It is the same whatever the threads do: a proposal is left
@@ -141,8 +170,16 @@ impl Bridges {
     }
 }
 
-/// A motion to be tried between two nodes of one leaf, with all that it takes: whoever certifies it needs no world.
-pub(crate) struct Attempt {
+/// What is to be tried between two nodes, with all that it takes: whoever certifies it needs no world.
+pub(crate) enum Attempt {
+    /// The straight motion between two nodes of one leaf.
+    Straight(Straight),
+    /// The motions of a passage.
+    Passage(Vec<(Motion, StateId, Vec<Carriage>)>),
+}
+
+/// A motion to be steered and certified within a leaf.
+pub(crate) struct Straight {
     transition: TransitionId,
     state: StateId,
     leaf: LeafId,
@@ -153,39 +190,72 @@ pub(crate) struct Attempt {
 }
 
 impl Attempt {
-    /// `None` where there is no motion within the leaf.
+    /// `None` where there is no passage, nor any motion within the leaf.
     pub(crate) fn new(
         model: &PlanningModel,
-        roadmap: &Roadmap,
-        leaves: &LeafIndex,
+        (roadmap, leaves, passages): (&Roadmap, &LeafIndex, &Passages),
         (from, to): (NodeId, NodeId),
     ) -> Option<Self> {
+        if let Some(passage) = passages.between(from, to) {
+            let with_carriages = |motion: &Motion| {
+                let leaf = leaves.leaf(motion.leaf);
+                (motion.clone(), leaf.state, model.carriages_of_leaf(leaf, leaves))
+            };
+            return Some(Self::Passage(passage.motions.iter().map(with_carriages).collect()));
+        }
         let row = roadmap.node(from);
         let leaf = leaves.leaf(row.leaf);
-        Some(Self {
+        Some(Self::Straight(Straight {
             transition: model.graph.loop_of(row.state)?,
             state: row.state,
             leaf: row.leaf,
             carriages: model.carriages_of_leaf(leaf, leaves),
             arguments: steering::arguments_on(model, leaf, leaves)?,
             ends: (roadmap.configuration(from).to_vec(), roadmap.configuration(to).to_vec()),
-        })
+        }))
     }
 
-    /// The certified motion, whole or not at all.
+    /// The certified motions, whole or not at all.
     pub(crate) fn certify(
         &self,
         model: &PlanningModel,
         settings: &SearchSettings,
         (collision, motion): &mut ConnectionScratch,
-    ) -> Option<Motion> {
+    ) -> Verdict {
         collision.set_level(settings.level);
+        match self {
+            Self::Straight(straight) => {
+                straight.certify(model, settings, (collision, motion)).map(|motion| vec![motion])
+            }
+            Self::Passage(motions) => motions
+                .iter()
+                .map(|(motion, state, carriages)| {
+                    let (transition, knots) = (motion.transition, &motion.knots);
+                    validation::certify_whole(model, settings, (transition, *state), carriages, knots, collision)
+                        .map(|clearance| Motion { clearance, ..motion.clone() })
+                        .map_err(|blocked_by| Obstacle { leg: motion.leg, blocked_by })
+                })
+                .collect(),
+        }
+    }
+}
+
+impl Straight {
+    fn certify(
+        &self,
+        model: &PlanningModel,
+        settings: &SearchSettings,
+        (collision, motion): (&mut CollisionScratch, &mut MotionScratch),
+    ) -> Result<Motion, Obstacle> {
         let ends = (&*self.ends.0, &*self.ends.1);
-        let steered = steering::steer_whole(model, settings, self.state, &self.arguments, ends, motion)?;
+        let obstacle = |blocked_by| Obstacle { leg: 0, blocked_by };
+        let steered = steering::steer_whole(model, settings, self.state, &self.arguments, ends, motion)
+            .ok_or_else(|| obstacle(None))?;
         let (carriages, knots) = (&self.carriages, steered.knots);
+        let along = (self.transition, self.state);
         let clearance =
-            validation::certify_whole(model, settings, self.transition, self.state, carriages, &knots, collision)?;
+            validation::certify_whole(model, settings, along, carriages, &knots, collision).map_err(obstacle)?;
         let residual = steered.residual;
-        Some(Motion { transition: self.transition, leg: 0, leaf: self.leaf, knots, clearance, residual })
+        Ok(Motion { transition: self.transition, leg: 0, leaf: self.leaf, knots, clearance, residual })
     }
 }

@@ -23,6 +23,8 @@ pub struct LegProgram {
     pub program: ConstraintProgram,
     /// Numbers of a configuration that the target does not depend on: joints of limbs that have nothing to do with it.
     pub idle: Vec<usize>,
+    /// Frames whose relative pose is determined wholly by its rows, the second's in the first.
+    pub rigid: Vec<(Frame, Frame)>,
     /// What each argument after the objects' poses is.
     extra: Vec<Extra>,
 }
@@ -255,7 +257,12 @@ impl<'a> Draft<'a> {
         let locked = &model.problem.graph.locked;
         let program = ConstraintProgram::compile(robot, &model.kinematics, &self.constraints, &carriages, locked)?;
         let idle = idle_coordinates(model, &carriages, &self.involved);
-        Ok(LegProgram { program, idle, extra: self.extra })
+        let frames = |constraint: &Constraint| match constraint {
+            Constraint::RelativePose(pose) if pose.is_rigid() => Some((pose.a, pose.b)),
+            _ => None,
+        };
+        let rigid = self.constraints.iter().filter_map(frames).collect();
+        Ok(LegProgram { program, idle, rigid, extra: self.extra })
     }
 }
 

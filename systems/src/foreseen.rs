@@ -3,14 +3,15 @@
 //! What a motion between two nodes is does not depend on when it is asked for, so an answer that is there already is the
 //! answer. Which motions are foreseen, and how far a thread came with them, decides only who does the work.
 
-use crate::connection::{Attempt, ConnectionScratch};
+use crate::connection::{Attempt, ConnectionScratch, Verdict};
 use crate::errands::Errands;
 use crate::model::PlanningModel;
+use crate::passages::Passages;
 use crate::scratch_pool::ScratchPool;
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::Resource;
 use foliate_components::leaf::LeafIndex;
-use foliate_components::roadmap::{Motion, NodeId, Roadmap};
+use foliate_components::roadmap::{NodeId, Roadmap};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
@@ -30,7 +31,7 @@ pub(crate) struct Prospect {
     is_taken: AtomicBool,
     /// Whether who had begun has given up.
     is_lost: AtomicBool,
-    answer: OnceLock<Option<Motion>>,
+    answer: OnceLock<Verdict>,
 }
 
 /// Gives a prospect up where nothing came of it.
@@ -46,11 +47,12 @@ impl Prospect {
     /// Certifies it, unless somebody has begun to.
     fn certify_ahead(&self, buffers: &ScratchPool<ConnectionScratch>) {
         if !self.is_taken.swap(true, Ordering::AcqRel) {
-            self.certify_now(&mut buffers.borrow());
+            // The answer stays where it is until somebody asks.
+            let _ = self.certify_now(&mut buffers.borrow());
         }
     }
 
-    fn certify_now(&self, scratch: &mut ConnectionScratch) -> Option<Motion> {
+    fn certify_now(&self, scratch: &mut ConnectionScratch) -> Verdict {
         let _given_up_in_a_panic = Taken(self);
         let answer = self.attempt.certify(&self.model, &self.settings, scratch);
         self.answer.get_or_init(|| answer).clone()
@@ -61,8 +63,8 @@ impl Prospect {
         self.is_taken.load(Ordering::Acquire) && self.answer.get().is_none()
     }
 
-    /// The certified motion, whole or not at all: that of the thread that has begun, else by this one.
-    pub(crate) fn certify(&self, scratch: &mut ConnectionScratch) -> Option<Motion> {
+    /// The certified motions, whole or not at all: those of the thread that has begun, else by this one.
+    pub(crate) fn certify(&self, scratch: &mut ConnectionScratch) -> Verdict {
         while self.is_taken.swap(true, Ordering::AcqRel) && !self.is_lost.load(Ordering::Acquire) {
             match self.answer.get() {
                 Some(answer) => return answer.clone(),
@@ -79,7 +81,7 @@ impl Foreseen {
     pub fn expect(
         &mut self,
         (model, settings, errands): (&PlanningModel, &SearchSettings, &Errands),
-        (roadmap, leaves): (&Roadmap, &LeafIndex),
+        known: (&Roadmap, &LeafIndex, &Passages),
         next: &[(NodeId, NodeId)],
         asked: &[(NodeId, NodeId)],
     ) {
@@ -90,7 +92,7 @@ impl Foreseen {
         }
         for &(from, to) in next {
             if self.of(from, to).is_none()
-                && let Some(attempt) = Attempt::new(model, roadmap, leaves, (from, to))
+                && let Some(attempt) = Attempt::new(model, known, (from, to))
             {
                 let prospect = Prospect {
                     attempt,
@@ -128,6 +130,7 @@ mod tests {
     use crate::errands::Errands;
     use crate::events::{EventSink, StopSignal};
     use crate::model::{Model, PlanningModel};
+    use crate::passages::Passages;
     use crate::schedulers::mrrt::Mrrt;
     use crate::search::Search;
     use crate::settings::SearchSettings;
@@ -151,16 +154,19 @@ mod tests {
         let on = |node: NodeId| roadmap.nodes_on(roadmap.node(node).leaf);
         let nodes = || (0..roadmap.nodes().len() as u32).map(NodeId);
         let pairs: Vec<_> = nodes().flat_map(|a| on(a).iter().map(move |&b| (a, b))).filter(|(a, b)| a < b).collect();
+        let passages = Passages::default();
+        let known = (roadmap, leaves, &passages);
         let mut scratch = ConnectionScratch::default();
-        let mut direct = |ends| Attempt::new(&model, roadmap, leaves, ends)?.certify(&model, &settings, &mut scratch);
-        let answers: Vec<_> = pairs.iter().map(|&ends| direct(ends)).collect();
-        assert!(answers.iter().any(Option::is_some) && answers.iter().any(Option::is_none), "{} pairs", pairs.len());
+        let mut direct = |ends| Attempt::new(&model, known, ends).map(|it| it.certify(&model, &settings, &mut scratch));
+        let answers: Vec<_> = pairs.iter().filter_map(|&ends| direct(ends)).collect();
+        assert_eq!(answers.len(), pairs.len());
+        assert!(answers.iter().any(Result::is_ok) && answers.iter().any(Result::is_err), "{} pairs", pairs.len());
 
         let (mut foreseen, errands) = (Foreseen::default(), Errands::default());
-        foreseen.expect((&model, &settings, &errands), (roadmap, leaves), &pairs, &[]);
+        foreseen.expect((&model, &settings, &errands), known, &pairs, &[]);
         assert!(foreseen.prospects.is_empty(), "nobody would do it");
         errands.pretend();
-        foreseen.expect((&model, &settings, &errands), (roadmap, leaves), &pairs, &[]);
+        foreseen.expect((&model, &settings, &errands), known, &pairs, &[]);
         foreseen.release(&errands);
         // One after the other: done ahead, not begun, begun by somebody who gave up.
         let done = pairs.len().div_ceil(3);
@@ -179,7 +185,7 @@ mod tests {
         }
         // What has been asked for is not begun again, and what is neither foreseen nor asked for any more is forgotten.
         assert!(errands.do_one());
-        foreseen.expect((&model, &settings, &errands), (roadmap, leaves), &pairs[..2], &pairs[1..3]);
+        foreseen.expect((&model, &settings, &errands), known, &pairs[..2], &pairs[1..3]);
         assert_eq!(foreseen.prospects.len(), 3.min(pairs.len()));
     }
 }

@@ -10,6 +10,7 @@ use crate::goals::{GoalSampler, plant};
 use crate::membership::{self, Feasible};
 use crate::model::PlanningModel;
 use crate::neighbours::Neighbours;
+use crate::passages::Passages;
 use crate::path_extraction::{extract_path, reached_backwards};
 use crate::reached_leaves::ReachedLeaves;
 use crate::schedule::StepCounter;
@@ -161,7 +162,7 @@ impl Search {
     pub fn bytes(&self) -> u64 {
         let transitions = self.world.try_query::<(&TransitionId, &TransitionStatistics)>();
         let grown = transitions.map_or(0, |mut query| conclusion::grown(self.model(), query.iter(&self.world)));
-        self.roadmap().bytes() + grown
+        self.roadmap().bytes() + self.world.resource::<Passages>().bytes() + grown
     }
 
     /// Work done so far.
@@ -212,6 +213,7 @@ fn empty_world(model: &PlanningModel, settings: SearchSettings, stop: StopSignal
     world.init_resource::<LeafIndex>();
     world.init_resource::<NewNodes>();
     world.init_resource::<Connections>();
+    world.init_resource::<Passages>();
     world.init_resource::<Errands>();
     world.init_resource::<Foreseen>();
     world.init_resource::<ReachedLeaves>();

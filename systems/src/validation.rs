@@ -13,6 +13,7 @@ use foliate_components::candidate::{Candidate, CandidateArena, PlannedLeg};
 use foliate_components::graph::{StateId, TransitionId, TransitionKind};
 use foliate_components::leaf::LeafIndex;
 use foliate_components::outcome::Rejection;
+use foliate_components::robot::ShapeIndex;
 use foliate_kernels::collision::{
     CertificateSettings, CollisionScratch, Contact, PairSet, PolylineVerdict, certify_polyline,
 };
@@ -34,7 +35,8 @@ impl ValidationScratch {
     }
 }
 
-/// Certifies every candidate's legs in order; after the first that is only free in part, nothing more is kept.
+/// Certifies every candidate's legs in order; after the first that is only free in part, nothing more is kept. What is planted
+/// becomes a passage, whose motions are certified when it is needed.
 #[allow(clippy::too_many_arguments, reason = "a system's parameters are what it reads and writes")]
 pub fn certify_legs(
     model: Res<'_, PlanningModel>,
@@ -89,6 +91,9 @@ fn certify_candidate(
         return false;
     }
     let whole = candidate.is_alive();
+    if whole && candidate.plants {
+        return true;
+    }
     for index in 0..legs.len() {
         let leg = &mut legs[index];
         let carriages = model.carriages_of_leg(leg, leaves);
@@ -221,22 +226,23 @@ fn cut(model: &PlanningModel, carriages: &[Carriage], leg: &mut PlannedLeg, star
 /// A prefix shorter than this (weighted metres) is no progress.
 const LEAST_PROGRESS: f64 = 0.01;
 
-/// Certifies a polyline whole or not at all; returns the proven clearance.
-#[must_use]
+/// Certifies a polyline of a transition in one of its states, whole or not at all; returns the proven clearance.
+///
+/// # Errors
+/// Where it is not certified: the pair of shapes that stopped it, where one did.
 pub fn certify_whole(
     model: &PlanningModel,
     settings: &SearchSettings,
-    transition: TransitionId,
-    state: StateId,
+    (transition, state): (TransitionId, StateId),
     carriages: &[Carriage],
     knots: &[f64],
     scratch: &mut CollisionScratch,
-) -> Option<f64> {
+) -> Result<f64, Option<(ShapeIndex, ShapeIndex)>> {
     let pairs = model.pairs(transition, state, carriages);
     let certificate = certificate_settings(settings, true);
     match certify_polyline(&model.collision, &model.kinematics, carriages, knots, pairs, &certificate, scratch) {
-        PolylineVerdict::Free { min_clearance_lower_bound } => Some(min_clearance_lower_bound),
-        PolylineVerdict::FreeUntil { .. } => None,
+        PolylineVerdict::Free { min_clearance_lower_bound } => Ok(min_clearance_lower_bound),
+        PolylineVerdict::FreeUntil { blocked_by, .. } => Err(blocked_by.map(|c| model.pair_shapes(c.pair))),
     }
 }
 
@@ -247,6 +253,9 @@ fn certificate_settings(settings: &SearchSettings, all_or_nothing: bool) -> Cert
         all_or_nothing,
         start_is_free: true,
         prefix_resolution: settings.prefix_resolution,
+        // Steer keeps rows within the path tolerance all along, and the start holds to within twice that of projections,
+        // each of three rows of a vector.
+        tied_within: settings.path_tolerance + 4.0 * settings.projection_tolerance,
         ..CertificateSettings::default()
     }
 }

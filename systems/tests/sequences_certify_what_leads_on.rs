@@ -13,6 +13,7 @@ use foliate_components::problem::Goal;
 use foliate_components::roadmap::{ComponentId, EdgeId, NodeId, Roadmap};
 use foliate_components::sample_problems::{move_one_box, swap_two_boxes, swap_with_crossed_foliations};
 use foliate_systems::conclusion::Roots;
+use foliate_systems::passages::Passages;
 use foliate_systems::schedulers::{mrrt::Mrrt, sequence::Sequence};
 use foliate_systems::search::Search;
 use foliate_systems::selection::{Families, ReachedLeaves};
@@ -117,11 +118,11 @@ fn a_way_that_fails_makes_room_for_another_and_is_not_given_up() {
     let roots = Roots { start: Some(start), goals: vec![goal] };
     let mut graph = LeafGraph::default();
     let weights = vec![1.0; space.dimension()];
-    graph.grow(&roadmap, &space, &weights);
+    graph.grow(&roadmap, &Passages::default(), &space, &weights);
     assert_eq!(graph.cheapest(&roadmap, &roots), None, "two leaves with nothing between them");
 
     let (near, far) = (add_chain(&mut roadmap, 0.1), add_chain(&mut roadmap, 1.0));
-    graph.grow(&roadmap, &space, &weights);
+    graph.grow(&roadmap, &Passages::default(), &space, &weights);
     let ends = |graph: &LeafGraph| -> Vec<_> {
         graph.cheapest(&roadmap, &roots).unwrap().into_iter().map(|join| graph.ends(join)).collect()
     };
@@ -131,7 +132,7 @@ fn a_way_that_fails_makes_room_for_another_and_is_not_given_up() {
     for _ in 0..40 {
         let way = graph.cheapest(&roadmap, &roots).unwrap();
         ways.push(graph.ends(way[0]).1);
-        graph.count_straight(way[0], false);
+        graph.count_tried(way[0], false);
     }
     assert!(ways[..4].contains(&far.0), "the other way was not tried");
     assert!(ways[20..].contains(&near.0), "the first way was given up");

@@ -141,7 +141,7 @@ impl Scheduler for Apart {
 }
 
 fn forget(mut connections: ResMut<'_, Connections>) {
-    connections.0.iter_mut().for_each(|connection| connection.certified = None);
+    connections.0.iter_mut().for_each(|connection| connection.verdict = None);
 }
 
 /// Processor time of this thread; wall time where the system does not tell.

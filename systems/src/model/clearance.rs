@@ -3,9 +3,10 @@
 use super::Model;
 use crate::graph::carriers::is_beyond;
 use foliate_components::Pose;
+use foliate_components::constraint::Frame;
 use foliate_components::graph::{ConstraintKind, StateId, TransitionId};
 use foliate_components::robot::{LinkIndex, Robot, ShapeIndex};
-use foliate_kernels::collision::{CollisionScratch, Contact, PairId, PairSet, first_collision};
+use foliate_kernels::collision::{CollisionScratch, Contact, PairId, PairSet, Tie, first_collision};
 use foliate_kernels::kinematics::Carriage;
 
 impl Model {
@@ -13,7 +14,9 @@ impl Model {
     /// which the state decides; margins are lifted from what touches at either end of the transition.
     #[must_use]
     pub fn pairs(&self, transition: TransitionId, state: StateId, carriages: &[Carriage]) -> &PairSet {
-        let shared = || self.states[state.at()].pairs.get_or_init(|| PairSet::new(&self.collision, carriages, &[]));
+        let tied = |pairs: PairSet| pairs.tied(self.ties(state));
+        let shared =
+            || self.states[state.at()].pairs.get_or_init(|| tied(PairSet::new(&self.collision, carriages, &[])));
         if self.problem.margins.is_empty() {
             return shared();
         }
@@ -22,8 +25,15 @@ impl Model {
         let Some(leg) = ends.legs.iter().position(|leg| leg.state == state) else { return shared() };
         self.transitions[transition.at()].legs[leg].pairs.get_or_init(|| {
             let touching = self.touching_along(transition);
-            PairSet::new(&self.collision, carriages, &touching)
+            tied(PairSet::new(&self.collision, carriages, &touching))
         })
+    }
+
+    /// What motions in a state keep together, though it is carried by neither: a second hand and what it holds, say.
+    fn ties(&self, state: StateId) -> Vec<Tie> {
+        let rigid = self.interior_program(state).map_or(&[][..], |interior| &interior.rigid);
+        let tie = |(a, b): &(Frame, Frame)| Tie { a: a.joint, b: b.joint, origin: b.joint_from_frame.translation };
+        rigid.iter().map(tie).collect()
     }
 
     /// The pairs of a motion that is part of a transition which is not travelled to its end: margins are lifted only from what

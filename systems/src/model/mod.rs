@@ -66,6 +66,9 @@ pub struct Model {
     tables: Arc<ProblemTables>,
     /// The constraint graph.
     pub graph: ConstraintGraph,
+    /// [`ProblemTables::weights`] with zeros for the movable objects, which are determined by leaf and robot.
+    pub robot_weights: Vec<f64>,
+    objects: Vec<ObjectModel>,
     /// What the graph grows from, where it is lazy.
     growth: Option<Growth>,
     /// By constraint.
@@ -82,7 +85,8 @@ impl Deref for Model {
     }
 }
 
-/// What a problem says whatever of its graph is there.
+/// What a problem says whatever of its graph is there: nearly all of it follows from the files of its models, and it is what takes
+/// long. Any number of models may share it.
 #[derive(Debug)]
 pub struct ProblemTables {
     /// The problem.
@@ -93,9 +97,6 @@ pub struct ProblemTables {
     pub collision: CollisionScene,
     /// Metres per unit of each velocity coordinate: how far the unit moves the farthest point that it moves.
     pub weights: Vec<f64>,
-    /// The same, with zeros for the movable objects, which are determined by leaf and robot.
-    pub robot_weights: Vec<f64>,
-    objects: Vec<ObjectModel>,
     /// Values that the locked joints keep, by configuration index.
     locked: Vec<(usize, f64)>,
     /// Every pair, for verdicts.
@@ -160,15 +161,29 @@ pub enum ModelError {
 }
 
 impl Model {
+    /// What does not depend on the graph, to be shared with other models.
+    #[must_use]
+    pub fn tables(&self) -> &Arc<ProblemTables> {
+        &self.tables
+    }
+
     /// Builds graph and tables. A graph of more than [`MOST_STATES`](crate::graph::building::MOST_STATES) states is lazy: it
     /// has no state yet.
     ///
     /// # Errors
     /// See [`ModelError`].
     pub fn new(problem: Problem) -> Result<Self, ModelError> {
-        match crate::graph::building::build_constraint_graph(&problem) {
-            Ok(graph) => Self::with_graph(problem, graph),
-            Err(GraphError::TooManyStates { .. }) => Self::growing(problem),
+        Self::of(Arc::new(ProblemTables::new(problem)))
+    }
+
+    /// As [`Self::new`], where the tables of the problem are there already.
+    ///
+    /// # Errors
+    /// See [`ModelError`].
+    pub fn of(tables: Arc<ProblemTables>) -> Result<Self, ModelError> {
+        match crate::graph::building::build_constraint_graph(&tables.problem) {
+            Ok(graph) => Self::on_graph(tables, graph),
+            Err(GraphError::TooManyStates { .. }) => Self::growing_on(tables),
             Err(other) => Err(other.into()),
         }
     }
@@ -178,38 +193,52 @@ impl Model {
     /// # Errors
     /// See [`ModelError`].
     pub fn growing(problem: Problem) -> Result<Self, ModelError> {
-        let (graph, growth) = Growth::new(&problem)?;
-        Self::assemble(problem, graph, Some(growth))
+        Self::growing_on(Arc::new(ProblemTables::new(problem)))
+    }
+
+    fn growing_on(tables: Arc<ProblemTables>) -> Result<Self, ModelError> {
+        let (graph, growth) = Growth::new(&tables.problem)?;
+        Self::assemble(tables, graph, Some(growth))
     }
 
     /// Builds the tables of a problem whose graph is given, by hand say. The graph is taken as whole.
     ///
     /// # Errors
     /// Documents that make no constraint.
-    pub fn with_graph(problem: Problem, mut graph: ConstraintGraph) -> Result<Self, ModelError> {
-        graph.lazy = false;
-        graph.index();
-        Self::assemble(problem, graph, None)
+    pub fn with_graph(problem: Problem, graph: ConstraintGraph) -> Result<Self, ModelError> {
+        Self::on_graph(Arc::new(ProblemTables::new(problem)), graph)
     }
 
-    fn assemble(problem: Problem, graph: ConstraintGraph, growth: Option<Growth>) -> Result<Self, ModelError> {
+    fn on_graph(tables: Arc<ProblemTables>, mut graph: ConstraintGraph) -> Result<Self, ModelError> {
+        graph.lazy = false;
+        graph.index();
+        Self::assemble(tables, graph, None)
+    }
+
+    fn assemble(
+        tables: Arc<ProblemTables>,
+        graph: ConstraintGraph,
+        growth: Option<Growth>,
+    ) -> Result<Self, ModelError> {
+        let problem = &tables.problem;
         let robot = &problem.robot;
         crate::sampling::bounded_roots(robot).map_err(ModelError::Document)?;
-        let objects = object_models(&problem, &graph)?;
+        let objects = object_models(problem, &graph)?;
         let grasps = graph
             .constraints
             .iter()
             .map(|c| match c.kind {
                 ConstraintKind::Grasp { gripper, handle } | ConstraintKind::Pregrasp { gripper, handle } => {
                     let name = &robot.handles[handle.at()].name;
-                    let grasp = grasp_of(&problem, gripper, handle);
+                    let grasp = grasp_of(problem, gripper, handle);
                     grasp.map(Some).map_err(|e| ModelError::Document(format!("handle `{name}`: {e}")))
                 }
                 _ => Ok(None),
             })
             .collect::<Result<_, _>>()?;
-        let tables = Arc::new(ProblemTables::new(problem, objects));
-        let mut model = Self { tables, graph, growth, grasps, states: Vec::new(), transitions: Vec::new() };
+        let robot_weights = robot_weights(&tables, &objects);
+        let (states, transitions) = (Vec::new(), Vec::new());
+        let mut model = Self { tables, graph, robot_weights, objects, growth, grasps, states, transitions };
         model.catch_up();
         Ok(model)
     }
@@ -342,7 +371,9 @@ impl ProblemTables {
         table.get_or_init(|| SeedTable::new(&self.problem.robot, tip)).as_ref()
     }
 
-    fn new(problem: Problem, objects: Vec<ObjectModel>) -> Self {
+    /// Builds them: bounds of all shapes first.
+    #[must_use]
+    pub fn new(problem: Problem) -> Self {
         let robot = &problem.robot;
         let locked_joints = locked_joints(&problem);
         let rule = PairRule {
@@ -353,23 +384,13 @@ impl ProblemTables {
             ignore_neighbours_without_srdf: false,
         };
         let collision = CollisionScene::new(robot, &rule);
-        let weights = coordinate_weights(robot);
-        let mut robot_weights = weights.clone();
-        for object in &objects {
-            let Some(root) = object.root else { continue };
-            if let Source::Coordinates { v, .. } = robot.joints[root.at()].source {
-                robot_weights[v..v + 6].fill(0.0);
-            }
-        }
         Self {
             kinematics: Kinematics::new(robot),
-            weights,
-            robot_weights,
+            weights: coordinate_weights(robot),
             locked: locked_coordinates(&problem),
             all_pairs: PairSet::new(&collision, &[], &[]),
             seeds: seed_tables(robot),
             collision,
-            objects,
             problem,
         }
     }
@@ -392,6 +413,17 @@ impl ProblemTables {
             _ => None,
         }
     }
+}
+
+/// Weights of the robots' coordinates alone.
+fn robot_weights(tables: &ProblemTables, objects: &[ObjectModel]) -> Vec<f64> {
+    let mut weights = tables.weights.clone();
+    for root in objects.iter().filter_map(|object| object.root) {
+        if let Source::Coordinates { v, .. } = tables.problem.robot.joints[root.at()].source {
+            weights[v..v + 6].fill(0.0);
+        }
+    }
+    weights
 }
 
 fn object_models(problem: &Problem, graph: &ConstraintGraph) -> Result<Vec<ObjectModel>, ModelError> {

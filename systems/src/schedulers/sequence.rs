@@ -3,6 +3,7 @@
 use super::Scheduler;
 use super::mrrt::Mrrt;
 use crate::guidance::aiming;
+use crate::in_order::in_order;
 use crate::model::PlanningModel;
 use crate::schedule::{SearchSet, empty_schedule};
 use crate::sequences::{joining, leaf_graph, planting, rounds};
@@ -30,13 +31,13 @@ impl Scheduler for Sequence {
         world.init_resource::<leaf_graph::LeafGraph>();
         world.init_resource::<planting::Plantings>();
         world.init_resource::<joining::Growing>();
-        world.init_resource::<joining::Straight>();
+        world.init_resource::<joining::Tried>();
         world.init_resource::<joining::Next>();
         world.init_resource::<rounds::Rounds>();
         let mut schedule = empty_schedule();
         schedule.add_systems((
-            (sampling::reset_candidates, sampling::sample_configurations).chain().in_set(SearchSet::Sample),
-            (
+            in_order((sampling::reset_candidates, sampling::sample_configurations)).in_set(SearchSet::Sample),
+            in_order((
                 joining::grow_joins,
                 planting::rest,
                 selection::gather_weights,
@@ -45,20 +46,22 @@ impl Scheduler for Sequence {
                 selection::select_nodes,
                 planting::choose_plantings,
                 selection::select_transitions,
-            )
-                .chain()
-                .in_set(SearchSet::Select),
-            (rendezvous::draw_leaves, planting::stay_near).chain().in_set(SearchSet::Rendezvous),
-            (projection::project_waypoints, planting::leave_out_first_legs).chain().in_set(SearchSet::Project),
-            (waypoints::check_waypoints, steering::steer_legs, planting::drop_what_was_cut_short)
-                .chain()
+            ))
+            .in_set(SearchSet::Select),
+            in_order((rendezvous::draw_leaves, planting::stay_near)).in_set(SearchSet::Rendezvous),
+            in_order((projection::project_waypoints, planting::leave_out_first_legs)).in_set(SearchSet::Project),
+            in_order((waypoints::check_waypoints, steering::steer_legs, planting::drop_what_was_cut_short))
                 .in_set(SearchSet::Steer),
-            (validation::certify_legs, planting::keep_whole_plantings).chain().in_set(SearchSet::Validate),
-            (commit::commit_extensions, goals::draw_more_goals).chain().in_set(SearchSet::Commit),
+            in_order((validation::certify_legs, planting::keep_whole_plantings)).in_set(SearchSet::Validate),
+            in_order((commit::commit_extensions, goals::draw_more_goals)).in_set(SearchSet::Commit),
             rounds::join_in_rounds.in_set(SearchSet::Connect),
-            (conclusion::conclude, conclusion::report_progress, feedback::report_feedback, conclusion::report_solution)
-                .chain()
-                .in_set(SearchSet::Conclude),
+            in_order((
+                conclusion::conclude,
+                conclusion::report_progress,
+                feedback::report_feedback,
+                conclusion::report_solution,
+            ))
+            .in_set(SearchSet::Conclude),
         ));
         schedule
     }

@@ -2,6 +2,7 @@
 //! that grow towards one another on the leaf.
 
 use super::leaf_graph::{Join, LeafGraph};
+use super::planting::Plantings;
 use super::turns::Turn;
 use crate::commit::NewNodes;
 use crate::conclusion::Roots;
@@ -9,6 +10,7 @@ use crate::connection::{Connection, Connections};
 use crate::errands::Errands;
 use crate::foreseen::Foreseen;
 use crate::model::PlanningModel;
+use crate::passages::Passages;
 use crate::random::{Purpose, stream};
 use crate::schedule::StepCounter;
 use crate::selection::Families;
@@ -38,11 +40,11 @@ const STILL: f64 = 0.75;
 #[derive(Clone, Debug, Default, Resource)]
 pub struct Growing(pub Vec<Join>);
 
-/// The straight motions of this round, in the order of the proposals; `None` for what grew.
+/// The joins of this round, in the order of the proposals; `None` for what grew.
 #[derive(Clone, Debug, Default, Resource)]
-pub struct Straight(Vec<Option<Join>>);
+pub struct Tried(Vec<Option<Join>>);
 
-/// The straight motions of the sequence that is worked on for which it is not yet the turn, in order.
+/// The joins of the sequence that is worked on for which it is not yet the turn, in order.
 #[derive(Clone, Debug, Default, Resource)]
 pub struct Next(Vec<Join>);
 
@@ -131,19 +133,20 @@ pub fn propose_joins(
     model: Res<'_, PlanningModel>,
     roadmap: Res<'_, Roadmap>,
     roots: Res<'_, Roots>,
+    passages: Res<'_, Passages>,
     mut new: ResMut<'_, NewNodes>,
     mut growing: ResMut<'_, Growing>,
     mut graph: ResMut<'_, LeafGraph>,
-    mut straight: ResMut<'_, Straight>,
+    mut tried: ResMut<'_, Tried>,
     mut later: ResMut<'_, Next>,
     mut connections: ResMut<'_, Connections>,
 ) {
-    graph.grow(&roadmap, &model.problem.robot.space, &model.robot_weights);
+    graph.grow(&roadmap, &passages, &model.problem.robot.space, &model.robot_weights);
     connections.0.clear();
-    if !graph.take_changes() && straight.0.is_empty() {
+    if !graph.take_changes() && tried.0.is_empty() {
         return;
     }
-    straight.0.clear();
+    tried.0.clear();
     later.0.clear();
     for node in std::mem::take(&mut new.0) {
         let (leaf, tree) = (roadmap.node(node).leaf, roadmap.component_of(node));
@@ -156,22 +159,26 @@ pub fn propose_joins(
             }
             let q = roadmap.configuration(node);
             for to in nearest_few(&model, &roadmap, q, roadmap.nodes_on(leaf), other) {
-                connections.0.push(Connection { from: node, to, certified: None });
-                straight.0.push(None);
+                connections.0.push(Connection::between(node, to));
+                tried.0.push(None);
             }
         }
     }
-    let (failed, mut untried): (Vec<_>, Vec<_>) =
+    let (failed, untried): (Vec<_>, Vec<_>) =
         graph.cheapest(&roadmap, &roots).unwrap_or_default().into_iter().partition(|&join| graph.effort(join) > 0.0);
     growing.0 = failed;
-    // What is most likely to fail comes first: then the rest need not be tried.
-    untried.sort_by(|&a, &b| graph.cost(b).total_cmp(&graph.cost(a)).then(a.cmp(&b)));
-    for &join in untried.iter().take(AT_ONCE) {
+    let (passages, mut long): (Vec<_>, Vec<_>) = untried.into_iter().partition(|&join| graph.is_passage(join));
+    // What is most likely to fail comes first: then the rest need not be tried. Passages hardly ever do.
+    long.sort_by(|&a, &b| graph.cost(b).total_cmp(&graph.cost(a)).then(a.cmp(&b)));
+    let at_once = if long.is_empty() { passages.len() } else { AT_ONCE.min(long.len()) };
+    long.extend(passages);
+    let ahead = long.split_off(at_once);
+    for join in long {
         let (from, to) = graph.ends(join);
-        connections.0.push(Connection { from, to, certified: None });
-        straight.0.push(Some(join));
+        connections.0.push(Connection::between(from, to));
+        tried.0.push(Some(join));
     }
-    later.0.extend(untried.iter().skip(AT_ONCE).take(AHEAD));
+    later.0.extend(ahead.into_iter().take(AHEAD));
 }
 
 /// Leaves the straight motions that come next to threads that have nothing else to do. Most of them are tried whatever
@@ -183,6 +190,7 @@ pub fn foresee_joins(
     errands: Res<'_, Errands>,
     roadmap: Res<'_, Roadmap>,
     leaves: Res<'_, LeafIndex>,
+    passages: Res<'_, Passages>,
     graph: Res<'_, LeafGraph>,
     connections: Res<'_, Connections>,
     next: Res<'_, Next>,
@@ -190,18 +198,25 @@ pub fn foresee_joins(
 ) {
     let next: Vec<_> = next.0.iter().map(|&join| graph.ends(join)).collect();
     let asked: Vec<_> = connections.0.iter().map(|connection| (connection.from, connection.to)).collect();
-    foreseen.expect((&model, &settings, &errands), (&roadmap, &leaves), &next, &asked);
+    foreseen.expect((&model, &settings, &errands), (&roadmap, &leaves, &passages), &next, &asked);
 }
 
-/// Remembers which straight motions join and which do not.
+/// Remembers which joins were free and which were not.
 pub fn learn_from_joins(
+    roadmap: Res<'_, Roadmap>,
+    passages: Res<'_, Passages>,
     connections: Res<'_, Connections>,
-    straight: Res<'_, Straight>,
+    tried: Res<'_, Tried>,
     mut graph: ResMut<'_, LeafGraph>,
+    mut plantings: ResMut<'_, Plantings>,
 ) {
-    for (connection, join) in connections.0.iter().zip(&straight.0) {
+    for (connection, join) in connections.0.iter().zip(&tried.0) {
+        let Connection { from, to, .. } = *connection;
+        if let Some(passage) = passages.between(from, to).filter(|_| !connection.is_certified()) {
+            plantings.take_back((roadmap.node(from).leaf, passage.transition, passage.drawn));
+        }
         if let &Some(join) = join {
-            graph.count_straight(join, connection.certified.is_some());
+            graph.count_tried(join, connection.is_certified());
         }
     }
 }

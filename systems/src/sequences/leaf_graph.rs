@@ -1,10 +1,11 @@
 //! Which motions would join start and goal, and which of them to try first.
 //!
 //! Vertices are the trees of the roadmap; two trees are neighbours where both have a node on some leaf, and what it costs to
-//! join them there is an estimate that rises with each failed effort. The cheapest way from the start's tree to a goal's
-//! is the sequence of transitions to work on.
+//! join them there is an estimate that rises with each failed effort; or where a passage leads from one to the other. The
+//! cheapest way from the start's tree to a goal's is the sequence of transitions to work on.
 
 use crate::conclusion::Roots;
+use crate::passages::Passages;
 use foliate_components::configuration::ConfigurationSpace;
 use foliate_components::graph::StateId;
 use foliate_components::leaf::LeafId;
@@ -23,6 +24,9 @@ const GROWTH: f64 = 2.0;
 /// As if so many straight motions had been tried in every state, all of which had joined.
 const PRIOR: f64 = 2.0;
 
+/// What a passage is estimated to cost, in motions: it is short, and nearly always free.
+const PASSAGE: f64 = 0.1;
+
 /// A node by which its tree comes upon its leaf: a root, an end of what was planted, the end of an extension along a transition.
 #[derive(Clone, Debug)]
 struct Anchor {
@@ -35,9 +39,11 @@ struct Anchor {
     lengths: Vec<f64>,
     /// Joins that have failed here.
     failures: u32,
+    /// The anchor at the other end of a passage.
+    passage: Option<u32>,
 }
 
-/// Two anchors of different trees on one leaf, by number, the smaller one first.
+/// Two anchors of different trees, on one leaf or with a passage between them, by number, the smaller one first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Join(pub(crate) u32, pub(crate) u32);
 
@@ -58,8 +64,9 @@ pub struct LeafGraph {
 }
 
 impl LeafGraph {
-    /// Takes in the nodes that are new in the roadmap. `weights` are metres per unit of each velocity coordinate.
-    pub fn grow(&mut self, roadmap: &Roadmap, space: &ConfigurationSpace, weights: &[f64]) {
+    /// Takes in the nodes that are new in the roadmap, and the passages to them. `weights` are metres per unit of each
+    /// velocity coordinate.
+    pub fn grow(&mut self, roadmap: &Roadmap, passages: &Passages, space: &ConfigurationSpace, weights: &[f64]) {
         for (number, row) in (0u32..).zip(roadmap.nodes()).skip(self.known) {
             let node = NodeId(number);
             // What grows within a leaf comes from an older node of that leaf.
@@ -70,9 +77,27 @@ impl LeafGraph {
             if !grown {
                 self.add(node, row.leaf, roadmap, space, weights);
             }
+            if let Some(passage) = passages.to(node) {
+                self.lead(passage.from, node);
+            }
         }
         self.has_changed |= self.known < roadmap.nodes().len();
         self.known = roadmap.nodes().len();
+    }
+
+    /// Remembers a passage between two anchors.
+    fn lead(&mut self, from: NodeId, to: NodeId) {
+        let anchor = |node| self.anchors.binary_search_by_key(&node, |anchor| anchor.node).ok();
+        if let (Some(from), Some(to)) = (anchor(from), anchor(to)) {
+            self.anchors[from].passage = Some(to as u32);
+            self.anchors[to].passage = Some(from as u32);
+        }
+    }
+
+    /// Whether a join is a passage.
+    #[must_use]
+    pub fn is_passage(&self, join: Join) -> bool {
+        self.anchors[join.0 as usize].passage == Some(join.1)
     }
 
     /// Whether anything was added or has failed since this was last asked, so that another sequence may be the cheapest.
@@ -93,7 +118,7 @@ impl LeafGraph {
         if self.straight.len() <= state.at() {
             self.straight.resize(state.at() + 1, (0.0, 0.0));
         }
-        self.anchors.push(Anchor { node, leaf, state, place: here.len(), lengths, failures: 0 });
+        self.anchors.push(Anchor { node, leaf, state, place: here.len(), lengths, failures: 0, passage: None });
         here.push((self.anchors.len() - 1) as u32);
     }
 
@@ -103,7 +128,7 @@ impl LeafGraph {
         (self.anchors[join.0 as usize].node, self.anchors[join.1 as usize].node)
     }
 
-    /// The leaf of a join.
+    /// The leaf of a join; of a passage that from which it leads.
     #[must_use]
     pub fn leaf(&self, join: Join) -> LeafId {
         self.anchors[join.0 as usize].leaf
@@ -126,8 +151,15 @@ impl LeafGraph {
         self.has_changed = true;
     }
 
-    /// Remembers whether the straight motion of a join was free.
-    pub fn count_straight(&mut self, join: Join, joined: bool) {
+    /// Remembers whether a join was free: its straight motion, or what makes it a passage, which is none where it is not.
+    pub fn count_tried(&mut self, join: Join, joined: bool) {
+        if self.is_passage(join) {
+            for anchor in [join.0, join.1] {
+                self.anchors[anchor as usize].passage = None;
+            }
+            self.has_changed = true;
+            return;
+        }
         let (tried, made) = &mut self.straight[self.anchors[join.0 as usize].state.at()];
         *tried += 1.0;
         *made += f64::from(u8::from(joined));
@@ -140,6 +172,9 @@ impl LeafGraph {
     /// state counts, so that where hardly any does the trees of one join are grown instead of trying all others.
     #[must_use]
     pub fn cost(&self, join: Join) -> f64 {
+        if self.is_passage(join) {
+            return PASSAGE;
+        }
         let (a, b) = (&self.anchors[join.0 as usize], &self.anchors[join.1 as usize]);
         let length = if a.place < b.place { b.lengths[a.place] } else { a.lengths[b.place] };
         let hard = |anchor: &Anchor| 1.0 + f64::from(anchor.failures) / ANCHOR_PATIENCE;
@@ -172,7 +207,8 @@ impl LeafGraph {
                 continue;
             }
             for &anchor in &members[tree.at()] {
-                for &other in &self.by_leaf[self.anchors[anchor as usize].leaf.at()] {
+                let Anchor { leaf, passage, .. } = &self.anchors[anchor as usize];
+                for &other in self.by_leaf[leaf.at()].iter().chain(passage) {
                     let next = trees[other as usize];
                     if best[next.at()] <= cost {
                         continue;

@@ -1,4 +1,5 @@
-//! Candidates that are planted: waypoints and the short motions between them, without the long motion that leads there.
+//! Candidates that are planted: waypoints and the short motions between them, without the long motion that leads there. The
+//! short ones become a passage, certified when a sequence needs it.
 
 use super::turns::Turn;
 use crate::guidance::aiming::Aims;
@@ -32,7 +33,7 @@ const ENOUGH: f64 = 3.0;
 const AWAY: f64 = 0.7;
 
 /// What is tried from a leaf: a transition, and where it is crossed the leaf that it aims at.
-type Attempt = (LeafId, TransitionId, Option<LeafId>);
+pub(super) type Attempt = (LeafId, TransitionId, Option<LeafId>);
 
 /// What became of the transitions that were tried from each leaf.
 #[derive(Clone, Debug, Default, Resource)]
@@ -52,6 +53,13 @@ impl Plantings {
     fn freshness(&self, attempt: Attempt) -> f64 {
         let Count { tries, planted } = self.counts.get(&attempt).copied().unwrap_or_default();
         1.0 / ((1.0 + f64::from(planted)) * (1.0 + f64::from(tries) / PATIENCE))
+    }
+
+    /// Remembers that what was planted leads nowhere.
+    pub(super) fn take_back(&mut self, attempt: Attempt) {
+        if let Some(count) = self.counts.get_mut(&attempt) {
+            count.planted = count.planted.saturating_sub(1);
+        }
     }
 
     /// Probability that it is planted once more.

@@ -10,6 +10,8 @@ use glam::DVec3;
 pub(super) struct AttachmentTree {
     /// By body: the nearest body, itself included, that moves on its own; none where it is fixed to the world.
     class: Vec<Option<JointIndex>>,
+    /// By body: what it hangs on, its carrier where it is carried.
+    parents: Vec<Option<JointIndex>>,
     /// By body: its chain, distal joints first.
     chains: Vec<Chain>,
     pub(super) links: Vec<ChainLink>,
@@ -57,6 +59,7 @@ impl AttachmentTree {
             let class = tree.ancestors(body, &up).find(|(_, step)| step.joint.is_some_and(|j| !j.locked));
             let class = class.map(|(b, _)| b);
             tree.class.push(class);
+            tree.parents.push(up(body).parent);
         }
         for cluster in &scene.clusters {
             let Some(body) = cluster.body else { continue };
@@ -121,6 +124,11 @@ impl AttachmentTree {
     pub(super) fn rigid(&self, a: Option<JointIndex>, b: Option<JointIndex>) -> bool {
         let class = |body: Option<JointIndex>| body.and_then(|b| self.class[b.at()]);
         class(a) == class(b)
+    }
+
+    /// What a body hangs on; none where that is the world.
+    pub(super) fn parent(&self, body: JointIndex) -> Option<JointIndex> {
+        self.parents[body.at()]
     }
 
     /// The joints above a body.

@@ -2,6 +2,7 @@
 
 use super::attachment::AttachmentTree;
 use super::scene::{CollisionScene, PairId};
+use super::tie::Tie;
 use crate::kinematics::Carriage;
 use foliate_components::robot::{JointIndex, LinkIndex};
 
@@ -14,6 +15,7 @@ pub struct PairSet {
     pub(super) constant: Vec<ActiveGroup>,
     /// By pair of the scene.
     pub(super) margins: Vec<f64>,
+    pub(super) ties: Vec<Tie>,
 }
 
 /// A group, as a leaf sees it.
@@ -56,7 +58,13 @@ impl PairSet {
             let list = if tree.rigid(a, b) { &mut constant } else { &mut moving };
             list.push(ActiveGroup { group: index as u32, apart: (below_a as u32, below_b as u32), rows, margin });
         }
-        Self { tree, moving, constant, margins }
+        Self { tree, moving, constant, margins, ties: Vec::new() }
+    }
+
+    /// The same pairs along motions that keep some bodies together.
+    #[must_use]
+    pub fn tied(self, ties: Vec<Tie>) -> Self {
+        Self { ties, ..self }
     }
 
     /// A group by number: those that move first, then those that do not.

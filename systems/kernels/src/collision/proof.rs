@@ -17,6 +17,7 @@ use super::pairs::{ActiveGroup, PairSet};
 use super::scene::{CollisionScene, PairId};
 use super::scratch::{CollisionScratch, place_balls, solid_balls};
 use super::sweep::{ALL, Along, Open, Sweep, all_lanes};
+use super::tie::{kept_clearance, tie_of};
 use super::verdict::Contact;
 use crate::kinematics::{Carriage, Kinematics};
 use glam::DVec3;
@@ -133,13 +134,26 @@ impl<'a> Proof<'a> {
         }
     }
 
-    /// Every pair that matters is open everywhere.
-    fn open_all(&self, block: &mut Block, scratch: &CollisionScratch) {
-        let Look { pairs, settings, .. } = self.look;
+    /// Every pair that matters is open everywhere, but for those that are tied together well enough.
+    fn open_all(&mut self, block: &mut Block, scratch: &CollisionScratch) {
+        let Look { scene, pairs, settings } = self.look;
         let lanes = all_lanes(block.intervals.len());
         for (active, group) in pairs.moving.iter().enumerate() {
-            if !settings.start_is_free || scratch.course.moves_between(group) {
-                block.open.push(Open { active: active as u32, pair: ALL, lanes });
+            if settings.start_is_free && !scratch.course.moves_between(group) {
+                continue;
+            }
+            let open = |pair| Open { active: active as u32, pair, lanes };
+            let Some(tie) = tie_of(scene, pairs, &scratch.course, group) else {
+                block.open.push(open(ALL));
+                continue;
+            };
+            let of_group = &scene.groups[group.group as usize];
+            for pair in of_group.start..of_group.end {
+                let keep = pairs.margins[pair as usize] + settings.clearance_guard;
+                match kept_clearance(scene, PairId(pair), (tie, settings.tied_within), &scratch.course.start, keep) {
+                    Some(clearance) => self.min_clearance = self.min_clearance.min(clearance),
+                    None => block.open.push(open(pair)),
+                }
             }
         }
     }
