@@ -319,8 +319,8 @@ impl Kernel for Scan<'_> {
                     let nearer = gap.lt(least);
                     least = I::F32::select(nearer, gap, least);
                     nearest = I::F32::select(nearer, I::F32::splat(isa, block as f32), nearest);
+                    best = least.least();
                 }
-                best = if here.any() { least.least() } else { best };
             }
             inner = outer;
             if outer * outer - most > best {
