@@ -15,7 +15,7 @@
 //! Legs 01 and 12 lie in the state without the grasp, 23 in the state with it. HPP's last leg of either direction (34, 10)
 //! has no length, because the waypoint already satisfies the target: it is left out.
 
-use crate::graph::carriers::root_of;
+use crate::graph::carriers::{Chain, root_of};
 use crate::graph::cases::{Case, Cases, Documents, Grasps, grasp_sets, handles};
 use crate::graph::resting::carrying_bodies;
 use foliate_components::graph::{
@@ -231,12 +231,13 @@ impl Builder<'_> {
 
     /// P1 Algorithm 1, lines 11-16 and MAKETRANSITIONS: all that leaves a state.
     pub fn make_transitions(&mut self, state: StateId) {
-        let mut leaving = vec![self.loop_transition(state)];
+        let here = self.cases.abbreviation(&self.census.cases[state.at()]);
+        let mut leaving = vec![loop_transition(state, &here)];
         for change in self.changes_at(state) {
-            leaving.extend(self.transitions_of(state, change));
+            leaving.extend(self.transitions_of(state, &here, change));
         }
         for written in &self.cases.options.transitions {
-            leaving.extend(self.written_transitions(state, written));
+            leaving.extend(self.written_transitions(state, &here, written));
         }
         // Loops explore the leaf that a tree is on; one in eight extensions is enough (measured, see ARCHITECTURE).
         let others: f64 = leaving[1..].iter().map(|t| t.weight).sum();
@@ -248,18 +249,15 @@ impl Builder<'_> {
         Arc::clone(&self.census.cases[state.at()])
     }
 
-    fn abbreviation(&self, state: StateId) -> String {
-        self.cases.abbreviation(&self.census.cases[state.at()])
-    }
-
     /// Every grasp that can be made or released from a state, with every way to lie of what is let go.
     fn changes_at(&mut self, state: StateId) -> Vec<Change> {
         let (cases, case) = (self.cases, self.case(state));
+        let held = cases.held(&case.grasps);
         let mut changes = Vec::new();
         for &gripper in &cases.options.grippers {
             if let Some(&(_, handle)) = case.grasps.iter().find(|&&(g, _)| g == gripper) {
                 let fewer: Grasps = case.grasps.iter().copied().filter(|&(g, _)| g != gripper).collect();
-                let without = self.states_with(&case, &fewer);
+                let without = self.states_with((&case, &held), &fewer);
                 changes.extend(without.into_iter().map(|without| Change { gripper, handle, without, with: state }));
                 continue;
             }
@@ -268,53 +266,37 @@ impl Builder<'_> {
                 if !cases.are_allowed(&more) {
                     continue;
                 }
-                let with = self.states_with(&case, &more);
+                let with = self.states_with((&case, &held), &more);
                 changes.extend(with.into_iter().map(|with| Change { gripper, handle, without: state, with }));
             }
         }
         changes
     }
 
-    /// The states with other grasps in which what lies in `case` and lies still, lies where it did.
-    fn states_with(&mut self, case: &Case, grasps: &Grasps) -> Vec<StateId> {
-        let before = self.cases.held(&case.grasps);
+    /// The states with other grasps in which what lies in `case` and lies still, lies where it did; with what is held in it.
+    fn states_with(&mut self, (case, before): (&Case, &Chain<'_>), grasps: &Grasps) -> Vec<StateId> {
         let lies_there = |object: usize, body| before.is_carried(object) || case.lying[object] == body;
         let ways = self.cases.ways_to_lie(grasps, lies_there, MOST_STATES).unwrap_or_default();
         let case = |lying| Case { written: case.written, grasps: grasps.clone(), lying };
         ways.into_iter().filter_map(|lying| self.state(case(lying))).collect()
     }
 
-    fn loop_transition(&self, state: StateId) -> Transition {
-        let name = format!("Loop | {}", self.abbreviation(state));
-        let leg = Leg { name: name.clone(), state, target: Vec::new(), drawn: Vec::new(), short: false };
-        Transition {
-            name,
-            from: state,
-            to: state,
-            kind: TransitionKind::Loop,
-            weight: 1.0,
-            legs: vec![leg],
-            adds: Vec::new(),
-            reverse: None,
-        }
-    }
-
     /// The regular transition of a change as seen from `from`, and its crossed twin where the target's foliation adds rows.
-    fn transitions_of(&mut self, from: StateId, change: Change) -> Vec<Transition> {
+    fn transitions_of(&mut self, from: StateId, here: &str, change: Change) -> Vec<Transition> {
         let grasping = from == change.without;
         let (to, sign) = if grasping { (change.with, '>') } else { (change.without, '<') };
         let robot = self.cases.robot;
         let (gripper, handle) = (&robot.grippers[change.gripper.at()].name, &robot.handles[change.handle.at()].name);
         let name = match self.cases.lying_name(&self.case(change.without), Some(&self.case(change.with))) {
-            lying if lying.is_empty() || grasping => format!("{gripper} {sign} {handle} | {}", self.abbreviation(from)),
-            lying => format!("{gripper} {sign} {handle}, {} | {}", lying.join(", "), self.abbreviation(from)),
+            lying if lying.is_empty() || grasping => format!("{gripper} {sign} {handle} | {here}"),
+            lying => format!("{gripper} {sign} {handle}, {} | {here}", lying.join(", ")),
         };
         let legs = if grasping { self.grasping_legs(&name, change) } else { self.releasing_legs(&name, change) };
         self.with_twin(name, from, to, legs)
     }
 
     /// A transition of the problem's own with the grasps of a state, and its crossed twin.
-    fn written_transitions(&mut self, from: StateId, written: &WrittenTransition) -> Vec<Transition> {
+    fn written_transitions(&mut self, from: StateId, here: &str, written: &WrittenTransition) -> Vec<Transition> {
         let case = self.case(from);
         if case.written != written.from as usize {
             return Vec::new();
@@ -325,7 +307,7 @@ impl Builder<'_> {
         else {
             return Vec::new();
         };
-        let name = format!("{} | {}", written.name, self.abbreviation(from));
+        let name = format!("{} | {here}", written.name);
         let mut legs: Vec<Leg> = Vec::new();
         for (number, (leg, &state)) in written.legs.iter().zip(&within).enumerate() {
             let until = leg.until.iter().map(|&constraint| self.constraint(ConstraintKind::Given { constraint }));
@@ -384,7 +366,9 @@ impl Builder<'_> {
             ..regular.clone()
         };
         for leg in &mut crossed.legs {
-            leg.name = leg.name.replace(&regular.name, &crossed.name);
+            if let Some(number) = leg.name.strip_prefix(&regular.name) {
+                leg.name = format!("{}{number}", crossed.name);
+            }
             leg.drawn = leg.target.iter().copied().filter(|&c| self.leads_to(c, &adds)).collect();
         }
         crossed
@@ -473,6 +457,22 @@ impl Builder<'_> {
         for (id, reverse) in reverses {
             self.graph.transitions[id.at()].reverse = reverse;
         }
+    }
+}
+
+/// The motions of a state, of which `here` is short for its name.
+fn loop_transition(state: StateId, here: &str) -> Transition {
+    let name = format!("Loop | {here}");
+    let leg = Leg { name: name.clone(), state, target: Vec::new(), drawn: Vec::new(), short: false };
+    Transition {
+        name,
+        from: state,
+        to: state,
+        kind: TransitionKind::Loop,
+        weight: 1.0,
+        legs: vec![leg],
+        adds: Vec::new(),
+        reverse: None,
     }
 }
 
