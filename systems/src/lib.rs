@@ -7,6 +7,7 @@
 // Frames stand in names as the field writes them: `X_WG` is the pose of G in W, so that `X_WG * X_GH` reads right.
 #![allow(non_snake_case, reason = "pose names carry their frames")]
 
+pub mod column;
 pub mod commit;
 pub mod conclusion;
 pub mod connection;
@@ -40,5 +41,6 @@ pub mod sequences;
 pub mod settings;
 pub mod steering;
 pub mod validation;
+mod visited_leaves;
 pub mod waypoints;
 pub mod worlds;

@@ -1,10 +1,13 @@
 //! Which leaves each tree has reached, kept by the commit so that no step has to count them again.
 
+use crate::column::Column;
+use crate::visited_leaves::VisitedLeaves;
 use bevy_ecs::prelude::Resource;
 use foliate_components::graph::StateId;
-use foliate_components::leaf::{Leaf, LeafId, ParameterId};
+use foliate_components::leaf::{Leaf, LeafId};
 use foliate_components::roadmap::ComponentId;
-use std::collections::HashMap;
+use std::collections::HashSet;
+use std::ops::Range;
 
 /// The leaves that trees have reached: of every tree as it was born, in order of first visit, and of every tree as it is
 /// now, sorted.
@@ -14,10 +17,12 @@ pub struct ReachedLeaves {
     pub by_component: Vec<Vec<LeafId>>,
     /// The same by state, with the leaves' parameters in columns.
     columns: Vec<Vec<LeafColumns>>,
-    /// By tree as it was born and leaf: which columns, and where in them.
-    slots: HashMap<(ComponentId, LeafId), (u32, u32)>,
+    /// Which tree, as it was born, has reached which leaf.
+    seen: HashSet<(ComponentId, LeafId)>,
     /// By tree as it is now: its leaves by state. Empty for a tree that has been joined to another.
     trees: Vec<Vec<StateLeaves>>,
+    /// How often each leaf has been reached, sorted by state.
+    visited: Vec<VisitedLeaves>,
 }
 
 /// The leaves of one state that a tree has reached, sorted.
@@ -38,18 +43,22 @@ pub struct LeafColumns {
     /// By leaf: its place in [`ReachedLeaves::by_component`].
     pub places: Vec<u32>,
     /// By foliating constraint of the state, then by leaf.
-    pub parameters: Vec<Vec<ParameterId>>,
-    /// By leaf: how many nodes of the tree lie on it.
-    pub visits: Vec<u32>,
+    pub parameters: Vec<Column>,
+    /// By block of places: how many of these leaves lie before it.
+    starts: Vec<u32>,
 }
 
 impl ReachedLeaves {
     /// Remembers that the tree `born`, which belongs to `tree` by now, has got a node on a leaf.
     pub(crate) fn visit(&mut self, born: ComponentId, tree: ComponentId, id: LeafId, leaf: &Leaf) {
-        match self.slots.get(&(born, id)) {
-            Some(&(columns, slot)) => self.columns[born.at()][columns as usize].visits[slot as usize] += 1,
-            None => self.add(born, tree, id, leaf),
+        if self.seen.insert((born, id)) {
+            self.add(born, tree, id, leaf);
         }
+        let at = self.visited.partition_point(|visited| visited.state < leaf.state);
+        if self.visited.get(at).is_none_or(|visited| visited.state != leaf.state) {
+            self.visited.insert(at, VisitedLeaves::new(leaf));
+        }
+        self.visited[at].visit(tree, id, leaf);
     }
 
     fn add(&mut self, born: ComponentId, tree: ComponentId, id: LeafId, leaf: &Leaf) {
@@ -67,7 +76,6 @@ impl ReachedLeaves {
             columns.push(LeafColumns::new(leaf));
             columns.len() - 1
         });
-        self.slots.insert((born, id), (at as u32, columns[at].len() as u32));
         columns[at].push(place, leaf);
         insert(&mut self.trees[tree.at()], leaf.state, &[id]);
     }
@@ -80,6 +88,7 @@ impl ReachedLeaves {
         for reached in std::mem::take(&mut self.trees[absorbed.at()]) {
             insert(&mut self.trees[tree.at()], reached.state, &reached.leaves);
         }
+        self.visited.iter_mut().for_each(|visited| visited.join(tree, absorbed));
     }
 
     /// What a tree has reached, by state; nothing where it has been joined to another.
@@ -93,20 +102,35 @@ impl ReachedLeaves {
     pub fn columns_of(&self, born: ComponentId) -> &[LeafColumns] {
         self.columns.get(born.at()).map_or(&[], Vec::as_slice)
     }
+
+    /// How often leaves have been reached, by state.
+    pub(crate) fn visited(&self) -> &[VisitedLeaves] {
+        &self.visited
+    }
 }
 
 impl LeafColumns {
+    /// Places per block.
+    pub(crate) const BLOCK: usize = 512;
+
     fn new(leaf: &Leaf) -> Self {
-        let parameters = vec![Vec::new(); leaf.parameters.len()];
-        Self { state: leaf.state, places: Vec::new(), parameters, visits: Vec::new() }
+        let parameters = vec![Column::default(); leaf.parameters.len()];
+        Self { state: leaf.state, places: Vec::new(), parameters, starts: Vec::new() }
     }
 
     fn push(&mut self, place: u32, leaf: &Leaf) {
+        self.starts.resize(place as usize / Self::BLOCK + 1, self.places.len() as u32);
         self.places.push(place);
-        self.visits.push(1);
         for (column, &parameter) in self.parameters.iter_mut().zip(&leaf.parameters) {
             column.push(parameter);
         }
+    }
+
+    /// Which of these leaves have a place in a block.
+    #[inline]
+    pub(crate) fn block(&self, number: usize) -> Range<usize> {
+        let start = |number: usize| self.starts.get(number).map_or(self.places.len(), |&start| start as usize);
+        start(number)..start(number + 1)
     }
 
     /// How many leaves.
@@ -150,6 +174,7 @@ fn insert(states: &mut Vec<StateLeaves>, state: StateId, new: &[LeafId]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use foliate_components::leaf::ParameterId;
 
     fn leaf(state: u32, parameter: u32) -> Leaf {
         Leaf { state: StateId(state), parameters: Box::new([ParameterId(parameter)]) }
@@ -178,7 +203,7 @@ mod tests {
         assert_eq!(reached.by_component[0], [5, 2, 9, 7].map(LeafId));
         let columns = reached.columns_of(a);
         assert_eq!((columns[0].state, &columns[0].places), (StateId(1), &vec![0, 2, 3]));
-        assert_eq!(columns[0].parameters, [[5, 9, 7].map(ParameterId)]);
-        assert_eq!(columns[0].visits, [1, 2, 1]);
+        assert_eq!(columns[0].parameters[0].values(), [5, 9, 7].map(ParameterId));
+        assert!([9, 2].map(|value| columns[0].parameters[0].has(ParameterId(value))) == [true, false]);
     }
 }

@@ -8,17 +8,18 @@
 
 use crate::model::PlanningModel;
 use crate::parallel::LEAST_SHARED;
-use crate::random::{Purpose, draw, stream};
-use crate::reached_leaves::LeafColumns;
+use crate::random::{Purpose, stream};
 use crate::schedule::StepCounter;
 use crate::selection::Explored;
 use crate::settings::SearchSettings;
+use crate::visited_leaves::draw_by_visits;
 use bevy_ecs::prelude::{Query, Res};
 use foliate_components::candidate::Candidate;
 use foliate_components::graph::{ConstraintId, StateId, Transition, TransitionKind};
 use foliate_components::leaf::{Leaf, LeafId, ParameterId};
 use foliate_components::outcome::Rejection;
 use foliate_components::roadmap::ComponentId;
+use foliate_kernels::lanes::Level;
 use rand::RngExt;
 use rayon::prelude::*;
 
@@ -47,6 +48,7 @@ pub fn draw_leaves(
             explored: &explored,
             source: explored.leaves.leaf(explored.roadmap.node(near).leaf),
             tree: explored.families.family_of(&explored.roadmap, near),
+            level: settings.level,
         };
         let u = rng.random();
         let drawn = choice.leaf(|state| state == transition.to, u);
@@ -67,50 +69,26 @@ struct Draw<'a> {
     explored: &'a Explored<'a>,
     source: &'a Leaf,
     tree: ComponentId,
+    level: Level,
 }
 
 impl Draw<'_> {
-    /// Draws by `u` ∈ [0, 1) among the leaves of some states that other trees have reached.
+    /// Draws by `u` ∈ [0, 1) among the leaves of some states that trees other than the candidate's have reached: those whose
+    /// shared rows agree with the source's, or all where there are none.
     fn leaf(&self, wanted: impl Fn(StateId) -> bool, u: f64) -> Option<LeafId> {
-        let mut leaves = self.reached_by_others(&wanted, true);
-        if leaves.is_empty() {
-            leaves = self.reached_by_others(&wanted, false);
-        }
-        let choices: Vec<_> = leaves.iter().map(|&(_, leaf, visits)| (leaf, visits)).collect();
-        draw(&choices, u)
+        let states = || self.explored.reached.visited().iter().filter(|visited| wanted(visited.state));
+        let all = || states().map(|visited| (visited.state, visited.reached_by_others(self.tree)));
+        let agreeing: Vec<_> = all().filter_map(|(state, choices)| choices.with(self.shared_rows(state))).collect();
+        draw_by_visits(self.level, &agreeing, u).or_else(|| {
+            let all: Vec<_> = all().map(|(_, choices)| choices).collect();
+            draw_by_visits(self.level, &all, u)
+        })
     }
 
-    /// The leaves of some states that trees other than the candidate's have reached, by state and id, and how often: all, or
-    /// those whose shared rows agree with the source's.
-    fn reached_by_others(&self, wanted: impl Fn(StateId) -> bool, agreeing: bool) -> Vec<(StateId, LeafId, f64)> {
-        let mut leaves = Vec::new();
-        for (born, list) in (0u32..).map(ComponentId).zip(&self.explored.reached.by_component) {
-            if self.explored.roadmap.component(born) == self.tree {
-                continue;
-            }
-            for columns in self.explored.reached.columns_of(born).iter().filter(|columns| wanted(columns.state)) {
-                let shared = if agreeing { self.shared_rows(columns) } else { Vec::new() };
-                let agrees = |&(index, _): &(usize, &u32)| shared.iter().all(|&(column, own)| column[index] == own);
-                let places = columns.places.iter().enumerate().filter(agrees);
-                let entry = |(index, &place): (usize, &u32)| {
-                    (columns.state, list[place as usize], f64::from(columns.visits[index]))
-                };
-                leaves.extend(places.map(entry));
-            }
-        }
-        leaves.sort_by_key(|&(state, leaf, _)| (state, leaf));
-        leaves.dedup_by(|next, kept| {
-            let same = next.1 == kept.1;
-            kept.2 += if same { next.2 } else { 0.0 };
-            same
-        });
-        leaves
-    }
-
-    /// The values that the source has too, with the source's own.
-    fn shared_rows<'c>(&self, columns: &'c LeafColumns) -> Vec<(&'c [ParameterId], ParameterId)> {
-        let rows = foliation(self.model, columns.state).iter().zip(&columns.parameters);
-        rows.filter_map(|(&c, column)| Some((column.as_slice(), self.model.graph.value(self.source, c)?))).collect()
+    /// The values that the source has too, by position in the foliation of a state, with the source's own.
+    fn shared_rows(&self, state: StateId) -> impl Iterator<Item = (usize, ParameterId)> {
+        let rows = foliation(self.model, state).iter().enumerate();
+        rows.filter_map(|(row, &c)| Some((row, self.model.graph.value(self.source, c)?)))
     }
 }
 

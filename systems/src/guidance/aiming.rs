@@ -1,6 +1,8 @@
 //! Set Select, the guided half: a leaf that is few grasps from what another tree has reached, and the leaf to aim at.
 
-use crate::guidance::grasp_distance::{End, GraspDistance, StatePair};
+use crate::guidance::grasp_distance::GraspDistance;
+use crate::guidance::near_draw::{Reached, draw_near};
+use crate::guidance::state_pair::{End, StatePair};
 use crate::guidance::weighted_leaves::{FOCUS, Weighted, WeightedLeaves};
 use crate::model::PlanningModel;
 use crate::parallel::LEAST_SHARED;
@@ -14,14 +16,12 @@ use foliate_components::candidate::Candidate;
 use foliate_components::graph::{ConstraintGraph, StateId, Transition};
 use foliate_components::leaf::{Leaf, LeafId};
 use foliate_components::roadmap::{ComponentId, Roadmap};
+use foliate_kernels::lanes::Level;
 use rand::seq::IndexedRandom;
 use rand::{Rng, RngExt};
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::collections::HashMap;
-
-/// A leaf that is so many changes of grasp farther than the nearest is as good as never aimed at.
-const MOST_BEHIND: u16 = 20;
 
 /// How far every leaf is from every tree, kept from step to step.
 #[derive(Clone, Debug, Default, Resource)]
@@ -53,6 +53,8 @@ struct Measured {
 #[derive(Clone, Debug, Default)]
 struct Nearest {
     known: usize,
+    /// How many of them were before the graph last grew, which may have brought all closer.
+    stale: usize,
     by_tree: Vec<Vec<u16>>,
 }
 
@@ -128,32 +130,25 @@ impl Aims {
         graph: &ConstraintGraph,
         explored: &Explored<'_>,
         (leaf, tree): (LeafId, ComponentId),
+        level: Level,
         rng: &mut impl Rng,
         scratch: &mut AimScratch,
     ) -> Option<LeafId> {
         let from = explored.leaves.leaf(leaf);
         let lists = (0u32..).map(ComponentId).zip(&explored.reached.by_component);
-        let others: Vec<_> = lists.filter(|&(c, _)| explored.roadmap.component(c) != tree).collect();
+        let others = lists.filter(|&(born, _)| explored.roadmap.component(born) != tree);
+        let others: Vec<_> =
+            others.map(|(born, leaves)| Reached { leaves, columns: explored.reached.columns_of(born) }).collect();
         scratch.far.clear();
-        for (born, list) in &others {
+        let mut nearest = u16::MAX;
+        for columns in others.iter().flat_map(|other| other.columns) {
             let start = scratch.far.len();
-            scratch.far.resize(start + list.len(), u16::MAX);
-            for columns in explored.reached.columns_of(*born) {
-                let pair = self.pair(graph, from.state, columns.state);
-                pair.measure((&from.parameters, End::From), &columns.parameters, columns.len(), &mut scratch.one_state);
-                for (&place, &far) in columns.places.iter().zip(&scratch.one_state) {
-                    scratch.far[start + place as usize] = far;
-                }
-            }
+            scratch.far.resize(start + columns.len(), 0);
+            let pair = self.pair(graph, from.state, columns.state);
+            let distances = pair.distances(&from.parameters, End::From, &columns.parameters);
+            nearest = nearest.min(distances.measure(level, &mut scratch.far[start..]));
         }
-        let mut at = draw_near(&scratch.far, rng.random())?;
-        for (_, list) in others {
-            match list.get(at) {
-                Some(&leaf) => return Some(leaf),
-                None => at -= list.len(),
-            }
-        }
-        None
+        draw_near(level, &others, (&scratch.far, nearest), rng.random(), &mut scratch.sums)
     }
 
     fn pair(&self, graph: &ConstraintGraph, from: StateId, to: StateId) -> Cow<'_, StatePair> {
@@ -167,42 +162,23 @@ impl Aims {
 /// Buffers of one thread.
 #[derive(Default)]
 struct AimScratch {
-    /// Distances to all leaves of other trees, in order of tree and first visit.
+    /// Distances to all leaves of other trees, tree by tree and state by state.
     far: Vec<u16>,
-    one_state: Vec<u16>,
-}
-
-/// Draws a place by `u` ∈ [0, 1), each with weight [`FOCUS`]⁻²ᵈ of its distance d. Sums of whole numbers: no rounding, and
-/// additions that need not wait for each other.
-fn draw_near(far: &[u16], u: f64) -> Option<usize> {
-    let nearest = *far.iter().min()?;
-    let weigh = |&d: &u16| match d - nearest {
-        behind if behind <= MOST_BEHIND => 1_u64 << (2 * (MOST_BEHIND - behind)),
-        _ => 0,
-    };
-    let mut left = (u * far.iter().map(weigh).sum::<u64>() as f64) as u64;
-    for (number, block) in far.chunks(256).enumerate() {
-        let sum: u64 = block.iter().map(weigh).sum();
-        if left >= sum {
-            left -= sum;
-            continue;
-        }
-        let within = block.iter().position(|d| {
-            let weight = weigh(d);
-            let is_here = left < weight;
-            left = left.saturating_sub(weight);
-            is_here
-        });
-        return within.map(|at| number * 256 + at);
-    }
-    far.iter().rposition(|d| weigh(d) > 0)
+    sums: Vec<u64>,
 }
 
 /// Measures the leaves that the last step has reached, each against all others.
-pub fn measure_leaves(model: Res<'_, PlanningModel>, explored: Explored<'_>, mut aims: ResMut<'_, Aims>) {
+pub fn measure_leaves(
+    model: Res<'_, PlanningModel>,
+    settings: Res<'_, SearchSettings>,
+    explored: Explored<'_>,
+    mut aims: ResMut<'_, Aims>,
+) {
     let aims = &mut *aims;
     if aims.distance.grow(&model.graph) {
         aims.pairs.clear();
+        let all = aims.measured.iter_mut().flat_map(|measured| &mut measured.states);
+        all.for_each(|nearest| nearest.stale = nearest.known);
     }
     let trees = explored.reached.by_component.len();
     aims.measured.resize_with(trees, Measured::default);
@@ -213,7 +189,7 @@ pub fn measure_leaves(model: Res<'_, PlanningModel>, explored: Explored<'_>, mut
     for born in (0..trees as u32).map(ComponentId) {
         let list = &explored.reached.by_component[born.at()];
         for &leaf in &list[aims.measured[born.at()].known..] {
-            aims.measure(&model.graph, &explored, born, leaf);
+            aims.measure(&model.graph, &explored, settings.level, (born, leaf));
         }
     }
 }
@@ -249,14 +225,18 @@ impl Aims {
     }
 
     /// Measures the next leaf that the tree `born` has reached against what is measured of all other trees.
-    fn measure(&mut self, graph: &ConstraintGraph, explored: &Explored<'_>, born: ComponentId, id: LeafId) {
+    fn measure(
+        &mut self,
+        graph: &ConstraintGraph,
+        explored: &Explored<'_>,
+        level: Level,
+        (born, id): (ComponentId, LeafId),
+    ) {
         let leaf = explored.leaves.leaf(id);
         let own = explored.roadmap.component(born);
-        let mut distances = Vec::new();
         let mut from_here: Vec<(usize, u16)> = Vec::new();
         for other in (0..self.measured.len() as u32).map(ComponentId) {
-            let tree = explored.roadmap.component(other);
-            if tree == own {
+            if explored.roadmap.component(other) == own {
                 continue;
             }
             let mut nearest = None;
@@ -264,43 +244,50 @@ impl Aims {
                 let Some(known) = self.measured[other.at()].states.get(state).map(|s| s.known) else { break };
                 self.remember_pairs(graph, leaf.state, columns.state);
                 let pair = &self.pairs[&(leaf.state, columns.state)];
-                if nearest.is_none_or(|nearest| pair.least() < nearest) {
-                    pair.measure((&leaf.parameters, End::From), &columns.parameters, known, &mut distances);
-                    nearest = nearest.into_iter().chain(distances.iter().copied()).min();
+                if nearest.is_none_or(|nearest| pair.least < nearest) {
+                    let here = pair.distances(&leaf.parameters, End::From, &columns.parameters).nearest(level, known);
+                    nearest = nearest.into_iter().chain((known > 0).then_some(here)).min();
                 }
-                let pair = &self.pairs[&(columns.state, leaf.state)];
-                pair.measure((&leaf.parameters, End::To), &columns.parameters, known, &mut distances);
-                self.come_nearer(explored, (other, state), born, &distances);
+                self.come_nearer(explored, level, (other, state), (born, leaf));
             }
             from_here.extend(nearest.map(|nearest| (other.at(), nearest)));
         }
         self.add(explored, (born, own), id, &from_here);
     }
 
-    /// Hears how far a new leaf of the tree `to` is from the leaves of one state of another tree.
+    /// Measures the leaves of one state that the tree `born` has reached against a new leaf of the tree `to`.
     fn come_nearer(
         &mut self,
         explored: &Explored<'_>,
+        level: Level,
         (born, state): (ComponentId, usize),
-        to: ComponentId,
-        far: &[u16],
+        (to, leaf): (ComponentId, &Leaf),
     ) {
         let tree = explored.roadmap.component(born);
         let columns = &explored.reached.columns_of(born)[state];
+        let distances =
+            self.pairs[&(columns.state, leaf.state)].distances(&leaf.parameters, End::To, &columns.parameters);
+        if distances.has_nothing_in_common() && self.knows_state(explored, to, leaf.state) {
+            // No leaf is nearer to this one than to another of the same state that has been measured.
+            return;
+        }
         let nearest = &mut self.measured[born.at()].states[state];
         let mut nearer = Vec::new();
-        for (index, (known, &far)) in nearest.of(to.at()).iter_mut().zip(far).enumerate() {
-            if far < *known {
-                *known = far;
-                nearer.push(index);
-            }
-        }
+        distances.lower(level, nearest.of(to.at()), &mut nearer);
         let Some(leaves) = in_state(&mut self.trees[tree.at()], columns.state) else { return };
         for index in nearer {
             let leaf = explored.reached.by_component[born.at()][columns.places[index] as usize];
             let far = nearest.to_others(&explored.roadmap, tree, index).unwrap_or(0);
             leaves.change(leaf, |weighted| weighted.far = far);
         }
+    }
+
+    /// Whether any leaf of a state that the tree `born` has reached has been measured in the graph as it is.
+    fn knows_state(&self, explored: &Explored<'_>, born: ComponentId, state: StateId) -> bool {
+        let columns = explored.reached.columns_of(born).iter();
+        columns
+            .zip(&self.measured[born.at()].states)
+            .any(|(columns, nearest)| columns.state == state && nearest.known > nearest.stale)
     }
 
     /// Adds a leaf that is so far from other trees to what is known of its own.
@@ -377,24 +364,6 @@ pub fn choose_leaves(
         let Some(leaf) = draw(states, rng.random()).and_then(|leaves| leaves.draw(rng.random())) else { return };
         candidate.component = Some(*tree);
         candidate.leaf = Some(leaf);
-        candidate.aim = aims.aim(&model.graph, &explored, (leaf, *tree), &mut rng, scratch);
+        candidate.aim = aims.aim(&model.graph, &explored, (leaf, *tree), settings.level, &mut rng, scratch);
     });
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn near_leaves_are_drawn_as_often_as_their_weights_say() {
-        let far: Vec<u16> = (0..1000).map(|i| 3 + i * 7 % 4 + if i % 100 == 50 { 60 } else { 0 }).collect();
-        let choices: Vec<(usize, f64)> =
-            far.iter().enumerate().map(|(i, &d)| (i, FOCUS.powi(-2 * i32::from(d)))).collect();
-        for step in 0..1000 {
-            let u = f64::from(step) / 1000.0 + 1e-4;
-            assert_eq!(draw_near(&far, u), draw(&choices, u), "{u}");
-        }
-        assert_eq!(draw_near(&[], 0.5), None);
-        assert_eq!(draw_near(&[u16::MAX, 2], 1.0), Some(1));
-    }
 }

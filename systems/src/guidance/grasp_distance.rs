@@ -9,8 +9,9 @@
 //! The small graphs grow with the constraint graph: of a lazy one they hold what has come into being, and what leads nowhere
 //! yet is far.
 
+use super::state_pair::{Row, StatePair};
 use foliate_components::graph::{ConstraintGraph, ConstraintId, ConstraintKind, StateId, Transition, TransitionKind};
-use foliate_components::leaf::{Leaf, ParameterId};
+use foliate_components::leaf::Leaf;
 use std::collections::HashMap;
 
 /// Farther than this is as far.
@@ -170,73 +171,6 @@ impl GraspDistance {
         let ends = self.situations[from.at()].iter().zip(&self.situations[to.state.at()]);
         let steps = self.subjects.iter().zip(ends).map(|(subject, (&a, &b))| subject.steps(a, b, &same));
         steps.map(u16::from).sum()
-    }
-}
-
-/// The distance between any leaf of one state and any of another, as a function of which values they share.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct StatePair {
-    /// Where all values that both have are the same.
-    least: u16,
-    /// Constraints of a subject that shares no other: each adds its own where the values differ.
-    alone: Vec<Row>,
-    /// Constraints of one subject: the largest of those whose values differ is added.
-    together: Vec<Vec<Row>>,
-}
-
-/// A constraint that foliates both states.
-#[derive(Clone, Copy, Debug)]
-struct Row {
-    /// Its position in the foliation of either state.
-    from: usize,
-    to: usize,
-    /// What another value adds.
-    extra: u16,
-}
-
-/// Which end of a [`StatePair`] one leaf stands at, when it is measured against many.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum End {
-    From,
-    To,
-}
-
-impl StatePair {
-    /// The smallest distance of all.
-    pub fn least(&self) -> u16 {
-        self.least
-    }
-
-    /// Writes the distances between a leaf with values `one`, which stands at an end, and the first `count` of many leaves,
-    /// whose values come in columns.
-    pub fn measure(
-        &self,
-        (one, end): (&[ParameterId], End),
-        columns: &[Vec<ParameterId>],
-        count: usize,
-        out: &mut Vec<u16>,
-    ) {
-        out.clear();
-        out.resize(count, self.least);
-        let ends = |row: &Row| match end {
-            End::From => (one[row.from], &columns[row.to][..count]),
-            End::To => (one[row.to], &columns[row.from][..count]),
-        };
-        for row in &self.alone {
-            let (value, column) = ends(row);
-            for (out, &other) in out.iter_mut().zip(column) {
-                *out += if other == value { 0 } else { row.extra };
-            }
-        }
-        for subject in &self.together {
-            for (index, out) in out.iter_mut().enumerate() {
-                let differ = subject.iter().filter(|row| {
-                    let (value, column) = ends(row);
-                    column[index] != value
-                });
-                *out += differ.map(|row| row.extra).max().unwrap_or(0);
-            }
-        }
     }
 }
 

@@ -2,4 +2,6 @@
 
 pub mod aiming;
 pub mod grasp_distance;
+mod near_draw;
+mod state_pair;
 mod weighted_leaves;

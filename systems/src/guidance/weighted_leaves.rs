@@ -18,6 +18,8 @@ const STATE_PATIENCE: f64 = 64.0;
 pub(super) struct WeightedLeaves {
     pub state: StateId,
     leaves: Vec<Weighted>,
+    /// By leaf, for sums: a power and a division each.
+    weights: Vec<f64>,
     blocks: Vec<Block>,
 }
 
@@ -45,7 +47,8 @@ impl Weighted {
 impl WeightedLeaves {
     /// Leaves of a state, sorted by id.
     pub fn new(state: StateId, leaves: Vec<Weighted>) -> Self {
-        let mut weighted = Self { state, leaves, blocks: Vec::new() };
+        let weights = leaves.iter().map(Weighted::weight).collect();
+        let mut weighted = Self { state, leaves, weights, blocks: Vec::new() };
         weighted.sum_from(0);
         weighted
     }
@@ -59,6 +62,7 @@ impl WeightedLeaves {
     pub fn insert(&mut self, new: Weighted) {
         if let Err(at) = self.leaves.binary_search_by_key(&new.leaf, |w| w.leaf) {
             self.leaves.insert(at, new);
+            self.weights.insert(at, new.weight());
             self.sum_from(at / BLOCK);
         }
     }
@@ -67,7 +71,8 @@ impl WeightedLeaves {
     pub fn change(&mut self, leaf: LeafId, change: impl FnOnce(&mut Weighted)) {
         if let Ok(at) = self.leaves.binary_search_by_key(&leaf, |w| w.leaf) {
             change(&mut self.leaves[at]);
-            self.blocks[at / BLOCK] = Block::of(self.block(at / BLOCK));
+            self.weights[at] = self.leaves[at].weight();
+            self.blocks[at / BLOCK] = self.block(at / BLOCK);
         }
     }
 
@@ -90,29 +95,29 @@ impl WeightedLeaves {
             }
             is_here.then_some(index)
         };
-        let block = self.block(self.blocks.iter().enumerate().find_map(within)?);
-        let drawn = block.iter().find(|weighted| {
-            left -= weighted.weight();
+        let start = BLOCK * self.blocks.iter().enumerate().find_map(within)?;
+        let weights = &self.weights[start..self.weights.len().min(start + BLOCK)];
+        let drawn = weights.iter().position(|weight| {
+            left -= weight;
             left < 0.0
         });
-        drawn.or_else(|| block.iter().rfind(|weighted| weighted.weight() > 0.0)).map(|weighted| weighted.leaf)
-    }
-
-    fn block(&self, index: usize) -> &[Weighted] {
-        let start = index * BLOCK;
-        &self.leaves[start..(start + BLOCK).min(self.leaves.len())]
+        let drawn = drawn.or_else(|| weights.iter().rposition(|&weight| weight > 0.0))?;
+        Some(self.leaves[start + drawn].leaf)
     }
 
     fn sum_from(&mut self, first: usize) {
         self.blocks.truncate(first);
-        self.blocks.extend(self.leaves[first * BLOCK..].chunks(BLOCK).map(Block::of));
+        for number in first..self.leaves.len().div_ceil(BLOCK) {
+            self.blocks.push(self.block(number));
+        }
     }
-}
 
-impl Block {
-    fn of(leaves: &[Weighted]) -> Self {
-        Self {
-            weight: leaves.iter().map(Weighted::weight).sum(),
+    /// Sums of a block.
+    fn block(&self, number: usize) -> Block {
+        let range = number * BLOCK..self.leaves.len().min((number + 1) * BLOCK);
+        let leaves = &self.leaves[range.clone()];
+        Block {
+            weight: self.weights[range].iter().sum(),
             near: leaves.iter().map(|w| w.far).min().unwrap_or(u16::MAX),
             tries: leaves.iter().map(|w| u64::from(w.tries)).sum(),
         }

@@ -7,19 +7,26 @@ use super::lane_program::{FrameAt, LaneProgram, LaneRows, RowsAt, Target};
 use super::program::ConstraintProgram;
 use super::scratch::Scratch;
 use crate::kinematics::{LaneKinematics, POSE_ROWS};
-use crate::lanes::{F32Row, F64Row, Isa, Kernel, Lanes, Level, Transform, Vector3};
+use crate::lanes::{F32Row, F64Row, Isa, Kernel, Lanes, Level, Mask, Transform, Vector3};
 use foliate_components::Pose;
+use foliate_components::constraint::Frame;
 use foliate_components::robot::{JointIndex, Motion, Robot, Source};
 use glam::{DMat3, DQuat, DVec3};
 
-/// Configurations of a table: enough for most of what more would give, and scanned in two microseconds.
-pub const SEEDS: usize = 4096;
+/// Configurations of a table: enough for most of what more would give, and built in milliseconds.
+pub const SEEDS: usize = 8192;
 
 /// Metres for which a radian counts where hands are compared.
 const RADIAN: f64 = 0.3;
 
 /// Configurations in a block of lanes.
 const BLOCK: usize = 16;
+
+/// Rows of a ball.
+const BALL_ROWS: usize = 4;
+
+/// Metres: blocks within the first of these around where the hand has to go are looked at before those within the next.
+const ROUNDS: [f32; 5] = [0.05, 0.15, 0.3, 0.5, f32::INFINITY];
 
 /// Configurations of the joints between the world and a body, and where the body is in them.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +38,10 @@ pub struct SeedTable {
     configurations: Vec<f64>,
     /// [`POSE_ROWS`] rows per block.
     poses: Vec<F32Row>,
+    /// The point of the body by which blocks are cells of space: the origin of its gripper.
+    point: DVec3,
+    /// By sixteen blocks, [`BALL_ROWS`] rows: the centre and the radius of a ball around that point in all their configurations.
+    balls: Vec<F32Row>,
 }
 
 /// Where a body is to go: what a program's rows say of it, for one problem.
@@ -65,9 +76,16 @@ impl SeedTable {
         if coordinates.is_empty() || coordinates.len() > 8 {
             return None;
         }
-        let configurations = spread(robot, &coordinates, SEEDS);
+        let point = gripper_on(robot, tip);
+        let spread = spread(robot, &coordinates, SEEDS);
+        let places = places_of(&poses_of(robot, &chain, &coordinates, &spread), point);
+        let mut order: Vec<usize> = (0..SEEDS).collect();
+        into_cells(&mut order, &places);
+        let width = coordinates.len();
+        let configurations: Vec<f64> = order.iter().flat_map(|&i| &spread[i * width..][..width]).copied().collect();
+        let places: Vec<DVec3> = order.iter().map(|&i| places[i]).collect();
         let poses = poses_of(robot, &chain, &coordinates, &configurations);
-        Some(Self { tip, coordinates, configurations, poses })
+        Some(Self { tip, coordinates, configurations, poses, point, balls: balls_around(&places) })
     }
 
     /// The body.
@@ -85,7 +103,9 @@ impl SeedTable {
     /// Bytes that the table takes.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        size_of_val(self.configurations.as_slice()) + size_of_val(self.poses.as_slice())
+        size_of_val(self.configurations.as_slice())
+            + size_of_val(self.poses.as_slice())
+            + size_of_val(self.balls.as_slice())
     }
 
     /// Numbers of a seed, as [`Self::coordinates`].
@@ -98,10 +118,11 @@ impl SeedTable {
         &self.configurations[index * width..][..width]
     }
 
-    /// Sixteen seeds whose hand is near the target, nearest first: of every lane the nearest, so that they lie apart.
+    /// Sixteen seeds whose hand is near the target, nearest first. The first is the nearest of all; the others are the
+    /// nearest of their lanes in the cells that could hold it, so that they lie apart.
     #[must_use]
     pub fn nearest(&self, level: Level, target: &SeedTarget) -> [u32; BLOCK] {
-        let (gaps, blocks) = level.run(Scan { poses: &self.poses, target });
+        let (gaps, blocks) = level.run(Scan { table: self, target });
         let mut found: [(f32, u32); BLOCK] =
             std::array::from_fn(|lane| (gaps[lane], blocks[lane] as u32 * BLOCK as u32 + lane as u32));
         found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -132,6 +153,55 @@ fn spread(robot: &Robot, coordinates: &[usize], count: usize) -> Vec<f64> {
     configurations
 }
 
+/// The origin of a gripper that a body carries; of the body itself where it carries none.
+fn gripper_on(robot: &Robot, tip: JointIndex) -> DVec3 {
+    let frames = robot.grippers.iter().map(|gripper| Frame::on_link(robot, gripper.link, &gripper.link_from_gripper));
+    let on_tip = frames.filter(|frame| frame.joint == Some(tip));
+    on_tip.map(|frame| frame.joint_from_frame.translation).next().unwrap_or(DVec3::ZERO)
+}
+
+/// Where a point of the hand is in each configuration.
+fn places_of(poses: &[F32Row], point: DVec3) -> Vec<DVec3> {
+    let place = |rows: &[F32Row], lane: usize| {
+        let number = |row: usize| f64::from(rows[row][lane]);
+        let column = |k: usize| DVec3::new(number(3 * k), number(3 * k + 1), number(3 * k + 2));
+        column(0) * point.x + column(1) * point.y + column(2) * point.z + column(3)
+    };
+    poses.chunks_exact(POSE_ROWS).flat_map(|rows| (0..BLOCK).map(move |lane| place(rows, lane))).collect()
+}
+
+/// Puts configurations whose hands are near each other into one block: halves along the longest side, again and again.
+fn into_cells(order: &mut [usize], places: &[DVec3]) {
+    if order.len() <= BLOCK {
+        return;
+    }
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for &i in &*order {
+        (low, high) = (low.min(places[i]), high.max(places[i]));
+    }
+    let axis = (high - low).max_position();
+    let half = order.len() / 2;
+    order.select_nth_unstable_by(half, |&a, &b| places[a][axis].total_cmp(&places[b][axis]).then(a.cmp(&b)));
+    let (left, right) = order.split_at_mut(half);
+    into_cells(left, places);
+    into_cells(right, places);
+}
+
+/// A ball around each block's places, with room for rounding.
+fn balls_around(places: &[DVec3]) -> Vec<F32Row> {
+    let blocks = places.len() / BLOCK;
+    let mut balls = vec![F32Row::default(); blocks.div_ceil(BLOCK) * BALL_ROWS];
+    for (number, places) in places.chunks_exact(BLOCK).enumerate() {
+        let centre = places.iter().sum::<DVec3>() / BLOCK as f64;
+        let radius = places.iter().map(|place| place.distance(centre)).fold(0.0, f64::max);
+        let rows = &mut balls[number / BLOCK * BALL_ROWS..][..BALL_ROWS];
+        for (row, x) in rows.iter_mut().zip([centre.x, centre.y, centre.z, radius + 1e-4]) {
+            row[number % BLOCK] = x as f32;
+        }
+    }
+    balls
+}
+
 /// At the level that every machine has, so that a table is the same everywhere.
 fn poses_of(robot: &Robot, chain: &LaneKinematics, coordinates: &[usize], configurations: &[f64]) -> Vec<F32Row> {
     let (size, width) = (robot.space.size(), coordinates.len());
@@ -155,10 +225,57 @@ fn poses_of(robot: &Robot, chain: &LaneKinematics, coordinates: &[usize], config
     poses
 }
 
-/// For each lane the smallest gap, and the block where it is.
+/// For each lane the smallest gap, and the block where it is, among blocks that may hold the smallest of all.
 struct Scan<'a> {
-    poses: &'a [F32Row],
+    table: &'a SeedTable,
     target: &'a SeedTarget,
+}
+
+/// A target in lanes.
+#[derive(Clone, Copy)]
+struct Wanted<V> {
+    point: Vector3<V>,
+    place: Vector3<V>,
+    directions: [Vector3<V>; 3],
+    everywhere: bool,
+    alignment: [Vector3<V>; 3],
+}
+
+impl<V: Lanes> Wanted<V> {
+    #[inline(always)]
+    fn splat(isa: V::Isa, target: &SeedTarget) -> Self {
+        let (rows, columns) = (target.directions.transpose(), target.alignment);
+        let splat = [rows.x_axis, rows.y_axis, rows.z_axis, columns.x_axis, columns.y_axis, columns.z_axis];
+        let [dx, dy, dz, ax, ay, az] = splat;
+        Self {
+            point: Vector3::splat(isa, target.point),
+            place: Vector3::splat(isa, target.place),
+            directions: [Vector3::splat(isa, dx), Vector3::splat(isa, dy), Vector3::splat(isa, dz)],
+            everywhere: target.everywhere,
+            alignment: [Vector3::splat(isa, ax), Vector3::splat(isa, ay), Vector3::splat(isa, az)],
+        }
+    }
+
+    /// How far bodies are from the target: squared metres, less what their rotations agree.
+    #[inline(always)]
+    fn gap(&self, body: &Transform<V>) -> V {
+        let mut apart = body.point(self.point).minus(self.place);
+        if !self.everywhere {
+            let [x, y, z] = self.directions;
+            apart = Vector3::new(x.dot(apart), y.dot(apart), z.dot(apart));
+        }
+        let [x, y, z] = body.rotation.columns;
+        let [ax, ay, az] = self.alignment;
+        apart.dot(apart) - (x.dot(ax) + y.dot(ay) + z.dot(az))
+    }
+}
+
+impl SeedTarget {
+    /// More than rotations can agree with it.
+    fn most_alignment(&self) -> f32 {
+        let columns = [self.alignment.x_axis, self.alignment.y_axis, self.alignment.z_axis];
+        (columns.iter().map(|column| column.length()).sum::<f64>() + 1e-5) as f32
+    }
 }
 
 impl Kernel for Scan<'_> {
@@ -166,28 +283,49 @@ impl Kernel for Scan<'_> {
 
     #[inline(always)]
     fn run<I: Isa>(self, isa: I) -> (F32Row, F32Row) {
-        let SeedTarget { point, place, directions, everywhere, alignment } = self.target;
-        let (point, place) = (Vector3::<I::F32>::splat(isa, *point), Vector3::<I::F32>::splat(isa, *place));
-        let rows = directions.transpose();
-        let [dx, dy, dz] = [rows.x_axis, rows.y_axis, rows.z_axis];
-        let (dx, dy, dz) = (Vector3::splat(isa, dx), Vector3::splat(isa, dy), Vector3::splat(isa, dz));
-        let [ax, ay, az] = [alignment.x_axis, alignment.y_axis, alignment.z_axis];
-        let (ax, ay, az) = (Vector3::splat(isa, ax), Vector3::splat(isa, ay), Vector3::splat(isa, az));
+        let Self { table, target } = self;
+        let wanted = Wanted::<I::F32>::splat(isa, target);
+        let most = target.most_alignment();
+        // How far the place is at least from a point of the block's hands: the table's point is another than the target's.
+        let aside = table.point.distance(target.point) as f32;
+        let mut distances = [F32Row::default(); SEEDS / BLOCK / BLOCK];
+        for (rows, out) in table.balls.chunks_exact(BALL_ROWS).zip(&mut distances) {
+            let centre =
+                Vector3::new(I::F32::load(isa, &rows[0]), I::F32::load(isa, &rows[1]), I::F32::load(isa, &rows[2]));
+            let apart = centre.minus(wanted.place);
+            let reach = I::F32::load(isa, &rows[3]) + aside;
+            let zero = I::F32::splat(isa, 0.0);
+            let distance = (apart.dot(apart).sqrt() - reach).max(zero);
+            // Where not all directions count, what is far may be near in those that do.
+            if target.everywhere { distance.store(out) } else { zero.store(out) }
+        }
         let mut least = I::F32::splat(isa, f32::MAX);
-        let (mut nearest, mut number) = (I::F32::splat(isa, 0.0), I::F32::splat(isa, 0.0));
-        for block in self.poses.chunks_exact(POSE_ROWS) {
-            let body = Transform::<I::F32>::load(isa, block);
-            let mut apart = body.point(point).minus(place);
-            if !everywhere {
-                apart = Vector3::new(dx.dot(apart), dy.dot(apart), dz.dot(apart));
+        let mut nearest = I::F32::splat(isa, 0.0);
+        let (mut best, mut inner) = (f32::MAX, -1.0);
+        for outer in ROUNDS {
+            for (group, distances) in distances.iter().enumerate() {
+                let distance = I::F32::load(isa, distances);
+                let here = distance.lt(I::F32::splat(isa, outer)) & I::F32::splat(isa, inner).le(distance);
+                let mut bits = here.bits();
+                while bits != 0 {
+                    let lane = bits.trailing_zeros() as usize;
+                    bits &= bits - 1;
+                    if distances[lane] * distances[lane] - most > best {
+                        continue;
+                    }
+                    let block = group * BLOCK + lane;
+                    let body = Transform::<I::F32>::load(isa, &table.poses[block * POSE_ROWS..]);
+                    let gap = wanted.gap(&body);
+                    let nearer = gap.lt(least);
+                    least = I::F32::select(nearer, gap, least);
+                    nearest = I::F32::select(nearer, I::F32::splat(isa, block as f32), nearest);
+                    best = least.least();
+                }
             }
-            let [x, y, z] = body.rotation.columns;
-            let aligned = x.dot(ax) + y.dot(ay) + z.dot(az);
-            let gap = apart.dot(apart) - aligned;
-            let nearer = gap.lt(least);
-            least = I::F32::select(nearer, gap, least);
-            nearest = I::F32::select(nearer, number, nearest);
-            number = number + 1.0;
+            inner = outer;
+            if outer * outer - most > best {
+                break;
+            }
         }
         let (mut gaps, mut blocks) = (F32Row::default(), F32Row::default());
         least.store(&mut gaps);

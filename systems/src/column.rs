@@ -1,0 +1,37 @@
+//! The values of one constraint, leaf by leaf, and which of them there are.
+
+use foliate_components::leaf::ParameterId;
+use std::collections::HashSet;
+
+/// Values in order of leaf. Most leaves have some value that no other has, so whoever compares many leaves with one asks first
+/// whether there is anything to find.
+#[derive(Clone, Debug, Default)]
+pub struct Column {
+    values: Vec<ParameterId>,
+    present: HashSet<ParameterId>,
+}
+
+impl Column {
+    /// By leaf.
+    #[must_use]
+    pub fn values(&self) -> &[ParameterId] {
+        &self.values
+    }
+
+    /// Whether any leaf has a value.
+    #[must_use]
+    pub fn has(&self, value: ParameterId) -> bool {
+        self.present.contains(&value)
+    }
+
+    /// Puts a value where those behind give way.
+    pub(crate) fn insert(&mut self, at: usize, value: ParameterId) {
+        self.values.insert(at, value);
+        self.present.insert(value);
+    }
+
+    /// Adds the value of another leaf.
+    pub(crate) fn push(&mut self, value: ParameterId) {
+        self.insert(self.values.len(), value);
+    }
+}
