@@ -32,8 +32,9 @@ pub struct Candidate {
     pub waypoints_are_free: bool,
     /// Why nothing more is to be done for it.
     pub rejected: Option<Rejection>,
-    /// Whether it is *planted*: its first leg is left out and what follows becomes a tree of its own, whose root is where the
-    /// leg would end. Set where the leg lies on the near node's own leaf, by schedulers that join trees themselves.
+    /// Whether it is *planted*: its first leg is left out, and where it would end a tree of its own begins; what the legs behind
+    /// it lead to is another, and their motions are certified when somebody needs them. Set where the first leg lies on the near
+    /// node's own leaf, by schedulers that join trees themselves.
     pub plants: bool,
     /// The pair of shapes that stopped it.
     pub blocked_by: Option<(ShapeIndex, ShapeIndex)>,

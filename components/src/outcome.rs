@@ -98,7 +98,7 @@ impl Prior {
 pub struct TransitionStatistics {
     /// Candidates that chose the transition.
     pub attempts: u64,
-    /// Candidates that reached the transition's target.
+    /// Candidates that reached the transition's target. One that was planted counts until its motions are known not to be free.
     pub reached: u64,
     /// Candidates of which a part was kept.
     pub partial: u64,

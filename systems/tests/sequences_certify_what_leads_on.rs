@@ -13,7 +13,7 @@ use foliate_components::problem::Goal;
 use foliate_components::roadmap::{ComponentId, EdgeId, NodeId, Roadmap};
 use foliate_components::sample_problems::{move_one_box, swap_two_boxes, swap_with_crossed_foliations};
 use foliate_systems::conclusion::Roots;
-use foliate_systems::passages::Passages;
+use foliate_systems::passages::{Passage, Passages};
 use foliate_systems::schedulers::{mrrt::Mrrt, sequence::Sequence};
 use foliate_systems::search::Search;
 use foliate_systems::selection::{Families, ReachedLeaves};
@@ -64,6 +64,30 @@ fn what_was_planted_in_vain_hangs_together_with_nothing() {
         }
     }
     assert!(left > 0, "everything that was planted was joined: nothing was lazy");
+}
+
+#[test]
+fn of_what_is_planted_only_what_a_sequence_needs_is_certified() {
+    let model = model(swap_two_boxes().unwrap());
+    let (mut open, mut made) = (0, 0);
+    for seed in 1..=3 {
+        let (_, search) = search(&model, &Sequence, seeded(seed), 1);
+        let (roadmap, passages) = (search.roadmap(), search.world().resource::<Passages>());
+        for node in nodes(roadmap) {
+            let Some(passage) = passages.to(node) else { continue };
+            open += 1;
+            let certified = roadmap.edges_at(node).any(|edge| roadmap.edge(edge).from == passage.from);
+            assert!(!certified, "a passage that is an edge");
+        }
+        let edges = (0..roadmap.edges().len() as u32).map(EdgeId);
+        let crosses = |&edge: &EdgeId| {
+            let row = roadmap.edge(edge);
+            roadmap.node(row.from).leaf != roadmap.node(row.to).leaf && row.motions > 0
+        };
+        made += edges.filter(crosses).count();
+        assert!(passages.bytes() > 0 || passages.is_empty());
+    }
+    assert!(open > made, "{open} passages were left alone, {made} certified");
 }
 
 #[test]
@@ -140,4 +164,33 @@ fn a_way_that_fails_makes_room_for_another_and_is_not_given_up() {
     // Where start and goal hang together nothing is missing.
     roadmap.add_edge(start, goal, TransitionId(0), Vec::new());
     assert_eq!(graph.cheapest(&roadmap, &roots), Some(Vec::new()));
+}
+
+#[test]
+fn a_passage_is_a_way_until_it_is_known_not_to_be_free() {
+    let space = move_one_box().unwrap().robot.space;
+    let mut roadmap = Roadmap::new(space.size());
+    let mut passages = Passages::default();
+    let (start, goal) = (add(&mut roadmap, 0.0, 0, None), add(&mut roadmap, 0.0, 1, None));
+    let roots = Roots { start: Some(start), goals: vec![goal] };
+    let mut plant = |roadmap: &mut Roadmap, at: f64| {
+        let (from, to) = (add(roadmap, at, 0, None), add(roadmap, at, 1, None));
+        let passage = Passage { from, transition: TransitionId(0), drawn: None, motions: Vec::new() };
+        passages.add(to, passage);
+        (from, to)
+    };
+    let (near, far) = (plant(&mut roadmap, 0.1), plant(&mut roadmap, 1.0));
+    let mut graph = LeafGraph::default();
+    graph.grow(&roadmap, &passages, &space, &vec![1.0; space.dimension()]);
+    let way = graph.cheapest(&roadmap, &roots).unwrap();
+    let ends: Vec<_> = way.iter().map(|&join| graph.ends(join)).collect();
+    assert_eq!(ends, [(start, near.0), near, (goal, near.1)]);
+    assert_eq!(way.iter().map(|&join| graph.is_passage(join)).collect::<Vec<_>>(), [false, true, false]);
+    assert!(graph.cost(way[1]) < graph.cost(way[0]), "passages come last");
+
+    graph.count_tried(way[1], false);
+    let way = graph.cheapest(&roadmap, &roots).unwrap();
+    assert_eq!(graph.ends(way[1]), far, "what is not free is no way");
+    graph.count_tried(way[1], false);
+    assert_eq!(graph.cheapest(&roadmap, &roots), None, "nothing is left");
 }
