@@ -104,6 +104,13 @@ struct Solve<'a, R> {
     queue: &'a mut dyn Queue<R>,
 }
 
+/// How often a step is solved at most, each time without the coordinates that it would push out of their bounds.
+const SOLVES: u32 = 3;
+
+/// With sixteen lanes there is nearly always one that meets a bound, and all would be solved again for it; first steps need not
+/// be so exact.
+const SOLVES_SINGLE: u32 = 1;
+
 struct Double<'a>(Solve<'a, F64Row>);
 struct Single<'a>(Solve<'a, F32Row>);
 
@@ -112,7 +119,7 @@ impl Kernel for Double<'_> {
     #[inline(always)]
     fn run<I: Isa>(self, isa: I) {
         if I::SIDE_BY_SIDE {
-            work_off::<I::F64>(isa, self.0);
+            work_off::<I::F64>(isa, self.0, SOLVES);
         }
     }
 }
@@ -122,7 +129,7 @@ impl Kernel for Single<'_> {
     #[inline(always)]
     fn run<I: Isa>(self, isa: I) {
         if I::SIDE_BY_SIDE {
-            work_off::<I::F32>(isa, self.0);
+            work_off::<I::F32>(isa, self.0, SOLVES_SINGLE);
         }
     }
 }
@@ -136,7 +143,7 @@ fn begin<V: Lanes>(lane: usize, taken: u32, memory: &mut LaneMemory<V::Row>) {
 }
 
 #[inline(always)]
-fn work_off<V: Lanes>(isa: V::Isa, solve: Solve<'_, V::Row>) {
+fn work_off<V: Lanes>(isa: V::Isa, solve: Solve<'_, V::Row>, solves: u32) {
     let Solve { program, settings, memory, queue } = solve;
     let mut running = 0_u32;
     for lane in 0..V::COUNT {
@@ -169,7 +176,7 @@ fn work_off<V: Lanes>(isa: V::Isa, solve: Solve<'_, V::Row>) {
         let mut stuck = 0;
         if ended.bits() != running {
             let damping = squared.mul_add(number(settings.damping), number(settings.damping_floor));
-            stuck = step::<V>(isa, program, settings, memory, is_running & !ended, at_rest, damping);
+            stuck = step::<V>(isa, program, (settings, solves), memory, is_running & !ended, at_rest, damping);
         }
         best.store(&mut memory.best);
         since.store(&mut memory.since_halved);
@@ -232,7 +239,7 @@ fn evaluate<V: Lanes>(
 fn step<V: Lanes>(
     isa: V::Isa,
     program: &LaneProgram,
-    settings: &Settings,
+    (settings, solves): (&Settings, u32),
     memory: &mut LaneMemory<V::Row>,
     going: V::Mask,
     at_rest: V::Mask,
@@ -249,7 +256,7 @@ fn step<V: Lanes>(
     let some = [0, 3, 4];
     let chosen: &[usize] = if short { &some } else { &EVERY_ROW[..rows.min(MOST_ROWS)] };
     let mut positive = going;
-    for _ in 0..3 {
+    for left in (0..solves).rev() {
         for (to, from) in memory.multipliers[..rows].iter_mut().zip(&memory.values[..rows]) {
             *to = *from;
         }
@@ -264,7 +271,8 @@ fn step<V: Lanes>(
             }
             sum.store(out);
         }
-        if freeze_by_step::<V>(isa, program, memory, going_bits) & going_bits == 0 {
+        // The last solution is cut to the bounds anyhow.
+        if left == 0 || freeze_by_step::<V>(isa, program, memory, going_bits) & going_bits == 0 {
             break;
         }
     }
