@@ -211,8 +211,10 @@ pub fn learn_from_joins(
     mut plantings: ResMut<'_, Plantings>,
 ) {
     for (connection, join) in connections.0.iter().zip(&tried.0) {
-        let Connection { from, to, .. } = *connection;
-        if let Some(passage) = passages.between(from, to).filter(|_| !connection.is_certified()) {
+        // One that was not asked about, because another joined the same trees, says nothing of what was planted.
+        if let Connection { from, to, verdict: Some(Err(_)) } = *connection
+            && let Some(passage) = passages.between(from, to)
+        {
             plantings.take_back((roadmap.node(from).leaf, passage.transition, passage.drawn));
         }
         if let &Some(join) = join {
