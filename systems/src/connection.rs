@@ -24,7 +24,6 @@ use foliate_components::robot::ShapeIndex;
 use foliate_kernels::collision::CollisionScratch;
 use foliate_kernels::kinematics::Carriage;
 use foliate_kernels::projection::MotionScratch;
-use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A motion that would join two trees.
@@ -80,14 +79,10 @@ pub fn propose_connections(
     mut new: ResMut<'_, NewNodes>,
     mut connections: ResMut<'_, Connections>,
 ) {
-    let proposals: Vec<Vec<Connection>> = std::mem::take(&mut new.0)
-        .par_iter()
-        .map(|&node| {
-            let nodes = neighbours.of_other_trees(&model, &roadmap, node, settings.connect_neighbours);
-            nodes.into_iter().map(|to| Connection::between(node, to)).collect()
-        })
-        .collect();
-    connections.0 = proposals.into_iter().flatten().collect();
+    let new = std::mem::take(&mut new.0);
+    let pairs = neighbours.of_other_trees(&model, &roadmap, &new, settings.connect_neighbours);
+    connections.0.clear();
+    connections.0.extend(pairs.into_iter().map(|(from, to)| Connection::between(from, to)));
 }
 
 /// Steers and certifies the proposals; whole or not at all. Of those that would join the same two trees all behind the

@@ -36,9 +36,24 @@ pub(crate) fn each<T: Send, S>(items: &mut [T], scratch: impl Fn() -> S + Sync, 
     });
 }
 
+/// Does `work` on every run of neighbouring items that are of the `same` kind. Each thread takes one part of the list, so that a
+/// long run may come in two; what comes out must not depend on that, nor on the scratch.
+pub(crate) fn runs<T: Send, S>(
+    items: &mut [T],
+    same: impl Fn(&T, &T) -> bool + Sync,
+    scratch: impl Fn() -> S + Sync,
+    work: impl Fn(&mut S, &mut [T]) + Sync,
+) {
+    let part = items.len().div_ceil(rayon::current_num_threads()).max(LEAST_SHARED);
+    items.par_chunks_mut(part).for_each(|part| {
+        let mut scratch = scratch();
+        part.chunk_by_mut(&same).for_each(|run| work(&mut scratch, run));
+    });
+}
+
 #[cfg(test)]
 mod tests {
-    use super::each;
+    use super::{each, runs};
 
     #[test]
     fn every_item_is_worked_on_once() {
@@ -49,6 +64,38 @@ mod tests {
                 let run = || each(&mut items, || 2, |two, item| *item += *two);
                 assert!(pool.as_ref().map(|pool| pool.install(run)).is_ok());
                 assert_eq!(items, vec![3; count]);
+            }
+        }
+    }
+    #[test]
+    fn runs_are_of_one_kind_and_leave_nothing_out() {
+        for threads in [1, 2, 5] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            for count in [0, 1, 7, 100] {
+                let mut items: Vec<_> = (0..count).map(|index| (index / 10, 0)).collect();
+                let add = |_: &mut (), run: &mut [(i32, i32)]| {
+                    let kind = run[0].0;
+                    run.iter_mut().for_each(|item| item.1 += i32::from(item.0 == kind));
+                };
+                let run = || runs(&mut items, |a, b| a.0 == b.0, || (), add);
+                assert!(pool.as_ref().map(|pool| pool.install(run)).is_ok());
+                assert!(items.iter().all(|item| item.1 == 1));
+            }
+        }
+    }
+    #[test]
+    fn runs_are_of_one_kind_and_leave_nothing_out() {
+        for threads in [1, 2, 5] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            for count in [0, 1, 7, 100] {
+                let mut items: Vec<_> = (0..count).map(|index| (index / 10, 0)).collect();
+                let add = |_: &mut (), run: &mut [(i32, i32)]| {
+                    let kind = run[0].0;
+                    run.iter_mut().for_each(|item| item.1 += i32::from(item.0 == kind));
+                };
+                let run = || runs(&mut items, |a, b| a.0 == b.0, || (), add);
+                assert!(pool.as_ref().map(|pool| pool.install(run)).is_ok());
+                assert!(items.iter().all(|item| item.1 == 1));
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::guidance::aiming::Aims;
 use crate::model::PlanningModel;
-use crate::neighbours::Neighbours;
+use crate::neighbours::{Neighbours, Question, Region};
 use crate::parallel::LEAST_SHARED;
 use crate::random::{Purpose, draw, stream};
 pub use crate::reached_leaves::ReachedLeaves;
@@ -107,36 +107,49 @@ pub fn select_nodes(
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
     let trees: Vec<ComponentId> = explored.trees().collect();
-    let roadmap = &*explored.roadmap;
-    let mut pool: Vec<_> = candidates.iter_mut().collect();
-    pool.par_iter_mut().with_min_len(LEAST_SHARED).filter(|c| c.is_alive() && c.near.is_none()).for_each(|candidate| {
+    let families = &*explored.families;
+    let (reached, roadmap) = (&*explored.reached, &*explored.roadmap);
+    let region_of = |candidate: &Candidate| {
+        if let (Some(leaf), Some(tree)) = (candidate.leaf, candidate.component) {
+            return Some((Region::Leaf(leaf), Some(tree)));
+        }
         let mut rng = stream(settings.seed, Purpose::Select, step.step, candidate.index);
-        let q = arena.random_of(candidate.index);
-        let families = &*explored.families;
-        let of = |tree| move |born| families.family(roadmap, born) == tree;
-        let nearest_on = |leaf, tree| neighbours.nearest_on(&model, roadmap, q, leaf, of(tree));
-        let chosen = match (candidate.leaf, candidate.component, settings.selection) {
-            (Some(leaf), Some(tree), _) => nearest_on(leaf, tree),
-            (_, _, Selection::Nearest) => neighbours.nearest_of_all(&model, roadmap, q),
-            (_, _, Selection::StateFirst) => trees.choose(&mut rng).and_then(|&tree| {
-                let state = explored.reached.of_tree(tree).choose(&mut rng)?.state;
-                neighbours.nearest_in(&model, roadmap, q, state, of(tree))
-            }),
-            (_, _, Selection::LeafFirst | Selection::Guided) => trees.choose(&mut rng).and_then(|&tree| {
+        match settings.selection {
+            Selection::Nearest => Some((Region::Roadmap, None)),
+            Selection::StateFirst => {
+                let &tree = trees.choose(&mut rng)?;
+                Some((Region::State(reached.of_tree(tree).choose(&mut rng)?.state), Some(tree)))
+            }
+            Selection::LeafFirst | Selection::Guided => {
+                let &tree = trees.choose(&mut rng)?;
                 // States with few leaves are often the narrow ones (one leaf holds every solid grasp of an object), so
                 // leaves alone would starve them.
-                let &leaf = explored.reached.of_tree(tree).choose(&mut rng)?.leaves.choose(&mut rng)?;
-                nearest_on(leaf, tree)
-            }),
-        };
-        match chosen {
-            Some(node) => {
-                candidate.near = Some(node);
-                candidate.component = Some(explored.families.family_of(roadmap, node));
+                let &leaf = reached.of_tree(tree).choose(&mut rng)?.leaves.choose(&mut rng)?;
+                Some((Region::Leaf(leaf), Some(tree)))
+            }
+        }
+    };
+    let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive() && c.near.is_none()).collect();
+    let mut questions = Vec::with_capacity(pool.len());
+    for (asker, candidate) in pool.iter_mut().enumerate() {
+        match region_of(candidate) {
+            Some((region, tree)) => {
+                let q = arena.random_of(candidate.index);
+                questions.push(Question { asker, region, tree, q, nearest: None });
             }
             None => candidate.reject(Rejection::NoNode),
         }
-    });
+    }
+    neighbours.answer(&model, roadmap, &mut questions, |born| families.family(roadmap, born));
+    for Question { asker, nearest, .. } in questions {
+        match nearest {
+            Some(node) => {
+                pool[asker].near = Some(node);
+                pool[asker].component = Some(families.family_of(roadmap, node));
+            }
+            None => pool[asker].reject(Rejection::NoNode),
+        }
+    }
 }
 
 /// Draws for every candidate that has none a transition that leaves its node's state, in proportion to the weights.

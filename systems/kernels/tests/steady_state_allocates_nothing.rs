@@ -22,6 +22,8 @@ use foliate_kernels::collision::{
 };
 use foliate_kernels::constraints::placement_of;
 use foliate_kernels::kinematics::{AttachmentTree, Carriage, Kinematics, geometric_jacobian};
+use foliate_kernels::lanes::Level;
+use foliate_kernels::nearest::{Bucket, BucketQueries, Metric, nearest};
 use foliate_kernels::projection::{
     ConstraintProgram, Job, MotionScratch, MotionSettings, Scratch, Settings, project, project_batch, project_motion,
 };
@@ -340,4 +342,26 @@ fn certificates_of_polylines() {
     });
     assert!(whole > 0 && cut > 0, "{whole} free, {cut} cut");
     assert_eq!(count, 0);
+}
+
+#[test]
+fn nearest_configurations() {
+    let robot = world();
+    let (space, mut draw) = (&robot.space, Draw::new(6));
+    let weights = vec![1.0; space.dimension()];
+    let metric = Metric::new(space, &weights);
+    let all: Vec<_> = (0..600).map(|_| draw.configuration(&robot)).collect();
+    let mut bucket = Bucket::default();
+    (0..).zip(&all).for_each(|(id, q)| bucket.push(&metric, id, q));
+    let (mut queries, mut best) = (BucketQueries::default(), Vec::new());
+    let asked = allocations(|| {
+        for together in [23, 1, 5] {
+            let those = &all[..together];
+            queries.set(&metric, those.iter().map(Vec::as_slice));
+            let exact = |query: usize, id: u32| space.distance(&those[query], &all[id as usize], &weights);
+            nearest((&metric, &queries, Level::detected()), [&bucket].into_iter(), exact, &mut best);
+            assert!(best.iter().all(Option::is_some));
+        }
+    });
+    assert_eq!(asked, 0);
 }

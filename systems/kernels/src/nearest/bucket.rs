@@ -1,11 +1,12 @@
 //! Configurations in blocks of lanes, and who of them may be near.
 
-use super::metric::{Metric, Shape};
-use super::scan::{CHUNK, Scan};
+use super::metric::Metric;
+use super::queries::BucketQueries;
+use super::scan::{Bounds, CHUNK, LANES, PASS, Place, Scan, Within, width};
 use crate::lanes::{F32Row, Level};
 
-/// Lanes of a block.
-const LANES: usize = 16;
+/// Queries that go over a bucket together: so many take turns at a chunk while it lies in the cache.
+const TOGETHER: usize = 16;
 
 /// Relative error of a sum of squares in lanes, with room to spare for some hundred rows.
 const SUMMING: f64 = 1e-4;
@@ -21,29 +22,13 @@ pub struct Bucket {
     numbers: Vec<f64>,
 }
 
-/// A configuration whose neighbours are looked for, rounded once for any number of buckets.
-#[derive(Clone, Debug, Default)]
-pub struct BucketQuery {
-    numbers: Vec<f64>,
-    rounded: Vec<f32>,
-    shape: Shape,
-}
+/// Who looks for near configurations: says how far, and measures exactly what may be within that.
+pub trait Seeker {
+    /// The distance beyond which nothing is wanted by a query, by its number. It may fall whenever something is measured.
+    fn cutoff(&self, query: usize) -> f64;
 
-impl BucketQuery {
-    /// Prepares a configuration.
-    #[must_use]
-    pub fn new(metric: &Metric, q: &[f64]) -> Self {
-        let mut query = Self { shape: metric.shape(), ..Self::default() };
-        query.set(metric, q);
-        query
-    }
-
-    /// Prepares another configuration of the same metric.
-    pub fn set(&mut self, metric: &Metric, q: &[f64]) {
-        metric.write(q, &mut self.numbers);
-        self.rounded.clear();
-        self.rounded.extend(self.numbers.iter().map(|&x| x as f32));
-    }
+    /// Looks at a configuration that may be within the cutoff of a query.
+    fn measure(&mut self, query: usize, id: u32);
 }
 
 impl Bucket {
@@ -84,41 +69,95 @@ impl Bucket {
         }
     }
 
-    /// Calls `measure` for every configuration whose distance to the query may be at most `cutoff`, which `measure`
-    /// may lower as it finds near ones: it answers the cutoff from then on. Nearest blocks are not first; a chunk's most
-    /// promising configuration is.
-    pub fn visit_near(
-        &self,
-        (metric, query, level): (&Metric, &BucketQuery, Level),
-        mut cutoff: f64,
-        mut measure: impl FnMut(u32) -> f64,
-    ) {
-        let size = metric.rows();
-        let reach = self.reach.iter().zip(&query.numbers).map(|(a, b)| a + b.abs());
-        let rounding = metric.rounding(reach);
-        let mut limit = limit(cutoff, rounding);
-        let mut bounds = [F32Row::splat(0.0); CHUNK];
-        for (number, ids) in self.ids.chunks(CHUNK * LANES).enumerate() {
-            let out = &mut bounds[..ids.len().div_ceil(LANES)];
-            let rows = &self.rows[number * CHUNK * size..][..out.len() * size];
-            let least = level.run(Scan { shape: &query.shape, rows, query: &query.rounded, out });
-            if least > limit {
-                continue;
-            }
-            let bound = |index: usize| bounds[index / LANES][index % LANES];
-            let first = (0..ids.len()).find(|&index| bound(index) <= least);
-            let others = (0..ids.len()).filter(|&index| Some(index) != first);
-            for index in first.into_iter().chain(others) {
-                if bound(index) <= limit {
-                    let lower = measure(ids[index]);
-                    if lower < cutoff {
-                        cutoff = lower;
-                        limit = self::limit(cutoff, rounding);
-                    }
-                }
-            }
+    /// Has the seeker measure, for each query, every configuration whose distance to it may be at most the cutoff. Nearest
+    /// blocks are not first; a chunk's most promising configuration is. Which are measured for a query does not depend on
+    /// the others.
+    pub fn visit_near(&self, with: (&Metric, &BucketQueries, Level), seeker: &mut impl Seeker) {
+        for first in (0..with.1.len()).step_by(TOGETHER) {
+            self.visit_together(with, first, seeker);
         }
     }
+
+    /// The same for the queries from `first` on that go together.
+    fn visit_together(
+        &self,
+        (metric, queries, level): (&Metric, &BucketQueries, Level),
+        first: usize,
+        seeker: &mut impl Seeker,
+    ) {
+        let together = first..queries.len().min(first + TOGETHER);
+        let reach = metric.reach(&self.reach);
+        let (mut roundings, mut limits) = ([0.0; TOGETHER], [0.0; TOGETHER]);
+        for (index, query) in together.clone().enumerate() {
+            roundings[index] = metric.rounding(reach + queries.reach(query));
+            limits[index] = limit(seeker.cutoff(query), roundings[index]);
+        }
+        let limits = &mut limits[..together.len()];
+        let mut bounds: Bounds = [[F32Row::splat(0.0); CHUNK]; PASS];
+        let mut least = [0.0; PASS];
+        let mut from = Place::default();
+        while let Some(at) = level.run(Scan {
+            shape: metric.shape(),
+            rows: &self.rows,
+            blocks: self.ids.len().div_ceil(LANES),
+            queries: queries.rounded(together.clone()),
+            limits,
+            from,
+            bounds: &mut bounds,
+            least: &mut least,
+        }) {
+            let ids = &self.ids[at.chunk * CHUNK * LANES..];
+            let ids = &ids[..ids.len().min(CHUNK * LANES)];
+            let width = width(limits.len() - at.query);
+            for (index, (bounds, &least)) in bounds.iter().zip(&least).take(width).enumerate() {
+                let index = at.query + index;
+                if least <= limits[index] {
+                    let query = (first + index, roundings[index], &mut limits[index]);
+                    visit_chunk((ids, bounds, least, level), query, seeker);
+                }
+            }
+            from = Place { query: at.query + width, ..at };
+        }
+    }
+}
+
+/// Has one query's near configurations of a chunk measured, whose smallest bound is `least`.
+fn visit_chunk(
+    (ids, bounds, least, level): (&[u32], &[F32Row; CHUNK], f32, Level),
+    (query, rounding, limit): (usize, f64, &mut f32),
+    seeker: &mut impl Seeker,
+) {
+    let bounds = &bounds[..ids.len().div_ceil(LANES)];
+    let mut measure = |id: u32, limit: &mut f32| {
+        seeker.measure(query, id);
+        *limit = self::limit(seeker.cutoff(query), rounding);
+    };
+    let mut near = [0; CHUNK];
+    level.run(Within { bounds, limit: least, out: &mut near });
+    let first = indices(&near).find(|&index| index < ids.len());
+    if let Some(first) = first {
+        measure(ids[first], limit);
+    }
+    level.run(Within { bounds, limit: *limit, out: &mut near });
+    for index in indices(&near).take_while(|&index| index < ids.len()) {
+        if Some(index) != first && bounds[index / LANES][index % LANES] <= *limit {
+            measure(ids[index], limit);
+        }
+    }
+}
+
+/// The lanes whose bits are set, counted through all blocks.
+fn indices(blocks: &[u32; CHUNK]) -> impl Iterator<Item = usize> {
+    blocks.iter().enumerate().flat_map(|(block, &bits)| {
+        let mut bits = bits;
+        std::iter::from_fn(move || {
+            let lane = bits.trailing_zeros() as usize;
+            (bits != 0).then(|| {
+                bits &= bits - 1;
+                block * LANES + lane
+            })
+        })
+    })
 }
 
 /// Squared bounds above this belong to distances above the cutoff.
@@ -126,24 +165,4 @@ fn limit(cutoff: f64, rounding: f64) -> f32 {
     let far = (cutoff + rounding) * (1.0 + SUMMING);
     // Numbers too small for an f32 are nothing.
     ((far * far) as f32).next_up().max(f32::MIN_POSITIVE)
-}
-
-/// The id of the configuration nearest to the query in some buckets, as `distance` measures it; ties go to the lowest id.
-pub fn nearest<'b>(
-    with: (&Metric, &BucketQuery, Level),
-    buckets: impl Iterator<Item = &'b Bucket>,
-    mut distance: impl FnMut(u32) -> f64,
-) -> Option<u32> {
-    let mut best: Option<(f64, u32)> = None;
-    for bucket in buckets {
-        let cutoff = best.map_or(f64::INFINITY, |(d, _)| d);
-        bucket.visit_near(with, cutoff, |id| {
-            let d = distance(id);
-            if best.is_none_or(|(least, first)| d.total_cmp(&least).then(id.cmp(&first)).is_lt()) {
-                best = Some((d, id));
-            }
-            best.map_or(f64::INFINITY, |(d, _)| d)
-        });
-    }
-    best.map(|(_, id)| id)
 }

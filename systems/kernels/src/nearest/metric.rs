@@ -13,6 +13,7 @@ pub struct Metric {
     angles: Vec<(usize, f64)>,
     /// First of a quaternion's four numbers, and the smallest weight of the rotation.
     rotations: Vec<(usize, f64)>,
+    shape: Shape,
 }
 
 /// How rows are to be compared.
@@ -24,6 +25,14 @@ pub(super) struct Shape {
     pub turns: Vec<f32>,
     /// Squared weights of the rotations that follow, four rows each.
     pub rotations: Vec<f32>,
+}
+
+impl Shape {
+    /// How many rows a configuration takes.
+    #[inline(always)]
+    pub fn rows(&self) -> usize {
+        self.straight + self.turns.len() + 4 * self.rotations.len()
+    }
 }
 
 impl Metric {
@@ -53,21 +62,27 @@ impl Metric {
         metric.straight.retain(weighs);
         metric.angles.retain(weighs);
         metric.rotations.retain(weighs);
+        metric.shape = Shape {
+            straight: metric.straight.len(),
+            turns: metric.angles.iter().map(|(_, w)| (TAU * w.abs()) as f32).collect(),
+            rotations: metric.rotations.iter().map(|(_, w)| (w * w) as f32).collect(),
+        };
         metric
     }
 
     /// How many rows a configuration takes.
     #[must_use]
     pub fn rows(&self) -> usize {
-        self.straight.len() + self.angles.len() + 4 * self.rotations.len()
+        self.shape.rows()
     }
 
-    pub(super) fn shape(&self) -> Shape {
-        Shape {
-            straight: self.straight.len(),
-            turns: self.angles.iter().map(|(_, w)| (TAU * w.abs()) as f32).collect(),
-            rotations: self.rotations.iter().map(|(_, w)| (w * w) as f32).collect(),
-        }
+    pub(super) fn shape(&self) -> &Shape {
+        &self.shape
+    }
+
+    /// The sum of the numbers' sizes, as far as how exactly they are rounded depends on it.
+    pub(super) fn reach(&self, numbers: &[f64]) -> f64 {
+        numbers.iter().take(self.straight.len()).map(|x| x.abs()).sum()
     }
 
     /// Writes the numbers of a configuration, weighted, angles in [−π, π], quaternions of unit length.
@@ -81,16 +96,15 @@ impl Metric {
         }
     }
 
-    /// By how much rounding may change a distance, where no number of either configuration is larger than in `reach`.
-    pub(super) fn rounding(&self, reach: impl Iterator<Item = f64>) -> f64 {
+    /// By how much rounding may change a distance between configurations whose `reach` together is at most this.
+    pub(super) fn rounding(&self, reach: f64) -> f64 {
         // Each of two numbers is off by half a unit, and so is a full turn; twice that is more than enough.
         const UNIT: f64 = 2.0 * f32::EPSILON as f64;
         /// How much the angle of a rotation may be off where the quaternions' numbers are off by a unit: less than
         /// 2√2 times the chord's error.
         const TURN: f64 = 16.0;
-        let numbers: f64 = reach.take(self.straight.len()).sum();
         let angles: f64 = self.angles.iter().map(|(_, w)| 2.0 * PI * w.abs()).sum();
         let rotations: f64 = self.rotations.iter().map(|(_, w)| TURN * w).sum();
-        UNIT * (numbers + angles + rotations)
+        UNIT * (reach + angles + rotations)
     }
 }

@@ -6,7 +6,9 @@
 
 mod bucket;
 mod metric;
+mod queries;
 mod scan;
 
-pub use bucket::{Bucket, BucketQuery, nearest};
+pub use bucket::{Bucket, Seeker};
 pub use metric::Metric;
+pub use queries::{BucketQueries, nearest};
