@@ -67,22 +67,7 @@ mod tests {
             }
         }
     }
-    #[test]
-    fn runs_are_of_one_kind_and_leave_nothing_out() {
-        for threads in [1, 2, 5] {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            for count in [0, 1, 7, 100] {
-                let mut items: Vec<_> = (0..count).map(|index| (index / 10, 0)).collect();
-                let add = |_: &mut (), run: &mut [(i32, i32)]| {
-                    let kind = run[0].0;
-                    run.iter_mut().for_each(|item| item.1 += i32::from(item.0 == kind));
-                };
-                let run = || runs(&mut items, |a, b| a.0 == b.0, || (), add);
-                assert!(pool.as_ref().map(|pool| pool.install(run)).is_ok());
-                assert!(items.iter().all(|item| item.1 == 1));
-            }
-        }
-    }
+
     #[test]
     fn runs_are_of_one_kind_and_leave_nothing_out() {
         for threads in [1, 2, 5] {

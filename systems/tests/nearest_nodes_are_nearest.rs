@@ -1,15 +1,19 @@
-//! Whoever asks for near nodes gets those that measuring every node gives, also once they lie in lanes.
+//! Whoever asks for near nodes gets those that measuring every node gives, also once they lie in lanes, whoever asks beside.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on says so")]
 
 mod common;
 
+use bevy_ecs::prelude::{Schedule, World};
+use bevy_ecs::schedule::ScheduleCleanupPolicy;
 use common::{model, search, seeded};
+use foliate_components::graph::TransitionId;
 use foliate_components::roadmap::{ComponentId, NodeId, Roadmap};
 use foliate_components::sample_problems::boxes_on_a_table;
 use foliate_systems::model::PlanningModel;
-use foliate_systems::neighbours::Neighbours;
-use foliate_systems::schedulers::mrrt::Mrrt;
+use foliate_systems::neighbours::{Neighbours, Question, Region};
+use foliate_systems::schedule::SearchSet;
+use foliate_systems::schedulers::{Scheduler, mrrt::Mrrt, sequence::Sequence};
 use foliate_systems::settings::{SearchSettings, Selection};
 
 fn all(roadmap: &Roadmap) -> impl Iterator<Item = NodeId> + Clone {
@@ -28,38 +32,117 @@ fn scalar_neighbours(model: &PlanningModel, roadmap: &Roadmap, node: NodeId, cou
     others.chunk_by(|a, b| a.0 == b.0).flat_map(|tree| tree.iter().take(count).map(|&(_, _, n)| n)).collect()
 }
 
+/// What is asked about a node's surroundings, and the answer of measuring everything.
+fn questions<'q>(
+    (model, roadmap): (&PlanningModel, &Roadmap),
+    (node, q): (NodeId, &'q [f64]),
+    shrunk: &'q [f64],
+) -> Vec<Question<'q>> {
+    let (row, tree) = (roadmap.node(node), roadmap.component_of(node));
+    let ask = |region, tree: Option<ComponentId>, q: &'q [f64]| {
+        let lies_here = |&n: &NodeId| match region {
+            Region::Leaf(leaf) => roadmap.node(n).leaf == leaf,
+            Region::State(state) => roadmap.node(n).state == state,
+            Region::Roadmap => true,
+        };
+        let weights = if matches!(region, Region::Leaf(_)) { &model.robot_weights } else { &model.weights };
+        let nodes = all(roadmap).filter(lies_here).filter(|&n| tree.is_none_or(|t| roadmap.component_of(n) == t));
+        Question { asker: 0, region, tree, q, nearest: model.nearest(roadmap, q, nodes, weights) }
+    };
+    vec![
+        // A number of a quaternion that shrinks is no rotation: the whole configuration is asked for as it is.
+        ask(Region::Leaf(row.leaf), Some(tree), shrunk),
+        ask(Region::State(row.state), Some(tree), q),
+        ask(Region::Roadmap, None, q),
+        ask(Region::Leaf(row.leaf), None, shrunk),
+        // At the node itself, and again: ties.
+        ask(Region::Leaf(row.leaf), Some(tree), q),
+        ask(Region::Leaf(row.leaf), Some(tree), q),
+        // Nobody is in that tree.
+        ask(Region::Leaf(row.leaf), Some(ComponentId(1_000_000)), q),
+    ]
+}
+
+fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(work)
+}
+
+fn busiest_leaf(roadmap: &Roadmap) -> Vec<NodeId> {
+    let leaves = all(roadmap).map(|node| roadmap.nodes_on(roadmap.node(node).leaf));
+    leaves.max_by_key(|nodes| nodes.len()).unwrap_or_default().to_vec()
+}
+
+/// Trees that never meet, so that several crowd one leaf.
+struct Apart;
+
+impl Scheduler for Apart {
+    fn name(&self) -> &'static str {
+        "apart"
+    }
+
+    fn schedule(&self, world: &mut World) -> Schedule {
+        let mut schedule = Mrrt.schedule(world);
+        let cleanup = ScheduleCleanupPolicy::RemoveSystemsOnly;
+        schedule.remove_systems_in_set(SearchSet::Connect, world, cleanup).unwrap();
+        schedule
+    }
+}
+
 #[test]
 fn nodes_found_in_lanes_are_those_found_one_by_one() {
-    // The goal lies out of the arm's reach: two trees grow side by side.
-    let model = model(boxes_on_a_table(&[(0.6, 0.1)], &[(1.45, 0.75)]).unwrap());
-    for selection in [Selection::Guided, Selection::StateFirst, Selection::Nearest] {
-        let settings = SearchSettings { max_steps: 24, selection, ..seeded(7) };
-        let (_, search) = search(&model, &Mrrt, settings, 1);
+    let model = model(boxes_on_a_table(&[(0.6, 0.1)], &[(0.6, 0.1)]).unwrap());
+    // Of a problem that has no solution: many trees that are planted on one leaf.
+    let unsolvable = self::model(boxes_on_a_table(&[(0.6, 0.1)], &[(1.45, 0.75)]).unwrap());
+    let apart = [Selection::Guided, Selection::StateFirst, Selection::Nearest].map(|s| (&model, &Apart as _, s));
+    let planted: [(_, &dyn Scheduler, _); 1] = [(&unsolvable, &Sequence, Selection::Guided)];
+    for (model, scheduler, selection) in apart.into_iter().chain(planted) {
+        let settings = SearchSettings { max_steps: 40, selection, ..seeded(7) };
+        let (_, mut search) = search(model, scheduler, settings, 1);
+        let crowd = busiest_leaf(search.roadmap());
+        assert!(crowd.len() > 40, "no leaf has become a crowd");
+        // Of those that were planted there some hang together.
+        if scheduler.name() == "sequence" {
+            let mut roadmap = search.world_mut().resource_mut::<Roadmap>();
+            crowd.windows(9).step_by(2).for_each(|near| {
+                roadmap.add_edge(near[0], near[8], TransitionId(0), Vec::new());
+            });
+        }
         let (roadmap, neighbours) = (search.roadmap(), search.world().resource::<Neighbours>());
-        assert!(neighbours.bytes() > 0, "no leaf has become a crowd");
-        for node in all(roadmap) {
-            let (row, tree) = (roadmap.node(node), roadmap.component_of(node));
-            let q: Vec<f64> = roadmap.configuration(node).iter().map(|x| x * 0.9).collect();
-            let in_tree = |born| roadmap.component(born) == tree;
-            let of_tree = all(roadmap).filter(|&n| roadmap.component_of(n) == tree);
+        assert!(neighbours.bytes() > 0);
 
-            let on_leaf = of_tree.clone().filter(|&n| roadmap.node(n).leaf == row.leaf);
-            let nearest = model.nearest(roadmap, &q, on_leaf, &model.robot_weights);
-            assert_eq!(neighbours.nearest_on(&model, roadmap, &q, row.leaf, in_tree), nearest);
+        let shrunk: Vec<Vec<f64>> =
+            all(roadmap).map(|n| roadmap.configuration(n).iter().map(|x| x * 0.9).collect()).collect();
+        let surroundings =
+            |node: NodeId| questions((model, roadmap), (node, roadmap.configuration(node)), &shrunk[node.at()]);
+        let mut scalar: Vec<_> = all(roadmap).flat_map(surroundings).collect();
+        scalar.iter_mut().enumerate().for_each(|(asker, question)| question.asker = asker);
+        let tree_of = |born| roadmap.component(born);
+        for (together, threads) in [(1, 1), (3, 1), (60, 1), (scalar.len(), 1), (60, 2), (scalar.len(), 3)] {
+            let mut asked: Vec<_> = scalar.iter().map(|q| Question { nearest: None, ..q.clone() }).collect();
+            on_threads(threads, || {
+                let batches = asked.chunks_mut(together);
+                batches.for_each(|batch| neighbours.answer(model, roadmap, batch, tree_of));
+            });
+            for batch in asked.chunks(together) {
+                let order = |q: &Question<'_>| (q.region, q.tree, q.asker);
+                assert!(batch.is_sorted_by_key(order));
+            }
+            asked.iter().for_each(|q| assert_eq!(q.nearest, scalar[q.asker].nearest, "{q:?}, {together} together"));
+        }
+        neighbours.answer(model, roadmap, &mut [], tree_of);
 
-            // A number of a quaternion that shrinks is no rotation: the whole configuration is asked for as it is.
-            let q = roadmap.configuration(node);
-            let in_state = of_tree.filter(|&n| roadmap.node(n).state == row.state);
-            let nearest = model.nearest(roadmap, q, in_state, &model.weights);
-            assert_eq!(neighbours.nearest_in(&model, roadmap, q, row.state, in_tree), nearest);
-            assert_eq!(
-                neighbours.nearest_of_all(&model, roadmap, q),
-                model.nearest(roadmap, q, all(roadmap), &model.weights)
-            );
-            for count in [0, 1, 3] {
-                let scalar = scalar_neighbours(&model, roadmap, node, count);
-                assert_eq!(neighbours.of_other_trees(&model, roadmap, node, count), scalar);
+        let nodes: Vec<_> = all(roadmap).collect();
+        for count in [0, 1, 3] {
+            let others =
+                |&node: &NodeId| scalar_neighbours(model, roadmap, node, count).into_iter().map(move |o| (node, o));
+            let scalar: Vec<_> = nodes.iter().flat_map(others).collect();
+            assert_eq!(scalar.is_empty(), count == 0, "no two trees have met on a leaf");
+            for (together, threads) in [(1, 1), (5, 1), (nodes.len(), 1), (nodes.len(), 3)] {
+                let of = |nodes: &[NodeId]| neighbours.of_other_trees(model, roadmap, nodes, count);
+                let found: Vec<_> = on_threads(threads, || nodes.chunks(together).flat_map(of).collect());
+                assert_eq!(found, scalar, "{together} together");
             }
         }
+        assert_eq!(neighbours.of_other_trees(model, roadmap, &[], 3), []);
     }
 }
