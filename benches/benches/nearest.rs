@@ -1,11 +1,13 @@
-//! What does it cost to find the nearest of 10³, 10⁴ and 10⁵ nodes, in lanes and one by one?
+//! What does it cost to find the nearest of 10³, 10⁴ and 10⁵ nodes, in lanes, several queries to a pass or one, and one by one?
+//! Times are of one query.
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use foliate_benches::{criterion, one_thread, random_configurations, sample_model, scene_model};
 use foliate_kernels::lanes::Level;
-use foliate_kernels::nearest::{Bucket, BucketQuery, Metric, nearest};
+use foliate_kernels::nearest::{Bucket, BucketQueries, Metric, nearest};
 use foliate_systems::model::PlanningModel;
 use std::hint::black_box;
+use std::time::Instant;
 
 fn bench_model(c: &mut Criterion, name: &str, model: &PlanningModel, weights: &[f64]) {
     let space = &model.problem.robot.space;
@@ -16,16 +18,25 @@ fn bench_model(c: &mut Criterion, name: &str, model: &PlanningModel, weights: &[
         let all = random_configurations(&model.problem.robot, count + queries.len()).split_off(queries.len());
         let mut bucket = Bucket::default();
         (0..).zip(&all).for_each(|(id, q)| bucket.push(&metric, id, q));
-        let mut turn = 0;
-        group.bench_with_input(BenchmarkId::new("lanes", count), &count, |b, _| {
-            b.iter(|| {
-                turn = (turn + 1) % queries.len();
-                let q = &queries[turn];
-                let query = BucketQuery::new(&metric, q);
-                let exact = |id: u32| space.distance(q, &all[id as usize], weights);
-                black_box(nearest((&metric, &query, Level::detected()), [&bucket].into_iter(), exact))
+        let (mut prepared, mut best) = (BucketQueries::default(), Vec::new());
+        for together in [1, 2, 4, 16] {
+            let mut batches = queries.chunks(together).cycle();
+            let name = format!("lanes, {together} together");
+            group.bench_with_input(BenchmarkId::new(name, count), &count, |b, _| {
+                b.iter_custom(|asked| {
+                    let rounds = asked.div_ceil(together as u64);
+                    let started = Instant::now();
+                    for batch in batches.by_ref().take(rounds as usize) {
+                        prepared.set(&metric, batch.iter().map(Vec::as_slice));
+                        let exact = |query: usize, id: u32| space.distance(&batch[query], &all[id as usize], weights);
+                        nearest((&metric, &prepared, Level::detected()), [&bucket].into_iter(), exact, &mut best);
+                        black_box(&best);
+                    }
+                    started.elapsed().mul_f64(asked as f64 / (rounds * together as u64) as f64)
+                });
             });
-        });
+        }
+        let mut turn = 0;
         group.bench_with_input(BenchmarkId::new("one by one", count), &count, |b, _| {
             b.iter(|| {
                 turn = (turn + 1) % queries.len();

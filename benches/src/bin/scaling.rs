@@ -1,7 +1,7 @@
 //! What does a candidate cost with a thousand, ten thousand and a hundred thousand nodes in the roadmap?
 //!
-//! `cargo run --release -p foliate_benches --bin scaling [-- SCENE… --nodes N --seed S]`. Whole steps of `mrrt` with default
-//! settings on one thread, but connections are proved and then forgotten, so that the trees stay apart and a search never
+//! `cargo run --release -p foliate_benches --bin scaling [-- SCENE… --nodes N --seed S --selection RULE]`. Whole steps of `mrrt`
+//! with settings that are otherwise the default, on one thread, but connections are proved and then forgotten, so that the trees stay apart and a search never
 //! ends: what it does at any size is what an unsolved one does. Processor time, since the machine may be busy; below each line
 //! the shares of the sets of a step.
 #![forbid(unsafe_code)]
@@ -17,7 +17,7 @@ use foliate_systems::model::PlanningModel;
 use foliate_systems::schedule::SearchSet;
 use foliate_systems::schedulers::{Scheduler, mrrt::Mrrt};
 use foliate_systems::search::Search;
-use foliate_systems::settings::SearchSettings;
+use foliate_systems::settings::{SearchSettings, Selection};
 use std::error::Error;
 use std::time::{Duration, Instant};
 
@@ -29,11 +29,12 @@ const WINDOW: u64 = 4096;
 fn main() -> Result<()> {
     one_thread();
     let mut arguments = std::env::args().skip(1);
-    let (mut scenes, mut most, mut seed) = (Vec::new(), 100_000, 1);
+    let (mut scenes, mut most, mut settings) = (Vec::new(), 100_000, SearchSettings::default());
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--nodes" => most = arguments.next().ok_or("--nodes N")?.parse()?,
-            "--seed" => seed = arguments.next().ok_or("--seed S")?.parse()?,
+            "--seed" => settings.seed = arguments.next().ok_or("--seed S")?.parse()?,
+            "--selection" => settings.selection = selection(&arguments.next().ok_or("--selection RULE")?)?,
             scene => scenes.push(scene.to_owned()),
         }
     }
@@ -47,16 +48,25 @@ fn main() -> Result<()> {
     for scene in &scenes {
         let model = if scene == "four boxes" { Some(long_model()) } else { scene_model(scene) };
         if let Some(model) = model {
-            measure(scene, &model, most, seed);
+            measure(scene, &model, most, &settings);
         }
     }
     Ok(())
 }
 
+fn selection(name: &str) -> Result<Selection> {
+    match name {
+        "guided" => Ok(Selection::Guided),
+        "leaf-first" => Ok(Selection::LeafFirst),
+        "state-first" => Ok(Selection::StateFirst),
+        "nearest" => Ok(Selection::Nearest),
+        _ => Err(format!("no selection `{name}`").into()),
+    }
+}
+
 /// Grows one roadmap and says what candidates cost on the way.
-fn measure(scene: &str, model: &PlanningModel, most: usize, seed: u64) {
-    let settings = SearchSettings { seed, ..SearchSettings::default() };
-    let mut search = Search::new(model, &Apart, settings, StopSignal::default(), EventSink::default());
+fn measure(scene: &str, model: &PlanningModel, most: usize, settings: &SearchSettings) {
+    let mut search = Search::new(model, &Apart, settings.clone(), StopSignal::default(), EventSink::default());
     let mut first = None;
     let mut size = 1000;
     while size <= most {
