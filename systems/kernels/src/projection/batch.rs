@@ -37,9 +37,10 @@ impl<'a> Job<'a> {
 /// `scalar`) one after another. What becomes of a job depends on nothing but
 /// itself, the settings and the level: not on how many there are, nor in what order they come.
 pub fn project_batch(program: &ConstraintProgram, jobs: &mut [Job<'_>], settings: &Settings, scratch: &mut Scratch) {
-    match &program.lanes {
+    let solved = program.solved();
+    match &solved.lanes {
         Some(lanes) if settings.level != Level::scalar() => {
-            project_in_lanes(program, lanes, jobs, settings, scratch);
+            project_in_lanes(solved, lanes, jobs, settings, scratch);
         }
         _ => {
             for job in jobs {
@@ -158,8 +159,8 @@ impl Queue<F64Row> for Last<'_, '_, '_> {
         let Desk { program, jobs, scratch, holds, .. } = &mut *self.desk;
         let job = &mut jobs[holds[lane]];
         job.outcome = outcome(end, iterations, residual);
-        if job.outcome.is_converged() {
-            program.finish(job.q, job.arguments, scratch);
+        if job.outcome.is_converged() && !program.finish(job.q, job.arguments, scratch) {
+            job.outcome = Outcome::RootOutOfBounds;
         }
     }
 }
@@ -223,15 +224,16 @@ impl Desk<'_, '_> {
 }
 
 impl ConstraintProgram {
-    /// Writes eliminated objects where the bodies of a converged configuration carry them; the same numbers as after a
-    /// scalar solve that ended there.
-    fn finish(&self, q: &mut [f64], arguments: &[Pose], scratch: &mut Scratch) {
-        if self.written.is_empty() || !self.resolve(arguments, scratch) {
-            return;
+    /// Writes eliminated objects, and a root that a foot puts in its place, where the bodies of a converged configuration
+    /// carry them; the same numbers as after a scalar solve that ended there. False where that root is out of its bounds.
+    fn finish(&self, q: &mut [f64], arguments: &[Pose], scratch: &mut Scratch) -> bool {
+        if self.written.is_empty() && self.root.is_none() || !self.resolve(arguments, scratch) {
+            return true;
         }
         for steps in [&self.bodies.still, &self.bodies.moving] {
             bodies::run(steps, q, &scratch.carriages, &mut scratch.X_WJ);
         }
         self.close(q, scratch);
+        self.root_is_within(q)
     }
 }

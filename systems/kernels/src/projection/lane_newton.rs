@@ -20,6 +20,8 @@ pub(super) struct LaneMemory<R> {
     bodies: Vec<R>,
     values: Vec<R>,
     jacobian: Vec<R>,
+    /// Vectors that a block works with.
+    vectors: Vec<R>,
     multipliers: Vec<R>,
     gram: Vec<R>,
     step: Vec<R>,
@@ -57,6 +59,7 @@ impl<R: Copy + Default> LaneMemory<R> {
         grow(&mut self.bodies, program.steps.len() * POSE_ROWS);
         grow(&mut self.values, rows);
         grow(&mut self.jacobian, rows * width);
+        grow(&mut self.vectors, 3 * program.vectors);
         grow(&mut self.multipliers, rows);
         grow(&mut self.gram, rows * rows);
         grow(&mut self.step, width);
@@ -217,7 +220,7 @@ fn evaluate<V: Lanes>(
     memory: &mut LaneMemory<V::Row>,
     running: V::Mask,
 ) -> V::Mask {
-    let LaneMemory { q, given, bodies, values, jacobian, .. } = memory;
+    let LaneMemory { q, given, bodies, values, jacobian, vectors, .. } = memory;
     run_lanes::<V>(isa, &program.steps, q, given, bodies);
     if !program.is_dense {
         let zero = V::constant(isa, 0.0);
@@ -226,7 +229,7 @@ fn evaluate<V: Lanes>(
         }
     }
     let at = At { bodies, given };
-    let mut out = Out { values, jacobian, stride: program.rows, adds: !program.is_dense };
+    let mut out = Out { values, jacobian, vectors, stride: program.rows, adds: !program.is_dense };
     let mut at_rest = running;
     for rows in &program.blocks {
         at_rest = linearise::<V>(isa, rows, at, running, &mut out);

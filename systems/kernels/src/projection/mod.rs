@@ -11,6 +11,7 @@ mod carriage;
 mod compile;
 mod function_bound;
 mod hessian_bound;
+mod lane_balance;
 mod lane_newton;
 mod lane_program;
 mod lane_rows;

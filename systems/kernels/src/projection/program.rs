@@ -119,7 +119,7 @@ impl ConstraintProgram {
     /// Whether many problems of this program are solved side by side in lanes; otherwise one after another.
     #[must_use]
     pub fn is_for_lanes(&self) -> bool {
-        self.lanes.is_some()
+        self.solved().lanes.is_some()
     }
 
     /// Variables and rows of the Newton problem that a solve works on: without the root of a robot that stands on a foot,
