@@ -7,7 +7,7 @@ use super::newton::{Outcome, Settings, project};
 use super::program::ConstraintProgram;
 use super::scratch::Scratch;
 use crate::kinematics::POSE_ROWS;
-use crate::lanes::{F32Row, F64Row, Level, Scalar};
+use crate::lanes::{F32Row, F64Row, Scalar};
 use foliate_components::Pose;
 use glam::DMat3;
 use std::ops::IndexMut;
@@ -38,10 +38,8 @@ impl<'a> Job<'a> {
 /// itself, the settings and the level: not on how many there are, nor in what order they come.
 pub fn project_batch(program: &ConstraintProgram, jobs: &mut [Job<'_>], settings: &Settings, scratch: &mut Scratch) {
     let solved = program.solved();
-    match &solved.lanes {
-        Some(lanes) if settings.level != Level::scalar() => {
-            project_in_lanes(solved, lanes, jobs, settings, scratch);
-        }
+    match solved.lanes_at(settings.level) {
+        Some(lanes) => project_in_lanes(solved, lanes, jobs, settings, scratch),
         _ => {
             for job in jobs {
                 job.outcome = project(program, job.q, job.arguments, settings, scratch);
@@ -193,21 +191,7 @@ impl Desk<'_, '_> {
         R::Output: Scalar,
     {
         let job = &self.jobs[self.holds[lane]];
-        let mut largest = 0.0_f64;
-        for &coordinate in &self.lanes.reads {
-            memory.q[coordinate][lane] = Scalar::of(job.q[coordinate]);
-            largest = largest.max(job.q[coordinate].abs());
-        }
-        let Scratch { X_WJ, carriages, decoded, .. } = &*self.scratch;
-        for (given, rows) in self.lanes.givens.iter().zip(memory.given.chunks_exact_mut(POSE_ROWS)) {
-            let pose = given.pose(job.arguments, carriages, decoded, X_WJ);
-            let columns = DMat3::from_quat(pose.rotation).to_cols_array();
-            for (row, x) in rows.iter_mut().zip(columns.into_iter().chain(pose.translation.to_array())) {
-                row[lane] = Scalar::of(x);
-            }
-            largest = largest.max(pose.translation.abs().max_element());
-        }
-        largest
+        fill(self.lanes, (job.q, job.arguments), self.scratch, lane, memory)
     }
 
     /// Takes the configuration of the job that a lane holds.
@@ -216,10 +200,48 @@ impl Desk<'_, '_> {
         R: IndexMut<usize>,
         R::Output: Scalar,
     {
-        let q = &mut *self.jobs[self.holds[lane]].q;
-        for change in &self.lanes.moves {
-            q[change.coordinate] = memory.q[change.coordinate][lane].to_f64();
+        read(self.lanes, lane, memory, self.jobs[self.holds[lane]].q);
+    }
+}
+
+/// Puts a configuration and what does not change during a solve into a lane; `scratch` holds the arguments as they were read,
+/// and the bodies that do not move. Answers the largest number that was put there.
+pub(super) fn fill<R>(
+    lanes: &LaneProgram,
+    (q, arguments): (&[f64], &[Pose]),
+    scratch: &Scratch,
+    lane: usize,
+    memory: &mut LaneMemory<R>,
+) -> f64
+where
+    R: IndexMut<usize>,
+    R::Output: Scalar,
+{
+    let mut largest = 0.0_f64;
+    for &coordinate in &lanes.reads {
+        memory.q[coordinate][lane] = Scalar::of(q[coordinate]);
+        largest = largest.max(q[coordinate].abs());
+    }
+    let Scratch { X_WJ, carriages, decoded, .. } = scratch;
+    for (given, rows) in lanes.givens.iter().zip(memory.given.chunks_exact_mut(POSE_ROWS)) {
+        let pose = given.pose(arguments, carriages, decoded, X_WJ);
+        let columns = DMat3::from_quat(pose.rotation).to_cols_array();
+        for (row, x) in rows.iter_mut().zip(columns.into_iter().chain(pose.translation.to_array())) {
+            row[lane] = Scalar::of(x);
         }
+        largest = largest.max(pose.translation.abs().max_element());
+    }
+    largest
+}
+
+/// Takes the coordinates that a solve has moved out of a lane.
+pub(super) fn read<R>(lanes: &LaneProgram, lane: usize, memory: &LaneMemory<R>, q: &mut [f64])
+where
+    R: IndexMut<usize>,
+    R::Output: Scalar,
+{
+    for change in &lanes.moves {
+        q[change.coordinate] = memory.q[change.coordinate][lane].to_f64();
     }
 }
 
@@ -227,8 +249,13 @@ impl ConstraintProgram {
     /// Writes eliminated objects, and a root that a foot puts in its place, where the bodies of a converged configuration
     /// carry them; the same numbers as after a scalar solve that ended there. False where that root is out of its bounds.
     fn finish(&self, q: &mut [f64], arguments: &[Pose], scratch: &mut Scratch) -> bool {
-        if self.written.is_empty() && self.root.is_none() || !self.resolve(arguments, scratch) {
-            return true;
+        self.written.is_empty() && self.root.is_none() || self.place(q, arguments, scratch)
+    }
+
+    /// The same, with all bodies in their places too.
+    pub(super) fn place(&self, q: &mut [f64], arguments: &[Pose], scratch: &mut Scratch) -> bool {
+        if !self.resolve(arguments, scratch) {
+            return true; // not reached: the solve has read them
         }
         for steps in [&self.bodies.still, &self.bodies.moving] {
             bodies::run(steps, q, &scratch.carriages, &mut scratch.X_WJ);

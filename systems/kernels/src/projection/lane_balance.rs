@@ -78,6 +78,9 @@ pub(super) fn linearise_balance<V: Lanes>(
         value.store(&mut values[k]);
         gradient.store(&mut gradients[3 * k..]);
     }
+    if out.values_alone {
+        return;
+    }
     for moment in &balance.masses.columns {
         let beyond = (Vector3::load(isa, &moments[3 * moment.node..]), moment.weight);
         let velocity = moment.column.moment_velocity::<V>(isa, at.bodies, at.given, beyond);
@@ -136,6 +139,9 @@ pub(super) fn linearise_stance<V: Lanes>(
     let skipped = usize::from(stance.height.is_none());
     for row in skipped..4 {
         values[row].store(&mut out.values[stance.first + row - skipped]);
+    }
+    if out.values_alone {
+        return;
     }
     for moment in &stance.masses.columns {
         let beyond = (Vector3::load(isa, &out.vectors[3 * moment.node..]), moment.weight);

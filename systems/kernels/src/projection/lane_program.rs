@@ -30,8 +30,10 @@ pub(super) struct LaneProgram {
     /// Poses that a problem is given once.
     pub givens: Vec<Given>,
     pub blocks: Vec<LaneRows>,
-    /// For each variable its coordinate and bounds.
+    /// For each variable its coordinate and bounds; none where roots turn.
     pub moves: Vec<LaneMove>,
+    /// Whether a variable turns a root: rows are then evaluated in lanes, but not solved.
+    pub turns_roots: bool,
     /// Coordinates that a problem is read from: those of `moves`, and what else moves the bodies.
     pub reads: Vec<usize>,
     pub rows: usize,
@@ -233,11 +235,13 @@ impl LaneProgram {
             });
         }
         let rows: Option<Vec<_>> = blocks.iter().map(|block| builder.rows(block)).collect();
-        let (block_rows, moves) = (rows?, scalars(moves, width)?);
+        let (block_rows, moves) = (rows?, scalars(moves, width));
         let rows: usize = blocks.iter().map(|block| block.rows).sum();
         if rows == 0 || rows > MOST_ROWS {
             return None;
         }
+        let turns_roots = moves.is_none();
+        let moves = moves.unwrap_or_default();
         let mut reads: Vec<usize> = moves.iter().map(|m| m.coordinate).collect();
         steps.iter().for_each(|step| reads.extend(step.coordinates()));
         reads.sort_unstable();
@@ -245,6 +249,7 @@ impl LaneProgram {
         Some(Self {
             is_dense: block_rows.iter().all(|rows| is_dense(rows, width)),
             vectors: blocks.iter().map(|block| block.moments() + block.rows).max().unwrap_or(0),
+            turns_roots,
             steps,
             givens: builder.givens,
             blocks: block_rows,

@@ -23,6 +23,8 @@ pub(super) struct Out<'a, R> {
     pub stride: usize,
     /// Numbers of the Jacobian are added to what is there, instead of replacing it.
     pub adds: bool,
+    /// Whether values alone are asked for: then nothing is written to the Jacobian.
+    pub values_alone: bool,
 }
 
 /// Six errors with what turns velocities into their rates: `slide` takes those of points into the rows' axes, `turn` angular
@@ -272,6 +274,9 @@ fn write<V: Lanes>(
         if rows.row[k] != usize::MAX {
             six.values[k].store(&mut out.values[rows.row[k]]);
         }
+    }
+    if out.values_alone {
+        return;
     }
     let (slides, turns) = (rows.slides(), rows.turns());
     let zero = V::constant(isa, 0.0);
