@@ -71,7 +71,8 @@ impl Stage {
     /// The centre of mass in the right ankle's frame: where it is when standing, or above a square around there.
     fn balance(&self, square: Option<f64>) -> Constraint {
         let frame = Frame::of_joint(self.joint("r_ankle_roll"));
-        let mut balance = CentreOfMass { masses: self.masses(), frame, rows: Vec::new(), reference: Reference::Identity };
+        let mut balance =
+            CentreOfMass { masses: self.masses(), frame, rows: Vec::new(), reference: Reference::Identity };
         let center = centre_of_mass::in_frame(&balance, &self.poses(&self.standing));
         let plane = |normal: DVec3, row, margin| PlaneRow { normal, offset: normal.dot(center) - margin, row };
         balance.rows = match square {
@@ -88,7 +89,12 @@ impl Stage {
         let plane = |normal| PlaneRow { normal, offset: 0.0, row: Row::Parameter };
         let rows = vec![plane(DVec3::X), plane(DVec3::Y)];
         let frame = Frame::of_joint(self.joint("l_ankle_roll"));
-        Constraint::CentreOfMass(CentreOfMass { masses: self.masses(), frame, rows, reference: Reference::Argument(slot) })
+        Constraint::CentreOfMass(CentreOfMass {
+            masses: self.masses(),
+            frame,
+            rows,
+            reference: Reference::Argument(slot),
+        })
     }
 
     fn between(&self, height: Option<f64>) -> Constraint {

@@ -214,11 +214,7 @@ fn work_off<V: Lanes>(isa: V::Isa, solve: Solve<'_, V::Row>, solves: u32) {
 }
 
 /// Values of the rows where the lanes are, all of them, in double precision. Not for the level `scalar`, as [`solve`].
-pub(super) fn evaluate_values(
-    program: &LaneProgram,
-    level: Level,
-    memory: &mut LaneMemory<F64Row>,
-) {
+pub(super) fn evaluate_values(program: &LaneProgram, level: Level, memory: &mut LaneMemory<F64Row>) {
     level.run(Values { program, memory });
 }
 
