@@ -257,3 +257,40 @@ fn a_root_that_a_foot_puts_out_of_its_bounds_is_refused() {
         }
     }
 }
+
+/// A hand that flies and stands on one of its fingers: the way back to the palm slides, and the other finger follows.
+#[test]
+fn a_slide_is_gone_back_over_too() {
+    let palm = PartPlacement {
+        root_bounds: vec![(-2.0, 2.0); 3],
+        ..models::part("hand", PartKind::Robot, RootJoint::FreeFlyer, Pose::from_rotation(exp_so3(DVec3::X)))
+    };
+    let robot = Robot::compose(&[(&models::two_finger_hand(), palm)]).unwrap();
+    let kinematics = Kinematics::new(&robot);
+    let [left, right] = ["hand/left_finger", "hand/right_finger"].map(|j| Frame::of_joint(robot.joint(j).unwrap()));
+    let world = Frame::world(Pose::identity());
+    let stands = Constraint::RelativePose(RelativePose::rigid(world, left, Reference::Argument(0)));
+    let rows = [None, Some(Row::Parameter), None, None, None, None];
+    let apart = Constraint::RelativePose(RelativePose { a: left, b: right, rows, reference: Reference::Argument(1) });
+    let program = ConstraintProgram::compile(&robot, &kinematics, &[stands, apart], &[], &[]).unwrap();
+    assert_eq!((program.equations(), program.is_for_lanes()), ((1, 1), true));
+    let place = Pose::from_parts(DVec3::new(0.4, -0.3, 0.2), exp_so3(DVec3::new(0.3, 1.0, -0.4)));
+    let problems: Problems = (1..8)
+        .map(|k| {
+            let gap = Pose::from_translation(DVec3::NEG_Y * 0.01 * f64::from(k));
+            (robot.space.neutral(), vec![place, gap])
+        })
+        .collect();
+    for level in Level::available() {
+        let found = solve(&program, &problems, &Settings { level, ..Settings::default() });
+        for ((q, outcome), (_, arguments)) in found.iter().zip(&problems) {
+            assert!(outcome.is_converged(), "{level}: {outcome:?}");
+            let mut X_WJ = vec![Pose::identity(); kinematics.bodies()];
+            kinematics.forward(q, &mut X_WJ);
+            let [left, right] = [left, right].map(|frame| X_WJ[frame.joint.unwrap().at()]);
+            assert!(left.translation.distance(place.translation) < 1e-9, "{level}");
+            let gap = (left.inverse() * right).translation.y;
+            assert!((gap - arguments[1].translation.y).abs() < 2e-6, "{level}: {gap}");
+        }
+    }
+}
