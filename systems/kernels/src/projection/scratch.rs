@@ -6,6 +6,7 @@ use crate::constraints::custom::FunctionMemory;
 use crate::constraints::placement::Contact;
 use crate::kinematics::Carriage;
 use crate::lanes::{F32Row, F64Row};
+use crate::linear::WideMemory;
 use foliate_components::Pose;
 use glam::DVec3;
 
@@ -30,11 +31,14 @@ pub struct Scratch {
     pub(super) values: Vec<f64>,
     pub(super) jacobian: Vec<f64>,
     pub(super) gram: Vec<f64>,
+    pub(super) wide: WideMemory,
     pub(super) multipliers: Vec<f64>,
     pub(super) step: Vec<f64>,
     pub(super) frozen: Vec<bool>,
     pub(super) lanes: LaneMemory<F64Row>,
     pub(super) single_lanes: LaneMemory<F32Row>,
+    /// Where rows are only evaluated: a motion does so between its solves.
+    pub(super) probe_lanes: LaneMemory<F64Row>,
     /// Jobs that wait for double precision, with the steps that they have taken.
     pub(super) todo: Vec<(usize, u32)>,
 }
