@@ -1,60 +1,75 @@
-//! (J·Jᵀ + λ²·1) x = b in lanes, as the scalar `solve_damped`: another matrix in every lane.
+//! Steps of damped least squares in lanes: −Jᵀ(J·Jᵀ + λ²·1)⁻¹ e, another Jacobian in every lane.
+//!
+//! The same numbers as the scalar `solve_damped` and the product behind it. With the usual sizes known to the compiler the
+//! matrix stays in registers from its first product to the multipliers; that takes loops with a constant number of turns,
+//! and eliminations that are written out one by one.
 
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, Mask};
 
-/// A Jacobian column by column, of which some rows are looked at.
+/// A Jacobian column by column, with what it is solved for.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LaneMatrix<'a, R> {
-    /// The number in row r and column c is at c · `stride` + r.
-    pub numbers: &'a [R],
-    /// From one column to the next.
-    pub stride: usize,
-    /// Number of columns.
-    pub width: usize,
+pub(crate) struct LaneSystem<'a, R> {
+    /// The number in row r and column c is at c · `values.len()` + r.
+    pub jacobian: &'a [R],
+    /// The error of each row.
+    pub values: &'a [R],
+    /// For each column the lanes (bits) in which it is taken for zero.
+    pub frozen: &'a [u32],
 }
 
-/// Solves for the first rows, or those that `rows` names; the others' solution is left alone. Answers in which lanes the
-/// matrix is positive definite. `b` holds one row of memory per row, `gram` is working memory of `rows.len()`².
+/// Which rows of a Jacobian are looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Rows {
+    Every,
+    /// The first, fourth and fifth of five, where the others are zero in value and Jacobian.
+    ThreeOfFive,
+}
+
+/// Writes the step, one row of memory per column. Answers in which lanes the matrix is positive definite; elsewhere the step
+/// means nothing. `gram` and `multipliers` are working memory of the number of rows, squared and as it is.
 ///
 /// # Panics
 /// If a slice is too short.
 #[inline(always)]
-pub(crate) fn solve_damped_lanes<V: Lanes>(
+pub(crate) fn damped_step_lanes<V: Lanes>(
     isa: V::Isa,
-    matrix: LaneMatrix<'_, V::Row>,
-    rows: &[usize],
+    system: LaneSystem<'_, V::Row>,
+    rows: Rows,
     damping: V,
-    gram: &mut [V::Row],
-    b: &mut [V::Row],
+    (gram, multipliers): (&mut [V::Row], &mut [V::Row]),
+    step: &mut [V::Row],
 ) -> V::Mask {
-    // With the usual sizes known to the compiler everything stays in registers.
-    match *rows {
-        [i, j, k] => solve_sized::<V, 3>(isa, matrix, [i, j, k], damping, b),
-        [i, j, k, l, m] => solve_sized::<V, 5>(isa, matrix, [i, j, k, l, m], damping, b),
-        [i, j, k, l, m, n] => solve_sized::<V, 6>(isa, matrix, [i, j, k, l, m, n], damping, b),
-        _ => solve_any::<V>(isa, matrix, rows, damping, gram, b),
+    match (rows, system.values.len()) {
+        (Rows::ThreeOfFive, 5) => sized::<V, 5, 3>(isa, system, [0, 3, 4], damping, step),
+        (_, 3) => sized::<V, 3, 3>(isa, system, [0, 1, 2], damping, step),
+        (_, 5) => sized::<V, 5, 5>(isa, system, [0, 1, 2, 3, 4], damping, step),
+        (_, 6) => sized::<V, 6, 6>(isa, system, [0, 1, 2, 3, 4, 5], damping, step),
+        _ => any_size::<V>(isa, system, damping, gram, multipliers, step),
     }
 }
 
+/// N of R rows.
 #[inline(always)]
 #[allow(clippy::needless_range_loop, reason = "triangles are written by their indices")]
-fn solve_sized<V: Lanes, const N: usize>(
+fn sized<V: Lanes, const R: usize, const N: usize>(
     isa: V::Isa,
-    matrix: LaneMatrix<'_, V::Row>,
+    system: LaneSystem<'_, V::Row>,
     rows: [usize; N],
     damping: V,
-    b: &mut [V::Row],
+    step: &mut [V::Row],
 ) -> V::Mask {
     let zero = V::constant(isa, 0.0);
+    let (columns, _) = system.jacobian.as_chunks::<R>();
+    let values = &system.values[..R];
     let mut a = [[zero; N]; N];
     for i in 0..N {
         a[i][i] = damping;
     }
-    for column in 0..matrix.width {
-        let numbers = &matrix.numbers[column * matrix.stride..][..matrix.stride];
+    for (numbers, frozen) in columns.iter().zip(system.frozen) {
+        let frozen = <V::Mask as Mask>::from_bits(isa, *frozen);
         let mut j = [zero; N];
         for i in 0..N {
-            j[i] = V::load(isa, &numbers[rows[i]]);
+            j[i] = V::select(frozen, zero, V::load(isa, &numbers[rows[i]]));
         }
         for i in 0..N {
             for k in 0..=i {
@@ -62,27 +77,19 @@ fn solve_sized<V: Lanes, const N: usize>(
             }
         }
     }
-    // L·D below the diagonal until its row is done, 1/D beside it.
-    let one = V::constant(isa, 1.0);
     let mut inverse = [zero; N];
-    let mut positive = zero.lt(one);
-    for i in 0..N {
-        for k in 0..i {
-            for m in 0..k {
-                a[i][k] = a[i][m].neg_mul_add(a[k][m], a[i][k]);
-            }
-        }
-        for k in 0..i {
-            let scaled = a[i][k] * inverse[k];
-            a[i][i] = scaled.neg_mul_add(a[i][k], a[i][i]);
-            a[i][k] = scaled;
-        }
-        positive = positive & zero.lt(a[i][i]);
-        inverse[i] = one / a[i][i];
-    }
+    let mut positive = zero.lt(V::constant(isa, 1.0));
+    eliminate::<V, N>(isa, 0, &mut a, &mut inverse, &mut positive);
+    eliminate::<V, N>(isa, 1, &mut a, &mut inverse, &mut positive);
+    eliminate::<V, N>(isa, 2, &mut a, &mut inverse, &mut positive);
+    eliminate::<V, N>(isa, 3, &mut a, &mut inverse, &mut positive);
+    eliminate::<V, N>(isa, 4, &mut a, &mut inverse, &mut positive);
+    eliminate::<V, N>(isa, 5, &mut a, &mut inverse, &mut positive);
     let mut x = [zero; N];
     for i in 0..N {
-        x[i] = V::load(isa, &b[rows[i]]);
+        x[i] = V::load(isa, &values[rows[i]]);
+    }
+    for i in 0..N {
         for k in 0..i {
             x[i] = a[i][k].neg_mul_add(x[k], x[i]);
         }
@@ -94,29 +101,63 @@ fn solve_sized<V: Lanes, const N: usize>(
         for k in i + 1..N {
             x[i] = a[k][i].neg_mul_add(x[k], x[i]);
         }
-        x[i].store(&mut b[rows[i]]);
+    }
+    for ((numbers, frozen), out) in columns.iter().zip(system.frozen).zip(step) {
+        let mut sum = zero;
+        for i in 0..N {
+            sum = V::load(isa, &numbers[rows[i]]).neg_mul_add(x[i], sum);
+        }
+        V::select(<V::Mask as Mask>::from_bits(isa, *frozen), zero, sum).store(out);
     }
     positive
 }
 
+/// Takes row and column `k` out of what is right of and below them; there is L then, and 1/D in `inverse`. Each number sees
+/// the products that it would see row by row, in the same order.
+#[inline(always)]
+fn eliminate<V: Lanes, const N: usize>(
+    isa: V::Isa,
+    k: usize,
+    a: &mut [[V; N]; N],
+    inverse: &mut [V; N],
+    positive: &mut V::Mask,
+) {
+    if k >= N {
+        return;
+    }
+    *positive = *positive & V::constant(isa, 0.0).lt(a[k][k]);
+    inverse[k] = V::constant(isa, 1.0) / a[k][k];
+    for j in k + 1..N {
+        let scaled = a[j][k] * inverse[k];
+        a[j][j] = scaled.neg_mul_add(a[j][k], a[j][j]);
+        for i in j + 1..N {
+            a[i][j] = a[i][k].neg_mul_add(scaled, a[i][j]);
+        }
+        a[j][k] = scaled;
+    }
+}
+
 /// Any number of rows, in memory.
 #[inline(always)]
-fn solve_any<V: Lanes>(
+fn any_size<V: Lanes>(
     isa: V::Isa,
-    matrix: LaneMatrix<'_, V::Row>,
-    rows: &[usize],
+    system: LaneSystem<'_, V::Row>,
     damping: V,
     gram: &mut [V::Row],
     b: &mut [V::Row],
+    step: &mut [V::Row],
 ) -> V::Mask {
-    let n = rows.len();
+    let n = system.values.len();
+    if n == 0 {
+        return V::constant(isa, 0.0).lt(V::constant(isa, 1.0));
+    }
     let (zero, one) = (V::constant(isa, 0.0), V::constant(isa, 1.0));
     for i in 0..n {
         for k in 0..=i {
             let mut sum = if i == k { damping } else { zero };
-            for column in 0..matrix.width {
-                let numbers = &matrix.numbers[column * matrix.stride..][..matrix.stride];
-                sum = V::load(isa, &numbers[rows[i]]).mul_add(V::load(isa, &numbers[rows[k]]), sum);
+            for (numbers, frozen) in system.jacobian.chunks_exact(n).zip(system.frozen) {
+                let product = V::load(isa, &numbers[i]).mul_add(V::load(isa, &numbers[k]), sum);
+                sum = V::select(<V::Mask as Mask>::from_bits(isa, *frozen), sum, product);
             }
             sum.store(&mut gram[i * n + k]);
         }
@@ -142,18 +183,25 @@ fn solve_any<V: Lanes>(
         (one / pivot).store(&mut gram[i * n + i]);
     }
     for i in 0..n {
-        let mut x = V::load(isa, &b[rows[i]]);
+        let mut x = V::load(isa, &system.values[i]);
         for k in 0..i {
-            x = V::load(isa, &gram[i * n + k]).neg_mul_add(V::load(isa, &b[rows[k]]), x);
+            x = V::load(isa, &gram[i * n + k]).neg_mul_add(V::load(isa, &b[k]), x);
         }
-        x.store(&mut b[rows[i]]);
+        x.store(&mut b[i]);
     }
     for i in (0..n).rev() {
-        let mut x = V::load(isa, &b[rows[i]]) * V::load(isa, &gram[i * n + i]);
+        let mut x = V::load(isa, &b[i]) * V::load(isa, &gram[i * n + i]);
         for k in i + 1..n {
-            x = V::load(isa, &gram[k * n + i]).neg_mul_add(V::load(isa, &b[rows[k]]), x);
+            x = V::load(isa, &gram[k * n + i]).neg_mul_add(V::load(isa, &b[k]), x);
         }
-        x.store(&mut b[rows[i]]);
+        x.store(&mut b[i]);
+    }
+    for ((numbers, frozen), out) in system.jacobian.chunks_exact(n).zip(system.frozen).zip(step) {
+        let mut sum = zero;
+        for (number, x) in numbers.iter().zip(&*b) {
+            sum = V::load(isa, number).neg_mul_add(V::load(isa, x), sum);
+        }
+        V::select(<V::Mask as Mask>::from_bits(isa, *frozen), zero, sum).store(out);
     }
     positive
 }

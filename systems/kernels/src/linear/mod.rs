@@ -3,5 +3,5 @@
 mod lane_ldlt;
 mod ldlt;
 
-pub(crate) use lane_ldlt::{LaneMatrix, solve_damped_lanes};
+pub(crate) use lane_ldlt::{LaneSystem, Rows, damped_step_lanes};
 pub use ldlt::{damped_gram, factor, solve, solve_damped};
