@@ -205,3 +205,141 @@ fn any_size<V: Lanes>(
     }
     positive
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{LaneSystem, Rows, damped_step_lanes};
+    use crate::lanes::{F32Row, F64Row, Isa, Kernel, Lanes, Level, Mask, Scalar};
+    use crate::linear::solve_damped;
+    use std::ops::IndexMut;
+
+    const WIDTH: usize = 7;
+    const DAMPING: f64 = 1e-3;
+
+    /// Numbers within ±1, another for every row, column and lane.
+    fn number(row: usize, column: usize, lane: usize) -> f64 {
+        ((row * 131 + column * 17 + lane * 7 + 3) as f64 * 0.618_034).fract() * 2.0 - 1.0
+    }
+
+    /// Rows 1 and 2 of five are zero where only three are looked at.
+    fn entry(rows: Rows, row: usize, column: usize, lane: usize) -> f64 {
+        if rows == Rows::ThreeOfFive && (row == 1 || row == 2) { 0.0 } else { number(row, column, lane) }
+    }
+
+    fn frozen(column: usize) -> u32 {
+        [0, 0b1010_0110_1001_0011, 0, u32::MAX, 1, 0, 0b10][column]
+    }
+
+    struct Step<'a, R> {
+        rows: Rows,
+        jacobian: &'a [R],
+        values: &'a [R],
+        step: &'a mut [R],
+    }
+
+    impl<R: Copy + Default> Step<'_, R> {
+        #[inline(always)]
+        fn find<V: Lanes<Row = R>>(self, isa: V::Isa) -> u32 {
+            let frozen: [u32; WIDTH] = std::array::from_fn(frozen);
+            let system = LaneSystem { jacobian: self.jacobian, values: self.values, frozen: &frozen };
+            let (mut gram, mut multipliers) = ([R::default(); 64], [R::default(); 8]);
+            let damping = V::constant(isa, DAMPING);
+            damped_step_lanes::<V>(isa, system, self.rows, damping, (&mut gram, &mut multipliers), self.step).bits()
+        }
+    }
+
+    impl Kernel for Step<'_, F64Row> {
+        type Output = u32;
+        #[inline(always)]
+        fn run<I: Isa>(self, isa: I) -> u32 {
+            if I::SIDE_BY_SIDE { self.find::<I::F64>(isa) } else { 0 }
+        }
+    }
+
+    impl Kernel for Step<'_, F32Row> {
+        type Output = u32;
+        #[inline(always)]
+        fn run<I: Isa>(self, isa: I) -> u32 {
+            if I::SIDE_BY_SIDE { self.find::<I::F32>(isa) } else { 0 }
+        }
+    }
+
+    fn filled<R: Copy + Default + IndexMut<usize>>(
+        lanes: usize,
+        count: usize,
+        of: impl Fn(usize, usize) -> f64,
+    ) -> Vec<R>
+    where
+        R::Output: Scalar,
+    {
+        let mut rows = vec![R::default(); count];
+        for (k, row) in rows.iter_mut().enumerate() {
+            for lane in 0..lanes {
+                row[lane] = Scalar::of(of(k, lane));
+            }
+        }
+        rows
+    }
+
+    fn found<R: Copy + Default + IndexMut<usize>>(
+        level: Level,
+        lanes: usize,
+        count: usize,
+        zero: Rows,
+        rows: Rows,
+    ) -> Vec<R>
+    where
+        R::Output: Scalar,
+        for<'a> Step<'a, R>: Kernel<Output = u32>,
+    {
+        let jacobian = filled(lanes, count * WIDTH, |k, lane| entry(zero, k % count, k / count, lane));
+        let values = filled(lanes, count, |row, lane| entry(zero, row, WIDTH, lane));
+        let mut step = vec![R::default(); WIDTH];
+        let positive = level.run(Step { rows, jacobian: &jacobian, values: &values, step: &mut step });
+        assert_eq!(positive, (1 << lanes) - 1);
+        step
+    }
+
+    fn agrees<R: Copy + Default + IndexMut<usize>>(level: Level, lanes: usize, count: usize, rows: Rows, within: f64)
+    where
+        R::Output: Scalar,
+        for<'a> Step<'a, R>: Kernel<Output = u32>,
+    {
+        let step: Vec<R> = found(level, lanes, count, rows, rows);
+        for lane in 0..lanes {
+            let at = |row, column| if frozen(column) >> lane & 1 == 1 { 0.0 } else { entry(rows, row, column, lane) };
+            let jacobian: Vec<f64> = (0..count * WIDTH).map(|k| at(k % count, k / count)).collect();
+            let mut y: Vec<f64> = (0..count).map(|row| entry(rows, row, WIDTH, lane)).collect();
+            assert!(solve_damped(&jacobian, count, DAMPING, &mut vec![0.0; count * count], &mut y));
+            for (column, step) in step.iter().enumerate() {
+                let expected = -jacobian[column * count..][..count].iter().zip(&y).map(|(j, y)| j * y).sum::<f64>();
+                let found = step[lane].to_f64();
+                assert!((found - expected).abs() <= within, "{level}, {count} rows, {rows:?}: {found} {expected}");
+                assert!(frozen(column) >> lane & 1 == 0 || found == 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn steps_in_lanes_are_those_of_the_scalar_code() {
+        for level in Level::available().into_iter().filter(|level| *level != Level::scalar()) {
+            // Three, five and six rows have code of their own.
+            for count in 1..=7 {
+                agrees::<F64Row>(level, 8, count, Rows::Every, 1e-10);
+                agrees::<F32Row>(level, 16, count, Rows::Every, 2e-2);
+            }
+            agrees::<F64Row>(level, 8, 5, Rows::ThreeOfFive, 1e-10);
+            agrees::<F32Row>(level, 16, 5, Rows::ThreeOfFive, 2e-2);
+        }
+    }
+
+    #[test]
+    fn leaving_out_rows_of_zeros_changes_no_bit() {
+        for level in Level::available().into_iter().filter(|level| *level != Level::scalar()) {
+            let of = |rows| -> Vec<F64Row> { found(level, 8, 5, Rows::ThreeOfFive, rows) };
+            assert_eq!(of(Rows::ThreeOfFive), of(Rows::Every));
+            let of = |rows| -> Vec<F32Row> { found(level, 16, 5, Rows::ThreeOfFive, rows) };
+            assert_eq!(of(Rows::ThreeOfFive), of(Rows::Every));
+        }
+    }
+}
