@@ -8,7 +8,7 @@ use foliate_components::constraint::{CentreOfMassBetween, Row};
 use glam::{DVec2, DVec3};
 
 /// Feet that are nearer to each other than this, seen from above, have no line between them; metres.
-const CLOSEST: f64 = 1e-9;
+pub(crate) const CLOSEST: f64 = 1e-9;
 
 /// What the rows are made of.
 #[derive(Clone, Copy, Debug)]

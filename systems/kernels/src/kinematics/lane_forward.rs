@@ -70,6 +70,9 @@ pub(crate) struct LaneStep {
     mounting: Mounting,
     translation: DVec3,
     moving: Moving,
+    /// Whether it is the other way round: the step starts from the body that the joint moves and finds the one on which it is
+    /// mounted, as on the way from a foot to the root.
+    is_inverse: bool,
 }
 
 /// The tables of forward kinematics in lanes: all bodies of a robot, or those between the world and one of them.
@@ -197,13 +200,17 @@ fn blocks<V: Lanes>(isa: V::Isa, table: &LaneKinematics, q: &[V::Row], out: &mut
 pub(crate) fn run<V: Lanes>(isa: V::Isa, steps: &[LaneStep], q: &[V::Row], given: &[V::Row], out: &mut [V::Row]) {
     let mut body = Transform::<V>::splat(isa, &Pose::identity());
     for (index, step) in steps.iter().enumerate() {
-        let mounted = match step.parent {
-            Parent::World => step.mounted_on_world(isa),
-            Parent::Previous => step.mounted(isa, &body),
-            Parent::Body(at) => step.mounted(isa, &Transform::load(isa, &out[at * POSE_ROWS..])),
-            Parent::Given(at) => step.mounted(isa, &Transform::load(isa, &given[at * POSE_ROWS..])),
+        let from = match step.parent {
+            Parent::World => None,
+            Parent::Previous => Some(body),
+            Parent::Body(at) => Some(Transform::load(isa, &out[at * POSE_ROWS..])),
+            Parent::Given(at) => Some(Transform::load(isa, &given[at * POSE_ROWS..])),
         };
-        body = step.moved(isa, mounted, q, given);
+        body = match from {
+            None => step.moved(isa, step.mounted_on_world(isa), q, given),
+            Some(from) if step.is_inverse => step.unmounted(isa, &step.unmoved(isa, from, q)),
+            Some(from) => step.moved(isa, step.mounted(isa, &from), q, given),
+        };
         body.store(&mut out[index * POSE_ROWS..]);
     }
 }
@@ -226,13 +233,20 @@ impl LaneStep {
             Motion::FreeFlyer => Moving::FreeFlyer(q),
         };
         let X_PJ = joint.parent_from_joint;
-        Self { parent, mounting: Mounting::of(DMat3::from_quat(X_PJ.rotation)), translation: X_PJ.translation, moving }
+        let mounting = Mounting::of(DMat3::from_quat(X_PJ.rotation));
+        Self { parent, mounting, translation: X_PJ.translation, moving, is_inverse: false }
+    }
+
+    /// The body on which a joint is mounted, found from the one that it moves. `None` for joints that move freely.
+    pub(crate) fn back_over(robot: &Robot, joint: &Joint, moved: Parent) -> Option<Self> {
+        let is_simple = matches!(joint.motion, Motion::Revolute { .. } | Motion::Prismatic { .. });
+        is_simple.then(|| Self { is_inverse: true, ..Self::of_joint(robot, joint, moved) })
     }
 
     /// A body whose pose in its parent every lane is given.
     pub(crate) fn placed(parent: Parent, given: usize) -> Self {
         let mounting = Mounting::of(DMat3::IDENTITY);
-        Self { parent, mounting, translation: DVec3::ZERO, moving: Moving::Placed(given) }
+        Self { parent, mounting, translation: DVec3::ZERO, moving: Moving::Placed(given), is_inverse: false }
     }
 
     /// The coordinates that move it.
@@ -359,6 +373,71 @@ impl LaneStep {
             Moving::Placed(slot) => return at.times(&Transform::load(isa, &given[slot * POSE_ROWS..])),
         };
         Transform { rotation: Rotation { columns }, translation }
+    }
+}
+
+impl LaneStep {
+    /// The joint's frame before its coordinate moved it there.
+    #[inline(always)]
+    fn unmoved<V: Lanes>(&self, isa: V::Isa, at: Transform<V>, q: &[V::Row]) -> Transform<V> {
+        let Transform { rotation, translation } = at;
+        let [x, y, z] = rotation.columns;
+        let columns = match self.moving {
+            Moving::TurnX(coordinate) => {
+                let (s, c) = sin_cos(coordinate.value::<V>(isa, q));
+                let (y, z) = turned(-s, c, y, z);
+                [x, y, z]
+            }
+            Moving::TurnY(coordinate) => {
+                let (s, c) = sin_cos(coordinate.value::<V>(isa, q));
+                let (z, x) = turned(-s, c, z, x);
+                [x, y, z]
+            }
+            Moving::TurnZ(coordinate) => {
+                let (s, c) = sin_cos(coordinate.value::<V>(isa, q));
+                let (x, y) = turned(-s, c, x, y);
+                [x, y, z]
+            }
+            Moving::Turn(coordinate, axis) => {
+                let half = coordinate.value::<V>(isa, q) * V::constant(isa, 0.5);
+                let (s, c) = sin_cos(half);
+                let axis = Vector3::splat(isa, axis).scaled(-s);
+                rotation.times(&Rotation::from_quaternion(axis.x, axis.y, axis.z, c)).columns
+            }
+            Moving::Slide(coordinate, axis) => {
+                let along = rotation.turn(Vector3::splat(isa, axis));
+                let translation = along.scaled_from(coordinate.value::<V>(isa, q), translation);
+                return Transform { rotation, translation };
+            }
+            // Steps of these kinds are never built the other way round.
+            Moving::Planar(_) | Moving::FreeFlyer(_) | Moving::Placed(_) => return at,
+        };
+        Transform { rotation: Rotation { columns }, translation }
+    }
+
+    /// The body on which the joint is mounted, from the joint's frame at zero.
+    #[inline(always)]
+    fn unmounted<V: Lanes>(&self, isa: V::Isa, at: &Transform<V>) -> Transform<V> {
+        let [x, y, z] = at.rotation.columns;
+        let columns = match &self.mounting {
+            Mounting::General(r) => at.rotation.times(&Rotation::splat(isa, &r.transpose())).columns,
+            Mounting::Exchange { from, flipped } => {
+                let x = if flipped[0] { x.negated() } else { x };
+                let y = if flipped[1] { y.negated() } else { y };
+                let z = if flipped[2] { z.negated() } else { z };
+                match from {
+                    [0, 1, 2] => [x, y, z],
+                    [0, 2, 1] => [x, z, y],
+                    [1, 0, 2] => [y, x, z],
+                    [1, 2, 0] => [z, x, y],
+                    [2, 0, 1] => [y, z, x],
+                    _ => [z, y, x],
+                }
+            }
+        };
+        let rotation = Rotation { columns };
+        let reach = rotation.turn(Vector3::splat(isa, self.translation));
+        Transform { rotation, translation: at.translation.minus(reach) }
     }
 }
 

@@ -54,6 +54,33 @@ impl LaneColumn {
         given: &[V::Row],
         point: Vector3<V>,
     ) -> (Vector3<V>, Option<Vector3<V>>) {
+        let (axis, origin) = self.axis(isa, bodies, given);
+        match origin {
+            Some(origin) => (axis.cross(point.minus(origin)), Some(axis)),
+            None => (axis, None),
+        }
+    }
+
+    /// The velocity at unit speed of the moment Σ wₖpₖ of points with weights of this sum, in the world.
+    #[inline(always)]
+    pub(crate) fn moment_velocity<V: Lanes>(
+        &self,
+        isa: V::Isa,
+        bodies: &[V::Row],
+        given: &[V::Row],
+        (moment, weight): (Vector3<V>, f64),
+    ) -> Vector3<V> {
+        let weight = V::constant(isa, weight);
+        let (axis, origin) = self.axis(isa, bodies, given);
+        match origin {
+            Some(origin) => axis.cross(origin.scaled_from(weight, moment)),
+            None => axis.scaled(weight),
+        }
+    }
+
+    /// The axis in the world, and, of a turn, a point on it.
+    #[inline(always)]
+    fn axis<V: Lanes>(&self, isa: V::Isa, bodies: &[V::Row], given: &[V::Row]) -> (Vector3<V>, Option<Vector3<V>>) {
         let rows = match self.at {
             At::Body(body) => &bodies[body * POSE_ROWS..],
             At::Given(slot) => &given[slot * POSE_ROWS..],
@@ -72,7 +99,7 @@ impl LaneColumn {
             }
             Axis::Any(axis) => Transform::<V>::load(isa, rows).rotation.turn(Vector3::splat(isa, axis)),
         };
-        if self.turns { (axis.cross(point.minus(Vector3::load(isa, &rows[9..]))), Some(axis)) } else { (axis, None) }
+        (axis, if self.turns { Some(Vector3::load(isa, &rows[9..])) } else { None })
     }
 }
 

@@ -80,6 +80,11 @@ impl PointTree {
         &self.nodes
     }
 
+    /// The points with the node that moves them.
+    pub(crate) fn points(&self) -> &[(Option<usize>, WeightedPoint)] {
+        &self.points
+    }
+
     /// Writes for each node the moment Σ wₖpₖ of the points beyond, in the world, and returns that of all points.
     ///
     /// # Panics

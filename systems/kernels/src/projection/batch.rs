@@ -7,7 +7,7 @@ use super::newton::{Outcome, Settings, project};
 use super::program::ConstraintProgram;
 use super::scratch::Scratch;
 use crate::kinematics::POSE_ROWS;
-use crate::lanes::{F32Row, F64Row, Level, Scalar};
+use crate::lanes::{F32Row, F64Row, Scalar};
 use foliate_components::Pose;
 use glam::DMat3;
 use std::ops::IndexMut;
@@ -37,10 +37,9 @@ impl<'a> Job<'a> {
 /// `scalar`) one after another. What becomes of a job depends on nothing but
 /// itself, the settings and the level: not on how many there are, nor in what order they come.
 pub fn project_batch(program: &ConstraintProgram, jobs: &mut [Job<'_>], settings: &Settings, scratch: &mut Scratch) {
-    match &program.lanes {
-        Some(lanes) if settings.level != Level::scalar() => {
-            project_in_lanes(program, lanes, jobs, settings, scratch);
-        }
+    let solved = program.solved();
+    match solved.lanes_at(settings.level) {
+        Some(lanes) => project_in_lanes(solved, lanes, jobs, settings, scratch),
         _ => {
             for job in jobs {
                 job.outcome = project(program, job.q, job.arguments, settings, scratch);
@@ -158,8 +157,8 @@ impl Queue<F64Row> for Last<'_, '_, '_> {
         let Desk { program, jobs, scratch, holds, .. } = &mut *self.desk;
         let job = &mut jobs[holds[lane]];
         job.outcome = outcome(end, iterations, residual);
-        if job.outcome.is_converged() {
-            program.finish(job.q, job.arguments, scratch);
+        if job.outcome.is_converged() && !program.finish(job.q, job.arguments, scratch) {
+            job.outcome = Outcome::RootOutOfBounds;
         }
     }
 }
@@ -192,21 +191,7 @@ impl Desk<'_, '_> {
         R::Output: Scalar,
     {
         let job = &self.jobs[self.holds[lane]];
-        let mut largest = 0.0_f64;
-        for &coordinate in &self.lanes.reads {
-            memory.q[coordinate][lane] = Scalar::of(job.q[coordinate]);
-            largest = largest.max(job.q[coordinate].abs());
-        }
-        let Scratch { X_WJ, carriages, decoded, .. } = &*self.scratch;
-        for (given, rows) in self.lanes.givens.iter().zip(memory.given.chunks_exact_mut(POSE_ROWS)) {
-            let pose = given.pose(job.arguments, carriages, decoded, X_WJ);
-            let columns = DMat3::from_quat(pose.rotation).to_cols_array();
-            for (row, x) in rows.iter_mut().zip(columns.into_iter().chain(pose.translation.to_array())) {
-                row[lane] = Scalar::of(x);
-            }
-            largest = largest.max(pose.translation.abs().max_element());
-        }
-        largest
+        fill(self.lanes, (job.q, job.arguments), self.scratch, lane, memory)
     }
 
     /// Takes the configuration of the job that a lane holds.
@@ -215,23 +200,67 @@ impl Desk<'_, '_> {
         R: IndexMut<usize>,
         R::Output: Scalar,
     {
-        let q = &mut *self.jobs[self.holds[lane]].q;
-        for change in &self.lanes.moves {
-            q[change.coordinate] = memory.q[change.coordinate][lane].to_f64();
+        read(self.lanes, lane, memory, self.jobs[self.holds[lane]].q);
+    }
+}
+
+/// Puts a configuration and what does not change during a solve into a lane; `scratch` holds the arguments as they were read,
+/// and the bodies that do not move. Answers the largest number that was put there.
+pub(super) fn fill<R>(
+    lanes: &LaneProgram,
+    (q, arguments): (&[f64], &[Pose]),
+    scratch: &Scratch,
+    lane: usize,
+    memory: &mut LaneMemory<R>,
+) -> f64
+where
+    R: IndexMut<usize>,
+    R::Output: Scalar,
+{
+    let mut largest = 0.0_f64;
+    for &coordinate in &lanes.reads {
+        memory.q[coordinate][lane] = Scalar::of(q[coordinate]);
+        largest = largest.max(q[coordinate].abs());
+    }
+    let Scratch { X_WJ, carriages, decoded, .. } = scratch;
+    for (given, rows) in lanes.givens.iter().zip(memory.given.chunks_exact_mut(POSE_ROWS)) {
+        let pose = given.pose(arguments, carriages, decoded, X_WJ);
+        let columns = DMat3::from_quat(pose.rotation).to_cols_array();
+        for (row, x) in rows.iter_mut().zip(columns.into_iter().chain(pose.translation.to_array())) {
+            row[lane] = Scalar::of(x);
         }
+        largest = largest.max(pose.translation.abs().max_element());
+    }
+    largest
+}
+
+/// Takes the coordinates that a solve has moved out of a lane.
+pub(super) fn read<R>(lanes: &LaneProgram, lane: usize, memory: &LaneMemory<R>, q: &mut [f64])
+where
+    R: IndexMut<usize>,
+    R::Output: Scalar,
+{
+    for change in &lanes.moves {
+        q[change.coordinate] = memory.q[change.coordinate][lane].to_f64();
     }
 }
 
 impl ConstraintProgram {
-    /// Writes eliminated objects where the bodies of a converged configuration carry them; the same numbers as after a
-    /// scalar solve that ended there.
-    fn finish(&self, q: &mut [f64], arguments: &[Pose], scratch: &mut Scratch) {
-        if self.written.is_empty() || !self.resolve(arguments, scratch) {
-            return;
+    /// Writes eliminated objects, and a root that a foot puts in its place, where the bodies of a converged configuration
+    /// carry them; the same numbers as after a scalar solve that ended there. False where that root is out of its bounds.
+    fn finish(&self, q: &mut [f64], arguments: &[Pose], scratch: &mut Scratch) -> bool {
+        self.written.is_empty() && self.root.is_none() || self.place(q, arguments, scratch)
+    }
+
+    /// The same, with all bodies in their places too.
+    pub(super) fn place(&self, q: &mut [f64], arguments: &[Pose], scratch: &mut Scratch) -> bool {
+        if !self.resolve(arguments, scratch) {
+            return true; // not reached: the solve has read them
         }
         for steps in [&self.bodies.still, &self.bodies.moving] {
             bodies::run(steps, q, &scratch.carriages, &mut scratch.X_WJ);
         }
         self.close(q, scratch);
+        self.root_is_within(q)
     }
 }

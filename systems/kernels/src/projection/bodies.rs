@@ -119,16 +119,36 @@ impl Bodies {
         self.moving.iter().map(|step| step.body).collect()
     }
 
-    /// Of these the body, its parent, and, where it is carried, its index among the carriages.
-    pub(super) fn moving_tree(&self) -> impl Iterator<Item = (usize, Option<usize>, Option<usize>)> + '_ {
-        self.moving.iter().map(|step| {
-            let carriage = match step.kind {
-                Kind::Carried(carriage) => Some(carriage),
-                _ => None,
-            };
-            (step.body, step.parent, carriage)
+    /// How each of these is found.
+    pub(super) fn moving_tree(&self) -> impl Iterator<Item = MovingBody> + '_ {
+        self.moving.iter().map(|step| MovingBody {
+            from: step.parent,
+            by: match (step.kind, step.parent) {
+                (Kind::Carried(carriage), _) => Found::Carried(carriage),
+                (_, Some(moved)) if step.is_inverse => Found::BackOver(moved),
+                _ => Found::ByJoint(step.body),
+            },
         })
     }
+}
+
+/// A body that variables move.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MovingBody {
+    /// The body from which it is found; `None` for the world.
+    pub from: Option<usize>,
+    pub by: Found,
+}
+
+/// How a body is found from another.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Found {
+    /// This joint moves it.
+    ByJoint(usize),
+    /// This joint is mounted on it, and moves the body from which it is found.
+    BackOver(usize),
+    /// It is carried there: index among the carriages.
+    Carried(usize),
 }
 
 impl Step {

@@ -352,12 +352,11 @@ impl Compiler<'_> {
         let bodies = self.bodies(&blocks, &checks, &objects, &active);
         let moves = self.moves(&active);
         let root = self.standing_root();
-        let lanes = match root {
-            Some(_) => None,
-            None => LaneProgram::new(self.robot, &bodies, &blocks, &moves, active.len()),
-        };
+        let lanes = LaneProgram::new(self.robot, &bodies, &blocks, &moves, active.len());
+        // Tables of seeds are of hands of robots whose root stays where it is.
+        let seeded = lanes.as_ref().filter(|_| root.is_none());
         ConstraintProgram {
-            hand: lanes.as_ref().and_then(|lanes| lanes.hand(&bodies.moving_bodies(), self.robot)),
+            hand: seeded.and_then(|lanes| lanes.hand(&bodies.moving_bodies(), self.robot)),
             lanes,
             moves,
             written: objects.iter().filter_map(|&object| self.write_back(object)).collect(),

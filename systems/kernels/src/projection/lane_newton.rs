@@ -7,7 +7,7 @@ use super::lane_program::{LaneProgram, LaneRows};
 use super::lane_rows::{At, Out, linearise};
 use super::newton::Settings;
 use crate::kinematics::{POSE_ROWS, run_lanes};
-use crate::lanes::{F32Row, F64Row, Isa, Kernel, Lanes, Mask, Scalar};
+use crate::lanes::{F32Row, F64Row, Isa, Kernel, Lanes, Level, Mask, Scalar};
 use crate::linear::{LaneSystem, Rows, damped_step_lanes};
 
 /// What lanes work in, and where problems are put.
@@ -18,8 +18,11 @@ pub(super) struct LaneMemory<R> {
     /// [`POSE_ROWS`] rows per pose that a problem is given.
     pub given: Vec<R>,
     bodies: Vec<R>,
-    values: Vec<R>,
+    /// One row per row of the program.
+    pub values: Vec<R>,
     jacobian: Vec<R>,
+    /// Vectors that a block works with.
+    vectors: Vec<R>,
     multipliers: Vec<R>,
     gram: Vec<R>,
     step: Vec<R>,
@@ -53,13 +56,14 @@ pub(super) trait Queue<R> {
 
 impl<R: Copy + Default> LaneMemory<R> {
     /// Makes room for a program; allocates only where an earlier one needed less.
-    fn prepare(&mut self, program: &LaneProgram, coordinates: usize) {
+    pub(super) fn prepare(&mut self, program: &LaneProgram, coordinates: usize) {
         let (rows, width) = (program.rows, program.moves.len());
         grow(&mut self.q, coordinates);
         grow(&mut self.given, program.givens.len() * POSE_ROWS);
         grow(&mut self.bodies, program.steps.len() * POSE_ROWS);
         grow(&mut self.values, rows);
         grow(&mut self.jacobian, rows * width);
+        grow(&mut self.vectors, 3 * program.vectors);
         grow(&mut self.multipliers, rows);
         grow(&mut self.gram, rows * rows);
         grow(&mut self.step, width);
@@ -159,7 +163,7 @@ fn work_off<V: Lanes>(isa: V::Isa, solve: Solve<'_, V::Row>, solves: u32) {
     let number = |x: f64| V::constant(isa, x);
     while running != 0 {
         let is_running = <V::Mask as Mask>::from_bits(isa, running);
-        let at_rest = evaluate::<V>(isa, program, memory, is_running);
+        let at_rest = evaluate::<V>(isa, program, memory, is_running, false);
         let (mut worst, mut squared) = (number(0.0), number(0.0));
         for row in &memory.values[..program.rows] {
             let e = V::load(isa, row);
@@ -212,24 +216,50 @@ fn work_off<V: Lanes>(isa: V::Isa, solve: Solve<'_, V::Row>, solves: u32) {
     }
 }
 
-/// Poses, values and Jacobian where the lanes are. Answers the lanes in which a lone contact has two rows at rest.
+/// Values of the rows where the lanes are, all of them, in double precision. Not for the level `scalar`, as [`solve`].
+pub(super) fn evaluate_values(
+    program: &LaneProgram,
+    level: Level,
+    memory: &mut LaneMemory<F64Row>,
+) {
+    level.run(Values { program, memory });
+}
+
+struct Values<'a> {
+    program: &'a LaneProgram,
+    memory: &'a mut LaneMemory<F64Row>,
+}
+
+impl Kernel for Values<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<I: Isa>(self, isa: I) {
+        if I::SIDE_BY_SIDE {
+            let all = <<I::F64 as Lanes>::Mask as Mask>::from_bits(isa, u32::MAX >> (32 - I::F64::COUNT));
+            let _at_rest = evaluate::<I::F64>(isa, self.program, self.memory, all, true);
+        }
+    }
+}
+
+/// Poses, values and, unless values alone are asked for, Jacobian where the lanes are. Answers the lanes in which a lone contact has two rows at rest.
 #[inline(always)]
 fn evaluate<V: Lanes>(
     isa: V::Isa,
     program: &LaneProgram,
     memory: &mut LaneMemory<V::Row>,
     running: V::Mask,
+    values_alone: bool,
 ) -> V::Mask {
-    let LaneMemory { q, given, bodies, values, jacobian, .. } = memory;
+    let LaneMemory { q, given, bodies, values, jacobian, vectors, .. } = memory;
     run_lanes::<V>(isa, &program.steps, q, given, bodies);
-    if !program.is_dense {
+    if !program.is_dense && !values_alone {
         let zero = V::constant(isa, 0.0);
         for number in &mut jacobian[..program.rows * program.moves.len()] {
             zero.store(number);
         }
     }
     let at = At { bodies, given };
-    let mut out = Out { values, jacobian, stride: program.rows, adds: !program.is_dense };
+    let mut out = Out { values, jacobian, vectors, stride: program.rows, adds: !program.is_dense, values_alone };
     let mut at_rest = running;
     for rows in &program.blocks {
         at_rest = linearise::<V>(isa, rows, at, running, &mut out);

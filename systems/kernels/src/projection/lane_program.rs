@@ -1,20 +1,23 @@
 //! A program in the form in which lanes solve it: everything that does not change during a solve is found once per problem,
 //! in scalar code, and given to its lane as poses.
 //!
-//! Known here are relative poses and placements on one body over joints with one coordinate each (and planar roots), with
-//! eliminated objects. Programs with anything else (balance, distances, functions of a host, roots that turn freely) have no
-//! such form and are solved one candidate after another.
+//! Known here are relative poses, placements on one body and the two kinds of balance, over joints with one coordinate each
+//! (and planar roots), with eliminated objects and roots that a foot puts in their place. Programs with anything else
+//! (distances, functions of a host, roots that turn freely) have no such form and are solved one candidate after another.
 
 use super::blocks::{Block, ContactBlock, Kind, Part, PoseBlock};
-use super::bodies::Bodies;
+use super::bodies::{Bodies, Found};
 use super::program::Move;
 use super::scratch::Decoded;
+use crate::constraints::centre_of_mass::MassColumns;
 use crate::constraints::{placement_of, reference_of};
-use crate::kinematics::{At, Carriage, Column, LaneColumn, LaneStep, Parent, Placement as BodyFrame};
+use crate::kinematics::{
+    At, Carriage, Column, LaneColumn, LaneStep, MomentColumn, Parent, Placement as BodyFrame, WeightedPoint,
+};
 use foliate_components::Pose;
-use foliate_components::constraint::{Reference, Row};
+use foliate_components::constraint::{PlaneRow, Reference, Row};
 use foliate_components::robot::{JointIndex, Robot};
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 /// More rows than these gain nothing from lanes: what one step works in leaves the fastest memory.
 pub(super) const MOST_ROWS: usize = 32;
@@ -27,11 +30,15 @@ pub(super) struct LaneProgram {
     /// Poses that a problem is given once.
     pub givens: Vec<Given>,
     pub blocks: Vec<LaneRows>,
-    /// For each variable its coordinate and bounds.
+    /// For each variable its coordinate and bounds; none where roots turn.
     pub moves: Vec<LaneMove>,
+    /// Whether a variable turns a root: rows are then evaluated in lanes, but not solved.
+    pub turns_roots: bool,
     /// Coordinates that a problem is read from: those of `moves`, and what else moves the bodies.
     pub reads: Vec<usize>,
     pub rows: usize,
+    /// Vectors that one block works with, at most: moments of masses, and gradients of rows.
+    pub vectors: usize,
     /// Whether each number of the Jacobian is written exactly once: then it need not be zero before.
     pub is_dense: bool,
 }
@@ -125,10 +132,65 @@ pub(super) struct Edge {
     pub normal: DVec2,
 }
 
+/// Weighted points on bodies, seen from one of them: how joints move their sum (see
+/// [`weighted_points`](crate::kinematics::PointTree)).
+#[derive(Clone, Debug)]
+pub(super) struct LaneMasses {
+    /// For each node the one before it; inner ones first.
+    pub nodes: Vec<Option<usize>>,
+    pub points: Vec<LanePoint>,
+    pub columns: Vec<LaneMoment>,
+    /// The sum of those points that nothing moves.
+    pub still: DVec3,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LanePoint {
+    /// The node that moves it, if one does.
+    pub node: Option<usize>,
+    /// Its body.
+    pub body: FrameAt,
+    pub weight: f64,
+    /// On the body, times the weight.
+    pub weighted: DVec3,
+}
+
+/// One velocity coordinate, with the node whose points it moves.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LaneMoment {
+    pub node: usize,
+    pub weight: f64,
+    pub column: LaneColumn,
+}
+
+/// A centre of mass in a frame.
+#[derive(Clone, Debug)]
+pub(super) struct LaneBalance {
+    pub frame: FrameAt,
+    /// From whose translation parameter rows are measured.
+    pub reference: Option<usize>,
+    pub planes: Vec<PlaneRow>,
+    pub first: usize,
+    pub masses: LaneMasses,
+}
+
+/// A centre of mass between two feet.
+#[derive(Clone, Debug)]
+pub(super) struct LaneStance {
+    pub feet: [FrameAt; 2],
+    /// How variables move the feet.
+    pub columns: [Vec<LaneColumn>; 2],
+    pub height: Option<f64>,
+    pub first: usize,
+    pub masses: LaneMasses,
+}
+
 #[derive(Clone, Debug)]
 pub(super) enum LaneRows {
     Pose(LanePose),
     Contact(LaneContact),
+    Balance(LaneBalance),
+    Stance(Box<LaneStance>),
 }
 
 impl RowsAt {
@@ -157,8 +219,8 @@ impl LaneProgram {
     pub(super) fn new(robot: &Robot, bodies: &Bodies, blocks: &[Block], moves: &[Move], width: usize) -> Option<Self> {
         let mut builder = Builder { moving: bodies.moving_bodies(), givens: Vec::new() };
         let mut steps = Vec::new();
-        for (index, (body, parent, carriage)) in bodies.moving_tree().enumerate() {
-            let parent = match parent {
+        for (index, body) in bodies.moving_tree().enumerate() {
+            let parent = match body.from {
                 None => Parent::World,
                 Some(parent) => match builder.moving.iter().position(|&b| b == parent) {
                     Some(at) if at + 1 == index => Parent::Previous,
@@ -166,23 +228,28 @@ impl LaneProgram {
                     None => Parent::Given(builder.given(Given::Body(parent))),
                 },
             };
-            steps.push(match carriage {
-                Some(carriage) => LaneStep::placed(parent, builder.given(Given::Carried(carriage))),
-                None => LaneStep::of_joint(robot, &robot.joints[body], parent),
+            steps.push(match body.by {
+                Found::Carried(carriage) => LaneStep::placed(parent, builder.given(Given::Carried(carriage))),
+                Found::ByJoint(joint) => LaneStep::of_joint(robot, &robot.joints[joint], parent),
+                Found::BackOver(joint) => LaneStep::back_over(robot, &robot.joints[joint], parent)?,
             });
         }
         let rows: Option<Vec<_>> = blocks.iter().map(|block| builder.rows(block)).collect();
-        let (block_rows, moves) = (rows?, scalars(moves, width)?);
+        let (block_rows, moves) = (rows?, scalars(moves, width));
         let rows: usize = blocks.iter().map(|block| block.rows).sum();
         if rows == 0 || rows > MOST_ROWS {
             return None;
         }
+        let turns_roots = moves.is_none();
+        let moves = moves.unwrap_or_default();
         let mut reads: Vec<usize> = moves.iter().map(|m| m.coordinate).collect();
         steps.iter().for_each(|step| reads.extend(step.coordinates()));
         reads.sort_unstable();
         reads.dedup();
         Some(Self {
             is_dense: block_rows.iter().all(|rows| is_dense(rows, width)),
+            vectors: blocks.iter().map(|block| block.moments() + block.rows).max().unwrap_or(0),
+            turns_roots,
             steps,
             givens: builder.givens,
             blocks: block_rows,
@@ -205,7 +272,9 @@ fn scalars(moves: &[Move], width: usize) -> Option<Vec<LaneMove>> {
 
 /// Whether each variable has one column in each row.
 fn is_dense(rows: &LaneRows, width: usize) -> bool {
-    let (LaneRows::Pose(LanePose { columns, .. }) | LaneRows::Contact(LaneContact { columns, .. })) = rows;
+    let (LaneRows::Pose(LanePose { columns, .. }) | LaneRows::Contact(LaneContact { columns, .. })) = rows else {
+        return false; // a variable may move masses on both of its sides
+    };
     let mut seen = vec![0; width];
     columns.iter().for_each(|column| seen[column.variable] += 1);
     seen.iter().all(|&count| count == 1)
@@ -223,6 +292,12 @@ impl Builder {
         self.givens.len() - 1
     }
 
+    /// A body that does not move; given once, whoever asks.
+    fn still(&mut self, body: JointIndex) -> usize {
+        let same = |given: &Given| matches!(given, Given::Body(known) if *known == body.at());
+        self.givens.iter().position(same).unwrap_or_else(|| self.given(Given::Body(body.at())))
+    }
+
     fn position(&self, joint: Option<JointIndex>) -> Option<usize> {
         joint.and_then(|joint| self.moving.iter().position(|&b| b == joint.at()))
     }
@@ -235,20 +310,20 @@ impl Builder {
     }
 
     fn columns(&mut self, columns: &[Column]) -> Option<Vec<LaneColumn>> {
-        let mut found = Vec::with_capacity(columns.len());
-        for column in columns {
-            let body = match *column {
-                Column::Turn { body, .. } => Some(body),
-                Column::Slide { frame, .. } => frame,
-            };
-            let at = match (body, self.position(body)) {
-                (None, _) => At::World,
-                (Some(_), Some(at)) => At::Body(at),
-                (Some(body), None) => At::Given(self.given(Given::Body(body.at()))),
-            };
-            found.push(LaneColumn::new(column, |_| Some(at))?);
-        }
-        Some(found)
+        columns.iter().map(|column| self.column(column)).collect()
+    }
+
+    fn column(&mut self, column: &Column) -> Option<LaneColumn> {
+        let body = match *column {
+            Column::Turn { body, .. } => Some(body),
+            Column::Slide { frame, .. } => frame,
+        };
+        let at = match (body, self.position(body)) {
+            (None, _) => At::World,
+            (Some(_), Some(at)) => At::Body(at),
+            (Some(body), None) => At::Given(self.still(body)),
+        };
+        LaneColumn::new(column, |_| Some(at))
     }
 
     fn rows(&mut self, block: &Block) -> Option<LaneRows> {
@@ -258,12 +333,58 @@ impl Builder {
                 self.contact(contact, block.first).map(LaneRows::Contact)
             }
             Kind::Contact(contact) => self.placed(contact, block.first).map(LaneRows::Pose),
-            Kind::Balance { .. }
-            | Kind::BalanceBetween { .. }
-            | Kind::Distance { .. }
-            | Kind::Custom(_)
-            | Kind::Locked { .. } => None,
+            Kind::Balance { balance, masses } => Some(LaneRows::Balance(LaneBalance {
+                frame: self.frame(&placement_of(&balance.frame)),
+                reference: match balance.reference {
+                    Reference::Identity => None,
+                    reference => Some(self.given(Given::Reference(reference))),
+                },
+                planes: balance.rows.clone(),
+                first: block.first,
+                masses: self.masses(masses)?,
+            })),
+            Kind::BalanceBetween { balance, columns } => {
+                let [near, far] = &columns.feet;
+                Some(LaneRows::Stance(Box::new(LaneStance {
+                    feet: [&balance.first, &balance.second].map(|foot| self.frame(&placement_of(foot))),
+                    columns: [self.columns(near)?, self.columns(far)?],
+                    height: balance.height,
+                    first: block.first,
+                    masses: self.masses(&columns.masses)?,
+                })))
+            }
+            Kind::Distance { .. } | Kind::Custom(_) | Kind::Locked { .. } => None,
         }
+    }
+
+    fn masses(&mut self, masses: &MassColumns) -> Option<LaneMasses> {
+        let mut still = DVec3::ZERO;
+        let mut points = Vec::new();
+        for &(node, WeightedPoint { body, weight, point }) in masses.tree.points() {
+            let weighted = weight * point;
+            let Some(joint) = body else {
+                // Seen from a foot, joints may move masses of the world.
+                if node.is_some() {
+                    return None;
+                }
+                still += weighted;
+                continue;
+            };
+            let body = match self.position(body) {
+                Some(at) => FrameAt::Body(at, Pose::identity()),
+                None => FrameAt::Given(self.still(joint)),
+            };
+            points.push(LanePoint { node, body, weight, weighted });
+        }
+        let moment = |moment: &MomentColumn| {
+            Some(LaneMoment { node: moment.node, weight: moment.weight, column: self.column(&moment.column)? })
+        };
+        Some(LaneMasses {
+            nodes: masses.tree.nodes().iter().map(|node| node.parent).collect(),
+            columns: masses.columns.iter().map(moment).collect::<Option<_>>()?,
+            points,
+            still,
+        })
     }
 
     fn pose(&mut self, pose: &PoseBlock, first: usize) -> Option<LanePose> {

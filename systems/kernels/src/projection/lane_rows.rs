@@ -1,5 +1,7 @@
-//! Values and Jacobians of rows in lanes: relative poses, and placements with their polygons chosen lane by lane.
+//! Values and Jacobians of rows in lanes: relative poses, and placements with their polygons chosen lane by lane. (Balance has
+//! a file of its own.)
 
+use super::lane_balance::{linearise_balance, linearise_stance};
 use super::lane_program::{FrameAt, LaneContact, LanePose, LaneRows, LaneSupport, RowsAt, Target};
 use crate::kinematics::{LaneColumn, POSE_ROWS};
 use crate::lanes::{Lanes, Mask, Rotation, Scalar, Transform, Vector3, atan_ratio};
@@ -16,9 +18,13 @@ pub(super) struct At<'a, R> {
 pub(super) struct Out<'a, R> {
     pub values: &'a mut [R],
     pub jacobian: &'a mut [R],
+    /// Working memory: vectors, three rows each.
+    pub vectors: &'a mut [R],
     pub stride: usize,
     /// Numbers of the Jacobian are added to what is there, instead of replacing it.
     pub adds: bool,
+    /// Whether values alone are asked for: then nothing is written to the Jacobian.
+    pub values_alone: bool,
 }
 
 /// Six errors with what turns velocities into their rates: `slide` takes those of points into the rows' axes, `turn` angular
@@ -47,11 +53,19 @@ pub(super) fn linearise<V: Lanes>(
             running
         }
         LaneRows::Contact(contact) => linearise_contact::<V>(isa, contact, at, running, out),
+        LaneRows::Balance(balance) => {
+            linearise_balance::<V>(isa, balance, at, out);
+            running
+        }
+        LaneRows::Stance(stance) => {
+            linearise_stance::<V>(isa, stance, at, out);
+            running
+        }
     }
 }
 
 #[inline(always)]
-fn frame<V: Lanes>(isa: V::Isa, frame: &FrameAt, at: At<'_, V::Row>) -> Transform<V> {
+pub(super) fn frame<V: Lanes>(isa: V::Isa, frame: &FrameAt, at: At<'_, V::Row>) -> Transform<V> {
     match frame {
         FrameAt::Given(slot) => Transform::load(isa, &at.given[slot * POSE_ROWS..]),
         FrameAt::Body(body, X_JF) => {
@@ -260,6 +274,9 @@ fn write<V: Lanes>(
         if rows.row[k] != usize::MAX {
             six.values[k].store(&mut out.values[rows.row[k]]);
         }
+    }
+    if out.values_alone {
+        return;
     }
     let (slides, turns) = (rows.slides(), rows.turns());
     let zero = V::constant(isa, 0.0);

@@ -8,11 +8,15 @@
 //! knots, so everything on it is within the path tolerance of the constraints: it could only lead from one branch to
 //! another where those are that close, and there the line is as good a motion as any. The comparison of lengths
 //! ([`MotionSettings::jump`]) merely finds out sooner.
+//!
+//! Motions of one program are walked side by side, one per lane ([`project_motions`]): what is solved next to a motion does not
+//! change it. A motion alone ([`project_motion`]) is solved in scalar code, which is then faster; its evaluations between two
+//! knots are side by side all the same.
 
+use super::lane_motion::walk_in_lanes;
 use super::newton::{Settings, project};
-use super::point_rates::BoundMemory;
 use super::program::ConstraintProgram;
-use super::scratch::Scratch;
+use super::walk::{Tools, Walk, WalkMemory};
 use foliate_components::Pose;
 use foliate_components::configuration::ConfigurationSpace;
 
@@ -53,37 +57,30 @@ pub enum MotionEnd {
 /// Working memory of one thread.
 #[derive(Clone, Debug, Default)]
 pub struct MotionScratch {
-    /// Of the solves.
-    pub solve: Scratch,
-    current: Vec<f64>,
-    next: Vec<f64>,
-    goal: Vec<f64>,
-    chord: Vec<f64>,
-    step: Vec<f64>,
-    /// Where bodies are at the current knot, and at the next.
-    poses: [Vec<Pose>; 2],
-    /// What the last projection added to the straight way, per unit of its length, as a velocity, and what the one before
-    /// it did; zero before there was one.
-    correction: Vec<f64>,
-    earlier: Vec<f64>,
-    /// The straight way's next point, before it is corrected.
-    straight: Vec<f64>,
-    /// Between two knots.
-    probe: Vec<f64>,
-    /// Lengths of the last two steps' straight ways; infinite before there were any.
-    strides: [f64; 2],
-    /// The bound of the last step.
-    bound: f64,
-    /// What the rows did half-way through the last step, as a share of the bound.
-    bend: f64,
-    bound_memory: BoundMemory,
+    pub(super) tools: Tools,
+    /// One per motion under way.
+    pub(super) walks: Vec<WalkMemory>,
 }
 
-/// Into how many parts a step is divided at most.
-const PARTS: u32 = 8;
+/// A motion that is to be kept on its leaf, with arguments of its own.
+#[derive(Debug)]
+pub struct MotionJob<'a> {
+    /// Where it starts, and where it shall end: whole configurations.
+    pub ends: (&'a [f64], &'a [f64]),
+    /// Right-hand sides, as [`project`](super::project()) takes them.
+    pub arguments: &'a [Pose],
+    /// Whole configurations, one after the other, the first of them the start; appended to what is there.
+    pub knots: &'a mut Vec<f64>,
+    /// Where it ends; written.
+    pub end: MotionEnd,
+}
 
-/// The share of the bound that the rows are taken to make use of before anything is known.
-const FIRST_BEND: f64 = 0.25;
+impl<'a> MotionJob<'a> {
+    /// A job that has not been done.
+    pub fn new(ends: (&'a [f64], &'a [f64]), arguments: &'a [Pose], knots: &'a mut Vec<f64>) -> Self {
+        Self { ends, arguments, knots, end: MotionEnd::NotOnLeaf }
+    }
+}
 
 /// Appends to `knots` the motion from `from` towards `to` on the leaf of `arguments`: whole configurations, one after the
 /// other, the first of them `from`. Between two knots the residual stays below the path tolerance, by the bound on second
@@ -94,294 +91,50 @@ const FIRST_BEND: f64 = 0.25;
 pub fn project_motion(
     program: &ConstraintProgram,
     space: &ConfigurationSpace,
-    (from, to): (&[f64], &[f64]),
+    ends: (&[f64], &[f64]),
     arguments: &[Pose],
     settings: &MotionSettings,
     scratch: &mut MotionScratch,
     knots: &mut Vec<f64>,
 ) -> MotionEnd {
-    let size = program.configuration_size();
-    if from.len() != size || to.len() != size || space.size() != size {
+    let MotionScratch { tools, walks } = scratch;
+    if walks.is_empty() {
+        walks.push(WalkMemory::default());
+    }
+    let Some(memory) = walks.first_mut() else { return MotionEnd::NotOnLeaf };
+    let mut walk = Walk { program, space, arguments, settings, memory, tools };
+    if !walk.begin(ends, knots) {
         return MotionEnd::NotOnLeaf;
     }
-    let mut walk = Walk { program, space, arguments, settings, scratch };
-    walk.start(from, to);
-    // The goal first: what the current knot's evaluation leaves behind is used.
-    let most = 2.0 * settings.solve.tolerance;
-    if walk.residual(true) > most || walk.residual(false) > most {
-        return MotionEnd::NotOnLeaf;
-    }
-    knots.extend_from_slice(from);
-    for _ in 1..settings.knots {
-        if walk.goal_in_sight() {
-            walk.take_goal();
-            knots.extend_from_slice(&walk.scratch.current);
-            return MotionEnd::Reached;
+    loop {
+        if let Some(end) = walk.propose(knots) {
+            return end;
         }
-        if !walk.advance() {
-            return MotionEnd::Stopped;
-        }
-        knots.extend_from_slice(&walk.scratch.current);
+        let q = &mut walk.memory.next;
+        let is_solved = project(program, q, arguments, &settings.solve, &mut walk.tools.solve).is_converged();
+        walk.judge(is_solved, knots);
     }
-    MotionEnd::TooManyKnots
 }
 
-/// How many strides away the goal is not looked for.
-const SIGHT: f64 = 3.0;
-
-/// What a step has to bring nearer to the goal, as a share of its straight way; below it is not worth its knot.
-const LEAST_PROGRESS: f64 = 0.02;
-
-/// How often a shorter step is tried where one leads away: the leaf may only have been bent.
-const PATIENCE: u32 = 3;
-
-/// Below this share what was learnt of the leaf's direction leads astray: it is dropped.
-const POOR_PROGRESS: f64 = 0.3;
-
-/// The share of what is promising that is tried.
-const SAFETY: f64 = 0.8;
-
-/// How much longer than the last one a stride may be tried.
-const LARGEST_GROWTH: f64 = 2.0;
-
-/// How a step went.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Step {
-    Taken,
-    /// It is on the leaf, but hardly nearer to the goal.
-    LeadsAway,
-    /// It cannot be certified.
-    TooLong,
-    /// It was not found.
-    Lost,
-}
-
-/// A motion under way: `scratch.current` is the last knot, `scratch.poses` its bodies.
-struct Walk<'a> {
-    program: &'a ConstraintProgram,
-    space: &'a ConfigurationSpace,
-    arguments: &'a [Pose],
-    settings: &'a MotionSettings,
-    scratch: &'a mut MotionScratch,
-}
-
-impl Walk<'_> {
-    fn start(&mut self, from: &[f64], to: &[f64]) {
-        let dimension = self.space.dimension();
-        let s = &mut *self.scratch;
-        for (buffer, q) in [(&mut s.current, from), (&mut s.next, from), (&mut s.straight, from), (&mut s.goal, to)] {
-            buffer.clear();
-            buffer.extend_from_slice(q);
-        }
-        s.chord.resize(dimension, 0.0);
-        s.step.resize(dimension, 0.0);
-        s.probe.clone_from(&s.current);
-        for zeros in [&mut s.correction, &mut s.earlier] {
-            zeros.clear();
-            zeros.resize(dimension, 0.0);
-        }
-        s.strides = [f64::INFINITY; 2];
-        s.bound = 0.0;
-        s.bend = FIRST_BEND;
-    }
-
-    /// Largest implicit row at the current knot or at the goal; infinite where it cannot be evaluated.
-    fn residual(&mut self, at_goal: bool) -> f64 {
-        let s = &mut *self.scratch;
-        let q = if at_goal { &s.goal } else { &s.current };
-        let residual = self.program.residual(q, self.arguments, &mut s.solve).unwrap_or(f64::INFINITY);
-        s.poses[0].clear();
-        s.poses[0].extend_from_slice(s.solve.poses());
-        residual
-    }
-
-    /// Whether the straight motion from the current knot to the goal is certified. Leaves the way to it in `chord`.
-    fn goal_in_sight(&mut self) -> bool {
-        let s = &mut *self.scratch;
-        self.space.difference(&s.current, &s.goal, &mut s.chord);
-        if self.length(false) > SIGHT * self.scratch.strides[0] {
-            return false;
-        }
-        let bound = self.bound(false);
-        bound <= self.promising() && self.holds(bound, true)
-    }
-
-    /// The largest bound that a step is likely to be certified with, as the last one bent.
-    fn promising(&self) -> f64 {
-        self.budget() / (self.scratch.bend + 1.0 / f64::from(PARTS * PARTS))
-    }
-
-    /// Whether the rows stay within the path tolerance on the straight motion from the current knot to the next, or to the
-    /// goal; `bound` is that of all of it.
-    fn holds(&mut self, bound: f64, to_goal: bool) -> bool {
-        let budget = self.budget();
-        if bound <= budget {
-            return true;
-        }
-        let most = if self.program.is_smooth() { PARTS } else { 1 };
-        let Some(parts) = (1..=most.ilog2()).map(|k| 1 << k).find(|&n: &u32| self.leaves_room(bound, n)) else {
-            return false;
-        };
-        let left = bound / f64::from(parts * parts);
-        // The middle first: that is where a step fails, if it does.
-        let inner = std::iter::once(parts / 2).chain((1..parts).filter(|&k| k != parts / 2));
-        for k in inner {
-            let s = &mut *self.scratch;
-            let end = if to_goal { &s.goal } else { &s.next };
-            self.space.interpolate(&s.current, end, f64::from(k) / f64::from(parts), &mut s.probe);
-            let residual = self.program.longest_error(&s.probe, self.arguments, &mut s.solve).unwrap_or(f64::INFINITY);
-            if 2 * k == parts {
-                s.bend = residual / bound;
-            }
-            if residual + left > budget {
-                return false;
+/// Keeps motions on their leaves, as [`project_motion`] does: one motion per lane, the next from the queue as soon as one has
+/// ended. What becomes of a motion depends on nothing but itself, the settings and the level: not on how many there are, nor in
+/// what order they come. (In lanes last bits differ from those of a motion that is projected alone.)
+///
+/// Programs that have no form for lanes, and all of them at the level `scalar`, are walked one motion after another.
+pub fn project_motions(
+    program: &ConstraintProgram,
+    space: &ConfigurationSpace,
+    jobs: &mut [MotionJob<'_>],
+    settings: &MotionSettings,
+    scratch: &mut MotionScratch,
+) {
+    match program.solved().lanes_at(settings.solve.level) {
+        Some(lanes) => walk_in_lanes(program, lanes, space, jobs, settings, scratch),
+        None => {
+            for job in jobs {
+                job.end =
+                    project_motion(program, space, job.ends, job.arguments, settings, scratch, job.knots);
             }
         }
-        true
-    }
-
-    /// Whether in that many parts the bound leaves room for the residuals that are to be expected.
-    fn leaves_room(&self, bound: f64, parts: u32) -> bool {
-        let left = bound / f64::from(parts * parts);
-        left + 1.2 * self.scratch.bend * bound <= self.budget() || (parts == PARTS && left <= self.budget())
-    }
-
-    fn take_goal(&mut self) {
-        let s = &mut *self.scratch;
-        self.space.interpolate(&s.current, &s.goal, 1.0, &mut s.next);
-        std::mem::swap(&mut s.current, &mut s.next);
-    }
-
-    /// Takes the longest step towards the goal that can be certified, halving it until it can; false where none can.
-    fn advance(&mut self) -> bool {
-        let length = self.length(false);
-        let mut fraction = self.next_fraction(length);
-        let mut led_away = 0;
-        while fraction * length >= self.settings.shortest_step && led_away < PATIENCE {
-            match self.try_step(fraction, length) {
-                Step::Taken => {
-                    let s = &mut *self.scratch;
-                    std::mem::swap(&mut s.current, &mut s.next);
-                    s.poses.swap(0, 1);
-                    s.strides = [fraction * length, s.strides[0]];
-                    return true;
-                }
-                Step::LeadsAway => led_away += 1,
-                Step::TooLong => {
-                    fraction *= 0.7;
-                    continue;
-                }
-                Step::Lost => {}
-            }
-            fraction *= 0.5;
-        }
-        false
-    }
-
-    /// The fraction of the chord to try: the bound grows with the square of the stride.
-    fn next_fraction(&mut self, length: f64) -> f64 {
-        let (stride, bound) = (self.scratch.strides[0], self.scratch.bound);
-        if stride == f64::INFINITY {
-            return self.certified_fraction();
-        }
-        let growth = (SAFETY * self.promising() / bound).sqrt().min(LARGEST_GROWTH);
-        (0.95 * growth * stride / length).min(0.5)
-    }
-
-    /// The fraction of the chord that meets the bound, with a margin for the correction that the projection adds. The
-    /// bound grows with the square of the step and a little faster, so its root is a guess on the safe side of a step that
-    /// is too long.
-    fn certified_fraction(&mut self) -> f64 {
-        let promising = SAFETY * self.promising();
-        let mut fraction = 0.5;
-        while fraction > 1e-6 {
-            let s = &mut *self.scratch;
-            s.step.iter_mut().zip(&s.chord).for_each(|(x, c)| *x = c * fraction);
-            let bound = self.bound(true);
-            let guess = (promising / bound).sqrt();
-            if bound <= promising {
-                return (0.95 * fraction * guess.min(LARGEST_GROWTH)).min(0.5);
-            }
-            fraction *= if bound.is_finite() { guess.min(0.9) } else { 0.5 };
-        }
-        0.0
-    }
-
-    /// The bound on the rows between the current knot and `step` (or `chord`) away.
-    fn bound(&mut self, of_step: bool) -> f64 {
-        let MotionScratch { step, chord, poses, bound_memory, .. } = &mut *self.scratch;
-        self.program.residual_bound().between_with(if of_step { step } else { chord }, &poses[0], bound_memory)
-    }
-
-    /// What the rows may add between two knots that are solved already.
-    fn budget(&self) -> f64 {
-        self.settings.path_tolerance - 2.0 * self.settings.solve.tolerance
-    }
-
-    fn try_step(&mut self, fraction: f64, length: f64) -> Step {
-        let stride = fraction * length;
-        self.predict(fraction, stride);
-        let s = &mut *self.scratch;
-        if !project(self.program, &mut s.next, self.arguments, &self.settings.solve, &mut s.solve).is_converged() {
-            self.forget();
-            return Step::Lost;
-        }
-        s.poses[1].clear();
-        s.poses[1].extend_from_slice(s.solve.poses());
-        self.space.difference(&s.current, &s.next, &mut s.step);
-        let (stepped, bound) = (self.length(true), self.bound(true));
-        if stepped > self.settings.jump * stride {
-            self.forget();
-            return Step::Lost;
-        }
-        if !self.holds(bound, false) {
-            return Step::TooLong;
-        }
-        // What is left must get shorter, or the walk could circle.
-        let s = &mut *self.scratch;
-        s.bound = bound;
-        self.space.difference(&s.next, &s.goal, &mut s.step);
-        let progress = (length - self.length(true)) / stride;
-        if progress < POOR_PROGRESS {
-            self.forget()
-        } else {
-            self.learn(stride)
-        }
-        if progress >= LEAST_PROGRESS { Step::Taken } else { Step::LeadsAway }
-    }
-
-    /// Puts the straight way's next point into `straight`, and into `next` where the leaf is likely to be: it bends
-    /// little from knot to knot, so what was added last time is nearly what will be added now, and how that changed tells
-    /// the rest.
-    fn predict(&mut self, fraction: f64, stride: f64) {
-        let s = &mut *self.scratch;
-        self.space.interpolate(&s.current, &s.goal, fraction, &mut s.straight);
-        let [last, before] = s.strides;
-        let trend = (stride + last) / (last + before);
-        // Before there were two steps there is no trend, and an infinite length.
-        let trend = if trend.is_finite() { trend } else { 0.0 };
-        let corrections = s.correction.iter().zip(&s.earlier);
-        s.step.iter_mut().zip(corrections).for_each(|(x, (c, e))| *x = (c + trend * (c - e)) * stride);
-        self.space.integrate(&s.straight, &s.step, &mut s.next);
-    }
-
-    /// Drops what led astray.
-    fn forget(&mut self) {
-        self.scratch.correction.fill(0.0);
-        self.scratch.earlier.fill(0.0);
-    }
-
-    /// Keeps what the projection added.
-    fn learn(&mut self, stride: f64) {
-        let s = &mut *self.scratch;
-        std::mem::swap(&mut s.correction, &mut s.earlier);
-        self.space.difference(&s.straight, &s.next, &mut s.correction);
-        s.correction.iter_mut().for_each(|c| *c /= stride);
-    }
-
-    /// Length of `step` or `chord` in the free coordinates.
-    fn length(&self, of_step: bool) -> f64 {
-        let delta = if of_step { &self.scratch.step } else { &self.scratch.chord };
-        self.program.variables().iter().map(|&v| delta[v] * delta[v]).sum::<f64>().sqrt()
     }
 }

@@ -9,6 +9,7 @@ use super::scratch::Scratch;
 use super::seeds::Hand;
 use crate::constraints::placement;
 use crate::kinematics::Carriage;
+use crate::lanes::Level;
 use foliate_components::Pose;
 use foliate_components::constraint::LockedValue;
 use foliate_components::pose::log_so3;
@@ -119,7 +120,12 @@ impl ConstraintProgram {
     /// Whether many problems of this program are solved side by side in lanes; otherwise one after another.
     #[must_use]
     pub fn is_for_lanes(&self) -> bool {
-        self.lanes.is_some()
+        self.solved().lanes.as_ref().is_some_and(|lanes| !lanes.turns_roots)
+    }
+
+    /// The form in which lanes of a level solve it, where there are any.
+    pub(super) fn lanes_at(&self, level: Level) -> Option<&LaneProgram> {
+        self.lanes.as_ref().filter(|lanes| !lanes.turns_roots && level != Level::scalar())
     }
 
     /// Variables and rows of the Newton problem that a solve works on: without the root of a robot that stands on a foot,
@@ -197,12 +203,18 @@ impl ConstraintProgram {
     /// what the bound on second derivatives bounds and what is claimed of a motion.
     pub(super) fn longest_error(&self, q: &[f64], arguments: &[Pose], scratch: &mut Scratch) -> Option<f64> {
         let checks = self.measure_all(q, arguments, scratch)?;
-        let length = |rows: &[f64]| rows.iter().map(|e| e * e).sum::<f64>().sqrt();
+        Some(self.longest_vector(&scratch.values).max(checks * 3.0_f64.sqrt()))
+    }
+
+    /// The longest of the vectors that the values of all implicit rows make; infinite where one of them is not a number.
+    pub(super) fn longest_vector(&self, values: &[f64]) -> f64 {
+        let squared = |rows: &[f64]| rows.iter().map(|e| e * e).sum::<f64>();
         let of_block = |block: &Block| {
-            let (first, second) = scratch.values[block.first..block.first + block.rows].split_at(block.translations());
-            length(first).max(length(second))
+            let (first, second) = values[block.first..block.first + block.rows].split_at(block.translations());
+            [squared(first), squared(second)]
         };
-        Some(self.blocks.iter().map(of_block).fold(checks * 3.0_f64.sqrt(), f64::max))
+        let most = self.blocks.iter().flat_map(of_block).fold(0.0, |most: f64, s| if s <= most { most } else { s });
+        if most.is_nan() { f64::INFINITY } else { most.sqrt() }
     }
 
     /// Writes the values of all implicit rows, and returns the largest of the checks.

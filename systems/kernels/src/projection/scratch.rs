@@ -35,6 +35,8 @@ pub struct Scratch {
     pub(super) frozen: Vec<bool>,
     pub(super) lanes: LaneMemory<F64Row>,
     pub(super) single_lanes: LaneMemory<F32Row>,
+    /// Where rows are only evaluated: a motion does so between its solves.
+    pub(super) probe_lanes: LaneMemory<F64Row>,
     /// Jobs that wait for double precision, with the steps that they have taken.
     pub(super) todo: Vec<(usize, u32)>,
 }

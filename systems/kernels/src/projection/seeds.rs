@@ -372,7 +372,7 @@ impl LaneProgram {
             Source::Follows { .. } => false,
         };
         let all = chain.all(moves);
-        (all && self.steps.len() == self.moves.len()).then_some(Hand {
+        (all && !self.turns_roots && self.steps.len() == self.moves.len()).then_some(Hand {
             tip,
             X_JF,
             is_first,
