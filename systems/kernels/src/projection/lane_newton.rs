@@ -217,11 +217,7 @@ fn work_off<V: Lanes>(isa: V::Isa, solve: Solve<'_, V::Row>, solves: u32) {
 }
 
 /// Values of the rows where the lanes are, all of them, in double precision. Not for the level `scalar`, as [`solve`].
-pub(super) fn evaluate_values(
-    program: &LaneProgram,
-    level: Level,
-    memory: &mut LaneMemory<F64Row>,
-) {
+pub(super) fn evaluate_values(program: &LaneProgram, level: Level, memory: &mut LaneMemory<F64Row>) {
     level.run(Values { program, memory });
 }
 
@@ -290,7 +286,7 @@ fn step<V: Lanes>(
     for left in (0..solves).rev() {
         let LaneMemory { values, jacobian, frozen, multipliers, gram, step, .. } = &mut *memory;
         let system =
-            LaneSystem { jacobian: &jacobian[..rows * width], values: &values[..rows], frozen: &frozen[..width] };
+            LaneSystem { jacobian: &mut jacobian[..rows * width], values: &values[..rows], frozen: &frozen[..width] };
         positive = damped_step_lanes::<V>(isa, system, chosen, damping, (gram, multipliers), &mut step[..width]);
         // The last solution is cut to the bounds anyhow.
         if left == 0 || freeze_by_step::<V>(isa, program, memory, going_bits) == 0 {
