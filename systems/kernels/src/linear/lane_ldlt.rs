@@ -115,6 +115,7 @@ fn sized<V: Lanes, const R: usize, const N: usize>(
 /// Takes row and column `k` out of what is right of and below them; there is L then, and 1/D in `inverse`. Each number sees
 /// the products that it would see row by row, in the same order.
 #[inline(always)]
+#[allow(clippy::needless_range_loop, reason = "triangles are written by their indices")]
 fn eliminate<V: Lanes, const N: usize>(
     isa: V::Isa,
     k: usize,
