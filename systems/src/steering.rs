@@ -16,7 +16,9 @@ use foliate_components::candidate::{Candidate, CandidateArena, LegParameter, Pla
 use foliate_components::graph::StateId;
 use foliate_components::leaf::{Leaf, LeafIndex};
 use foliate_components::outcome::Rejection;
-use foliate_kernels::projection::{MotionEnd, MotionScratch, MotionSettings, Settings, project_motion};
+use foliate_kernels::projection::{
+    MotionEnd, MotionJob, MotionScratch, MotionSettings, Settings, project_motion, project_motions,
+};
 
 /// A motion on a leaf.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +33,8 @@ pub struct Steered {
 
 /// Steers every planned leg of every candidate. A leg that leaves its leaf ends the candidate there: what it has of the leg
 /// is kept where that is progress, the legs behind it are not.
+///
+/// The first legs of all candidates come first, then their second ones: what is steered in one state is steered side by side.
 pub fn steer_legs(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
@@ -42,68 +46,131 @@ pub fn steer_legs(
 ) {
     let mut pool: Vec<_> = candidates.iter_mut().collect();
     pool.sort_unstable_by_key(|c| c.index);
+    let mut plans: Vec<_> = pool.iter_mut().zip(&mut arena.legs).map(|(c, legs)| Plan { candidate: c, legs }).collect();
+    let most = plans.iter().map(|plan| plan.legs.len()).max().unwrap_or(0);
     let buffers = &*buffers;
-    let mut alive: Vec<_> = pool.iter_mut().zip(&mut arena.legs).filter(|(c, _)| c.is_alive()).collect();
-    each(
-        &mut alive,
-        || buffers.borrow(),
-        |scratch, (candidate, legs)| {
-            for index in 0..legs.len() {
+    for number in 0..most {
+        let is_bound = |plan: &&mut Plan<'_>| {
+            plan.candidate.is_alive() && plan.legs.get(number).is_some_and(|leg| is_bound(&model, leg))
+        };
+        let mut bound: Vec<_> = plans.iter_mut().filter(is_bound).collect();
+        each(
+            &mut shares(&mut bound, number),
+            || buffers.borrow(),
+            |scratch, share| {
                 // A leg with implicit rows of a humanoid may take long.
                 if stop.is_raised() {
-                    candidate.reject(Rejection::Stopped);
-                    legs.clear();
-                    return;
+                    share.plans.iter_mut().for_each(|plan| plan.stop());
+                } else {
+                    share.steer(&model, &settings, &leaves, number, scratch);
                 }
-                let kept = steer_leg(&model, &settings, &leaves, &mut legs[index], scratch);
-                if kept != Kept::Whole {
-                    candidate.reject(Rejection::SteeringFailed(legs[index].leg as u8));
-                    legs.truncate(index + usize::from(kept == Kept::Part));
-                    return;
-                }
-            }
-        },
-    );
+            },
+        );
+    }
 }
 
-/// What is left of a leg.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kept {
-    Whole,
-    Part,
-    Nothing,
+/// Whether rows are left on a leg's leaf, and it leads anywhere. (What does not compile is found out when it is steered.)
+fn is_bound(model: &PlanningModel, leg: &PlannedLeg) -> bool {
+    let is_free = model.interior_program(leg.state).is_ok_and(|interior| interior.program.rows() == 0);
+    !is_free && leg.knots.len() > model.problem.robot.space.size()
+}
+
+/// A candidate with its legs.
+struct Plan<'a> {
+    candidate: &'a mut Candidate,
+    legs: &'a mut Vec<PlannedLeg>,
+}
+
+impl Plan<'_> {
+    fn stop(&mut self) {
+        self.candidate.reject(Rejection::Stopped);
+        self.legs.clear();
+    }
+
+    /// Replaces a leg's two ends by what was steered; a leg that does not arrive ends the candidate.
+    fn keep(&mut self, model: &PlanningModel, number: usize, steered: Option<Steered>) {
+        let (space, leg) = (&model.problem.robot.space, &mut self.legs[number]);
+        let size = space.size();
+        let (is_progress, is_whole) = match &steered {
+            Some(Steered { knots, is_whole, .. }) if knots.len() > size => {
+                let (start, end) = (&knots[..size], &knots[knots.len() - size..]);
+                (*is_whole || space.distance(start, end, &model.weights) >= LEAST_PROGRESS, *is_whole)
+            }
+            _ => (false, false),
+        };
+        let failed = Rejection::SteeringFailed(leg.leg as u8);
+        if let Some(steered) = steered.filter(|_| is_progress) {
+            leg.residual = steered.residual;
+            leg.knots = steered.knots;
+        }
+        if !is_whole {
+            self.candidate.reject(failed);
+            self.legs.truncate(number + usize::from(is_progress));
+        }
+    }
 }
 
 /// A part of a leg that is shorter than this (weighted metres) is no progress.
 const LEAST_PROGRESS: f64 = 0.01;
 
-/// Replaces a leg's two ends by a polyline on its leaf, as far as that goes.
-fn steer_leg(
-    model: &PlanningModel,
-    settings: &SearchSettings,
-    leaves: &LeafIndex,
-    leg: &mut PlannedLeg,
-    scratch: &mut MotionScratch,
-) -> Kept {
-    let Ok(interior) = model.interior_program(leg.state) else { return Kept::Nothing };
-    let space = &model.problem.robot.space;
-    let size = space.size();
-    if interior.program.rows() == 0 || leg.knots.len() <= size {
-        return Kept::Whole;
+/// Motions of one state from which on lanes pay.
+const CROWD: usize = 3;
+
+/// Legs of one state that a thread steers at once.
+struct Share<'s, 'b, 'a> {
+    plans: &'s mut [&'b mut Plan<'a>],
+    /// Whether they are among so many that they are steered side by side.
+    is_crowd: bool,
+}
+
+/// Divides the plans' legs of a number among threads. Whether legs are steered side by side depends on the plans alone, and who
+/// is beside whom is no part of an answer: threads change nothing.
+fn shares<'s, 'b, 'a>(plans: &'s mut [&'b mut Plan<'a>], number: usize) -> Vec<Share<'s, 'b, 'a>> {
+    let state = |plan: &&mut Plan<'_>| plan.legs[number].state;
+    plans.sort_by_key(state);
+    let mut shares = Vec::new();
+    for of_state in plans.chunk_by_mut(|a, b| state(a) == state(b)) {
+        let is_crowd = of_state.len() >= CROWD;
+        let size = if is_crowd { of_state.len().div_ceil(rayon::current_num_threads()) } else { 1 };
+        shares.extend(of_state.chunks_mut(size).map(|plans| Share { plans, is_crowd }));
     }
-    let arguments = interior.arguments(model, leaves, leg.state, &leg.parameters, None);
-    let (a, b) = leg.knots.split_at(size);
-    let steered = project_between(model, settings, interior, &arguments, (a, &b[b.len() - size..]), scratch);
-    if steered.knots.len() <= size {
-        return Kept::Nothing;
+    shares
+}
+
+impl Share<'_, '_, '_> {
+    /// Replaces each leg's two ends by a polyline on its leaf, as far as that goes.
+    fn steer(
+        &mut self,
+        model: &PlanningModel,
+        settings: &SearchSettings,
+        leaves: &LeafIndex,
+        number: usize,
+        scratch: &mut MotionScratch,
+    ) {
+        let Some(Ok(interior)) = self.plans.first().map(|plan| model.interior_program(plan.legs[number].state)) else {
+            return self.plans.iter_mut().for_each(|plan| plan.keep(model, number, None));
+        };
+        let legs = self.plans.iter().map(|plan| &plan.legs[number]);
+        let arguments = |leg: &PlannedLeg| interior.arguments(model, leaves, leg.state, &leg.parameters, None);
+        let motions: Vec<_> = legs.map(|leg| (ends_of(model, leg), arguments(leg))).collect();
+        let steered = if self.is_crowd {
+            project_side_by_side(model, settings, interior, &motions, scratch)
+        } else {
+            let alone = |(ends, arguments): &(_, Vec<Pose>)| {
+                project_between(model, settings, interior, arguments, *ends, scratch)
+            };
+            motions.iter().map(alone).collect()
+        };
+        for (plan, steered) in self.plans.iter_mut().zip(steered) {
+            plan.keep(model, number, Some(steered));
+        }
     }
-    let end = &steered.knots[steered.knots.len() - size..];
-    if !steered.is_whole && space.distance(a, end, &model.weights) < LEAST_PROGRESS {
-        return Kept::Nothing;
-    }
-    leg.residual = steered.residual;
-    leg.knots = steered.knots;
-    if steered.is_whole { Kept::Whole } else { Kept::Part }
+}
+
+/// The two ends of a leg.
+fn ends_of<'l>(model: &PlanningModel, leg: &'l PlannedLeg) -> (&'l [f64], &'l [f64]) {
+    let size = model.problem.robot.space.size();
+    (&leg.knots[..size], &leg.knots[leg.knots.len() - size..])
 }
 
 /// Right-hand sides of the rows that keep a motion on a leaf; empty where none are left, `None` where they do not compile.
@@ -144,13 +211,38 @@ fn project_between(
     ends: (&[f64], &[f64]),
     scratch: &mut MotionScratch,
 ) -> Steered {
-    let motion = MotionSettings {
-        path_tolerance: settings.path_tolerance,
-        solve: Settings { tolerance: settings.projection_tolerance, ..Settings::default() },
-        ..MotionSettings::default()
-    };
     let mut knots = Vec::new();
     let space = &model.problem.robot.space;
-    let end = project_motion(&interior.program, space, ends, arguments, &motion, scratch, &mut knots);
+    let end =
+        project_motion(&interior.program, space, ends, arguments, &motion_settings(settings), scratch, &mut knots);
+    steered(settings, end, knots)
+}
+
+/// The same of several motions, with the arguments of each.
+fn project_side_by_side(
+    model: &PlanningModel,
+    settings: &SearchSettings,
+    interior: &LegProgram,
+    motions: &[((&[f64], &[f64]), Vec<Pose>)],
+    scratch: &mut MotionScratch,
+) -> Vec<Steered> {
+    let mut knots = vec![Vec::new(); motions.len()];
+    let mut jobs: Vec<_> = motions
+        .iter()
+        .zip(&mut knots)
+        .map(|((ends, arguments), knots)| MotionJob::new(*ends, arguments, knots))
+        .collect();
+    let space = &model.problem.robot.space;
+    project_motions(&interior.program, space, &mut jobs, &motion_settings(settings), scratch);
+    let ends: Vec<_> = jobs.iter().map(|job| job.end).collect();
+    ends.into_iter().zip(knots).map(|(end, knots)| steered(settings, end, knots)).collect()
+}
+
+fn motion_settings(settings: &SearchSettings) -> MotionSettings {
+    let solve = Settings { tolerance: settings.projection_tolerance, level: settings.level, ..Settings::default() };
+    MotionSettings { path_tolerance: settings.path_tolerance, solve, ..MotionSettings::default() }
+}
+
+fn steered(settings: &SearchSettings, end: MotionEnd, knots: Vec<f64>) -> Steered {
     Steered { knots, residual: settings.path_tolerance, is_whole: end == MotionEnd::Reached }
 }

@@ -71,7 +71,8 @@ impl Stage {
     /// The centre of mass in the right ankle's frame: where it is when standing, or above a square around there.
     fn balance(&self, square: Option<f64>) -> Constraint {
         let frame = Frame::of_joint(self.joint("r_ankle_roll"));
-        let mut balance = CentreOfMass { masses: self.masses(), frame, rows: Vec::new(), reference: Reference::Identity };
+        let mut balance =
+            CentreOfMass { masses: self.masses(), frame, rows: Vec::new(), reference: Reference::Identity };
         let center = centre_of_mass::in_frame(&balance, &self.poses(&self.standing));
         let plane = |normal: DVec3, row, margin| PlaneRow { normal, offset: normal.dot(center) - margin, row };
         balance.rows = match square {
@@ -88,7 +89,12 @@ impl Stage {
         let plane = |normal| PlaneRow { normal, offset: 0.0, row: Row::Parameter };
         let rows = vec![plane(DVec3::X), plane(DVec3::Y)];
         let frame = Frame::of_joint(self.joint("l_ankle_roll"));
-        Constraint::CentreOfMass(CentreOfMass { masses: self.masses(), frame, rows, reference: Reference::Argument(slot) })
+        Constraint::CentreOfMass(CentreOfMass {
+            masses: self.masses(),
+            frame,
+            rows,
+            reference: Reference::Argument(slot),
+        })
     }
 
     fn between(&self, height: Option<f64>) -> Constraint {
@@ -248,6 +254,43 @@ fn a_root_that_a_foot_puts_out_of_its_bounds_is_refused() {
         assert!(refused > 0 && count(&found) > 0, "{level}: {refused}, {}", count(&found));
         for (q, _) in found.iter().filter(|(_, outcome)| outcome.is_converged()) {
             assert_eq!(stage.robot.space.first_out_of_bounds(q, 0.0), None, "{level}");
+        }
+    }
+}
+
+/// A hand that flies and stands on one of its fingers: the way back to the palm slides, and the other finger follows.
+#[test]
+fn a_slide_is_gone_back_over_too() {
+    let palm = PartPlacement {
+        root_bounds: vec![(-2.0, 2.0); 3],
+        ..models::part("hand", PartKind::Robot, RootJoint::FreeFlyer, Pose::from_rotation(exp_so3(DVec3::X)))
+    };
+    let robot = Robot::compose(&[(&models::two_finger_hand(), palm)]).unwrap();
+    let kinematics = Kinematics::new(&robot);
+    let [left, right] = ["hand/left_finger", "hand/right_finger"].map(|j| Frame::of_joint(robot.joint(j).unwrap()));
+    let world = Frame::world(Pose::identity());
+    let stands = Constraint::RelativePose(RelativePose::rigid(world, left, Reference::Argument(0)));
+    let rows = [None, Some(Row::Parameter), None, None, None, None];
+    let apart = Constraint::RelativePose(RelativePose { a: left, b: right, rows, reference: Reference::Argument(1) });
+    let program = ConstraintProgram::compile(&robot, &kinematics, &[stands, apart], &[], &[]).unwrap();
+    assert_eq!((program.equations(), program.is_for_lanes()), ((1, 1), true));
+    let place = Pose::from_parts(DVec3::new(0.4, -0.3, 0.2), exp_so3(DVec3::new(0.3, 1.0, -0.4)));
+    let problems: Problems = (1..8)
+        .map(|k| {
+            let gap = Pose::from_translation(DVec3::NEG_Y * 0.01 * f64::from(k));
+            (robot.space.neutral(), vec![place, gap])
+        })
+        .collect();
+    for level in Level::available() {
+        let found = solve(&program, &problems, &Settings { level, ..Settings::default() });
+        for ((q, outcome), (_, arguments)) in found.iter().zip(&problems) {
+            assert!(outcome.is_converged(), "{level}: {outcome:?}");
+            let mut X_WJ = vec![Pose::identity(); kinematics.bodies()];
+            kinematics.forward(q, &mut X_WJ);
+            let [left, right] = [left, right].map(|frame| X_WJ[frame.joint.unwrap().at()]);
+            assert!(left.translation.distance(place.translation) < 1e-9, "{level}");
+            let gap = (left.inverse() * right).translation.y;
+            assert!((gap - arguments[1].translation.y).abs() < 2e-6, "{level}: {gap}");
         }
     }
 }

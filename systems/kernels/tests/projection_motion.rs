@@ -11,8 +11,10 @@ use foliate_components::robot::{LinkIndex, PartKind, PartPlacement, Robot, RootJ
 use foliate_components::sample_models as models;
 use foliate_kernels::constraints::{placement_of, relative_pose};
 use foliate_kernels::kinematics::{Carriage, Kinematics};
+use foliate_kernels::lanes::Level;
 use foliate_kernels::projection::{
-    ConstraintProgram, MotionEnd, MotionScratch, MotionSettings, Scratch, Settings, project, project_motion,
+    ConstraintProgram, MotionEnd, MotionJob, MotionScratch, MotionSettings, Scratch, Settings, project, project_motion,
+    project_motions,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -415,4 +417,176 @@ fn the_bound_on_second_derivatives_is_sound_and_not_wasteful() {
         tightest[0], tightest[1], tightest[2]
     );
     assert!(tightest.iter().all(|&t| t > 0.2), "{tightest:?}");
+}
+
+/// What is asked of a motion: its ends and arguments.
+type Wanted = (Vec<f64>, Vec<f64>, Vec<Pose>);
+
+/// Walks motions side by side.
+fn side_by_side(
+    bench: &Bench,
+    program: &ConstraintProgram,
+    wanted: &[Wanted],
+    settings: &MotionSettings,
+    scratch: &mut MotionScratch,
+) -> Vec<(MotionEnd, Vec<f64>)> {
+    let mut knots = vec![Vec::new(); wanted.len()];
+    let mut jobs: Vec<_> = wanted
+        .iter()
+        .zip(&mut knots)
+        .map(|((from, to, arguments), knots)| MotionJob::new((from, to), arguments, knots))
+        .collect();
+    project_motions(program, &bench.robot.space, &mut jobs, settings, scratch);
+    let ends: Vec<_> = jobs.iter().map(|job| job.end).collect();
+    ends.into_iter().zip(knots).collect()
+}
+
+fn bits(q: &[f64]) -> Vec<u64> {
+    q.iter().map(|x| x.to_bits()).collect()
+}
+
+/// An arm whose hand stays where it is: some motions arrive, some would have to jump to another branch and stop.
+fn arms_with_a_hand_in_its_place(bench: &mut Bench, count: usize) -> (ConstraintProgram, RelativePose, Vec<Wanted>) {
+    let tip = Frame::of_joint(bench.robot.joint("left/w2").unwrap());
+    let rigid = RelativePose::rigid(Frame::world(Pose::identity()), tip, Reference::Argument(0));
+    let program = bench.compile(&[Constraint::RelativePose(rigid)]);
+    let wanted = (0..count)
+        .map(|k| {
+            let seen = bench.random();
+            let X_WT = bench.poses(&seen, &[])[tip.joint.unwrap().at()];
+            let from = bench.solution(&program, &[X_WT]);
+            let near = k % 2 == 0;
+            let to =
+                if near { bench.neighbour(&program, &[X_WT], &from, 0.4) } else { bench.solution(&program, &[X_WT]) };
+            (from, to, vec![X_WT])
+        })
+        .collect();
+    (program, rigid, wanted)
+}
+
+#[test]
+fn a_motion_among_others_is_the_motion_alone() {
+    let mut bench = Bench::new(41);
+    let (program, _, mut wanted) = arms_with_a_hand_in_its_place(&mut bench, 21);
+    assert!(program.is_for_lanes());
+    // Some that end at once, in between.
+    wanted[3].1 = bench.random();
+    wanted[10].2[0].translation.x += 0.1;
+    wanted[11].2.clear();
+    wanted[12].0.pop();
+    let at_rest = wanted[4].0.clone();
+    wanted[4].1 = at_rest;
+    for level in Level::available() {
+        let solve = Settings { level, ..Settings::default() };
+        let settings = MotionSettings { solve, ..MotionSettings::default() };
+        let mut scratch = MotionScratch::default();
+        let all = side_by_side(&bench, &program, &wanted, &settings, &mut scratch);
+        for k in [3, 10, 11, 12] {
+            assert_eq!((all[k].0, all[k].1.len()), (MotionEnd::NotOnLeaf, 0), "{level}: {k}");
+        }
+        assert_eq!((all[4].0, all[4].1.len()), (MotionEnd::Reached, 2 * wanted[4].0.len()), "{level}");
+        let backwards: Vec<_> = wanted.iter().rev().cloned().collect();
+        let backwards = side_by_side(&bench, &program, &backwards, &settings, &mut scratch);
+        for (k, (end, knots)) in all.iter().enumerate() {
+            let (other, reversed) = &backwards[wanted.len() - 1 - k];
+            assert_eq!((end, bits(knots)), (other, bits(reversed)), "{level}: order matters to {k}");
+            let alone = side_by_side(&bench, &program, &wanted[k..=k], &settings, &mut MotionScratch::default());
+            assert_eq!((*end, bits(knots)), (alone[0].0, bits(&alone[0].1)), "{level}: a crowd matters to {k}");
+        }
+        assert!(side_by_side(&bench, &program, &[], &settings, &mut scratch).is_empty());
+    }
+}
+
+#[test]
+fn motions_in_lanes_stay_on_their_leaves_and_on_their_branches() {
+    let mut bench = Bench::new(42);
+    let (program, rigid, wanted) = arms_with_a_hand_in_its_place(&mut bench, 24);
+    let size = bench.robot.space.size();
+    let arrived = |found: &[(MotionEnd, Vec<f64>)]| found.iter().filter(|(end, _)| *end == MotionEnd::Reached).count();
+    let scalar = Settings { level: Level::scalar(), ..Settings::default() };
+    let settings = MotionSettings { solve: scalar, ..MotionSettings::default() };
+    let expected = arrived(&side_by_side(&bench, &program, &wanted, &settings, &mut MotionScratch::default()));
+    for level in Level::available() {
+        for jump in [MotionSettings::default().jump, f64::INFINITY] {
+            let solve = Settings { level, ..Settings::default() };
+            let settings = MotionSettings { jump, solve, ..MotionSettings::default() };
+            let found = side_by_side(&bench, &program, &wanted, &settings, &mut MotionScratch::default());
+            let count = arrived(&found);
+            assert!(count > 8 && count < 24, "{level}: the test sees both kinds, {count} arrive");
+            assert!(count.abs_diff(expected) <= 2, "{level}: {count} arrive, {expected} in scalar code");
+            for ((end, knots), (from, to, arguments)) in found.iter().zip(&wanted) {
+                let residual = |X_WJ: &[Pose]| {
+                    let (a, b) = (placement_of(&rigid.a), placement_of(&rigid.b));
+                    let rows = relative_pose::value(&a, &b, &arguments[0], X_WJ);
+                    rows.iter().fold(0.0, |m: f64, e| m.max(e.abs()))
+                };
+                let worst = largest_residual(&bench, &program, arguments, knots, residual);
+                assert!(worst <= settings.path_tolerance, "{level}: {worst} between knots");
+                assert_eq!(&knots[..size], &from[..], "{level}: the first knot is the start");
+                if *end == MotionEnd::Reached {
+                    assert_eq!(&knots[knots.len() - size..][..7], &to[..7], "{level}: the last knot is the goal");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn no_lane_bridges_two_branches() {
+    let mut bench = Bench::new(43);
+    // As in `a_motion_that_would_jump_to_another_branch_stops_before_it`, many of them side by side.
+    let robot = &bench.robot;
+    let gripper = &robot.grippers[robot.gripper("drone/tip").unwrap().at()];
+    let tip = Frame::on_link(robot, gripper.link, &gripper.link_from_gripper);
+    let root = Frame::of_joint(robot.joint("drone/root_joint").unwrap());
+    let rows = [Some(Row::Zero), Some(Row::Zero), None, None, None, None];
+    let reference = Reference::Argument(0);
+    let program = bench.compile(&[Constraint::RelativePose(RelativePose { a: root, b: tip, rows, reference })]);
+    assert!(program.is_for_lanes());
+    let coordinate = |bench: &Bench, name: &str| match bench.robot.joints[bench.robot.joint(name).unwrap().at()].source
+    {
+        Source::Coordinates { q, .. } => q,
+        Source::Follows { .. } => unreachable!(),
+    };
+    let (shoulder, elbow) = (coordinate(&bench, "drone/shoulder"), coordinate(&bench, "drone/elbow"));
+    let wanted: Vec<Wanted> = (0..13)
+        .map(|k| {
+            let point = Pose::from_translation(DVec3::new(1.0 + 0.03 * f64::from(k), 0.3, 0.0));
+            let from = bench.solution(&program, &[point]);
+            let mut to = from.clone();
+            to[elbow] = -from[elbow];
+            to[shoulder] = from[shoulder] + from[elbow];
+            assert!(project(&program, &mut to, &[point], &Settings::default(), &mut bench.scratch).is_converged());
+            (from, to, vec![point])
+        })
+        .collect();
+    for level in Level::available() {
+        let solve = Settings { level, ..Settings::default() };
+        let settings = MotionSettings { solve, ..MotionSettings::default() };
+        let found = side_by_side(&bench, &program, &wanted, &settings, &mut MotionScratch::default());
+        for ((end, knots), (from, _, _)) in found.iter().zip(&wanted) {
+            assert_eq!(*end, MotionEnd::Stopped, "{level}");
+            let stays = knots.chunks(from.len()).all(|k| (k[elbow] > 0.0) == (from[elbow] > 0.0));
+            assert!(stays, "{level}: never on the other branch");
+        }
+    }
+}
+
+#[test]
+fn motions_without_rows_or_with_few_knots_end_among_others_too() {
+    let mut bench = Bench::new(44);
+    let (program, _, wanted) = arms_with_a_hand_in_its_place(&mut bench, 10);
+    let size = bench.robot.space.size();
+    let few = MotionSettings { knots: 4, ..MotionSettings::default() };
+    let found = side_by_side(&bench, &program, &wanted, &few, &mut MotionScratch::default());
+    assert!(found.iter().any(|(end, _)| *end == MotionEnd::TooManyKnots));
+    for (end, knots) in &found {
+        assert!(knots.len() <= 4 * size);
+        assert_eq!(*end == MotionEnd::TooManyKnots, knots.len() == 4 * size && *end != MotionEnd::Reached);
+    }
+    let free = bench.compile(&[]);
+    let settings = MotionSettings::default();
+    for (end, knots) in side_by_side(&bench, &free, &wanted, &settings, &mut MotionScratch::default()) {
+        assert_eq!((end, knots.len()), (MotionEnd::Reached, 2 * size));
+    }
 }

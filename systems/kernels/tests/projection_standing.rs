@@ -11,9 +11,10 @@ use foliate_components::robot::{JointIndex, PartKind, PartPlacement, Robot, Root
 use foliate_components::sample_models as models;
 use foliate_kernels::constraints::{centre_of_mass, placement_of, residual};
 use foliate_kernels::kinematics::{AttachmentTree, Kinematics, Standing, geometric_jacobian};
+use foliate_kernels::lanes::Level;
 use foliate_kernels::projection::{
-    CarriageTemplate, ConstraintProgram, MotionEnd, MotionScratch, MotionSettings, Outcome, Scratch, Settings, project,
-    project_motion,
+    CarriageTemplate, ConstraintProgram, MotionEnd, MotionJob, MotionScratch, MotionSettings, Outcome, Scratch,
+    Settings, project, project_motion, project_motions,
 };
 use glam::DVec3;
 use heavy_world::{Draw, poses};
@@ -330,5 +331,55 @@ fn what_does_not_stand_keeps_its_root() {
     for pose in others {
         let program = bench.compile(&[Constraint::RelativePose(pose)]);
         assert_eq!(program.equations(), (program.active().len(), program.rows()), "{pose:?}");
+    }
+}
+
+/// Several humanoids at once, one per lane: each motion is what it is alone, and keeps feet and balance between its knots.
+#[test]
+fn motions_on_both_feet_are_walked_side_by_side() {
+    let mut bench = Bench::new(7);
+    let feet = bench.feet();
+    let both = [bench.at("human/l_ankle_roll", 0), bench.at("human/r_ankle_roll", 1), bench.balance()];
+    let program = bench.compile(&both);
+    assert!(program.is_for_lanes());
+    let mut wanted = Vec::new();
+    while wanted.len() < 11 {
+        let (mut from, mut to) = (bench.near(0.15), bench.near(0.15));
+        if [&mut from, &mut to].map(|q| bench.project(&program, q, &feet).is_converged()) == [true, true] {
+            wanted.push((from, to));
+        }
+    }
+    let space = &bench.robot.space;
+    for level in Level::available() {
+        let solve = Settings { level, ..Settings::default() };
+        let settings = MotionSettings { solve, ..MotionSettings::default() };
+        let walk = |wanted: &[(Vec<f64>, Vec<f64>)]| {
+            let mut knots = vec![Vec::new(); wanted.len()];
+            let mut jobs: Vec<_> = wanted
+                .iter()
+                .zip(&mut knots)
+                .map(|((from, to), knots)| MotionJob::new((from, to), &feet, knots))
+                .collect();
+            project_motions(&program, space, &mut jobs, &settings, &mut MotionScratch::default());
+            let ends: Vec<_> = jobs.iter().map(|job| job.end).collect();
+            ends.into_iter().zip(knots).collect::<Vec<_>>()
+        };
+        let all = walk(&wanted);
+        let arrived = all.iter().filter(|(end, _)| *end == MotionEnd::Reached).count();
+        assert!(arrived >= 6, "{level}: {arrived}");
+        let mut q = space.neutral();
+        for (k, (end, knots)) in all.iter().enumerate() {
+            let alone = &walk(&wanted[k..=k])[0];
+            assert_eq!(*end, alone.0, "{level}: a crowd matters to {k}");
+            assert!(knots.iter().zip(&alone.1).all(|(a, b)| a.to_bits() == b.to_bits()), "{level}: {k}");
+            let knots: Vec<_> = knots.chunks(space.size()).collect();
+            for pair in knots.windows(2) {
+                for sample in 0..=9 {
+                    space.interpolate(pair[0], pair[1], f64::from(sample) / 9.0, &mut q);
+                    let residual = program.residual(&q, &feet, &mut bench.scratch).unwrap();
+                    assert!(residual <= settings.path_tolerance, "{level}: {residual}");
+                }
+            }
+        }
     }
 }

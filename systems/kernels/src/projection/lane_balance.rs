@@ -11,12 +11,7 @@ use glam::DVec3;
 
 /// Writes the moment of the points beyond each node, three rows each, and answers that of all points.
 #[inline(always)]
-fn moments<V: Lanes>(
-    isa: V::Isa,
-    masses: &LaneMasses,
-    at: At<'_, V::Row>,
-    moments: &mut [V::Row],
-) -> Vector3<V> {
+fn moments<V: Lanes>(isa: V::Isa, masses: &LaneMasses, at: At<'_, V::Row>, moments: &mut [V::Row]) -> Vector3<V> {
     let zero = V::constant(isa, 0.0);
     for row in &mut moments[..3 * masses.nodes.len()] {
         zero.store(row);
@@ -101,10 +96,7 @@ pub(super) fn linearise_stance<V: Lanes>(
     out: &mut Out<'_, V::Row>,
 ) {
     let (zero, one, half) = (V::constant(isa, 0.0), V::constant(isa, 1.0), V::constant(isa, 0.5));
-    let feet = [
-        frame::<V>(isa, &stance.feet[0], at).translation,
-        frame::<V>(isa, &stance.feet[1], at).translation,
-    ];
+    let feet = [frame::<V>(isa, &stance.feet[0], at).translation, frame::<V>(isa, &stance.feet[1], at).translation];
     let center = moments(isa, &stance.masses, at, out.vectors);
     let (dx, dy) = (feet[1].x - feet[0].x, feet[1].y - feet[0].y);
     let apart = dx.mul_add(dx, dy * dy).sqrt();
@@ -125,7 +117,11 @@ pub(super) fn linearise_stance<V: Lanes>(
         [up, up.scaled(-half), up.scaled(-half)],
         [sideways, turning.scaled(beyond).minus(sideways), turning.scaled(-beyond)],
         [along, turning.scaled(-aside).minus(along), turning.scaled(aside)],
-        [along.negated(), turning.scaled(-sideways.dot(to_second)), turning.scaled_plus(sideways.dot(to_second), along)],
+        [
+            along.negated(),
+            turning.scaled(-sideways.dot(to_second)),
+            turning.scaled_plus(sideways.dot(to_second), along),
+        ],
     ];
     for row in 2..4 {
         let satisfied = zero.le(values[row]);

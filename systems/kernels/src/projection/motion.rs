@@ -132,8 +132,7 @@ pub fn project_motions(
         Some(lanes) => walk_in_lanes(program, lanes, space, jobs, settings, scratch),
         None => {
             for job in jobs {
-                job.end =
-                    project_motion(program, space, job.ends, job.arguments, settings, scratch, job.knots);
+                job.end = project_motion(program, space, job.ends, job.arguments, settings, scratch, job.knots);
             }
         }
     }
