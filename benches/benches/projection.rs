@@ -5,21 +5,15 @@
 #![allow(clippy::unwrap_used, reason = "a bench that cannot be set up has nothing to measure")]
 
 use criterion::{BatchSize, BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main, measurement};
-use foliate::scene::{PackagePath, read_model};
-use foliate_benches::{criterion, random_configurations, sample_model, scene_model, skipped};
+use foliate_benches::humanoid::{BALANCED, Humanoid};
+use foliate_benches::{criterion, random_configurations, sample_model, scene_model};
 use foliate_components::Pose;
-use foliate_components::constraint::{CentreOfMass, Constraint, Masses, PlaneRow, Row};
-use foliate_components::constraint::{Frame, Reference, RelativePose};
+use foliate_components::constraint::{Constraint, Frame, Reference, RelativePose};
 use foliate_components::pose::pose_to_array;
-use foliate_components::robot::model::Model as RobotModel;
-use foliate_components::robot::{PartIndex, PartKind, PartPlacement, Robot, RootJoint, Source};
-use foliate_components::sample_models;
-use foliate_kernels::constraints::{centre_of_mass, placement_of};
+use foliate_kernels::constraints::placement_of;
 use foliate_kernels::kinematics::Kinematics;
 use foliate_kernels::lanes::Level;
-use foliate_kernels::projection::{
-    ConstraintProgram, Job, Outcome, Scratch, SeedTable, Settings, project, project_batch,
-};
+use foliate_kernels::projection::{ConstraintProgram, Job, Outcome, Scratch, SeedTable, Settings, project_batch};
 use foliate_systems::model::PlanningModel;
 use glam::{DQuat, DVec3};
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -164,116 +158,10 @@ fn bench_starts(
     }
 }
 
-/// A humanoid that stands: the sample in code, or a published one.
-struct Humanoid {
-    name: &'static str,
-    robot: Robot,
-    standing: Vec<f64>,
-    ankles: [Frame; 2],
-    hand: Frame,
-}
-
-impl Humanoid {
-    fn new(name: &'static str, model: &RobotModel, ankles: [&str; 2], hand: &str, bent: &[(&str, f64)]) -> Self {
-        let placement = PartPlacement {
-            root_bounds: vec![(-1.0, 1.0); 3],
-            ..sample_models::part("human", PartKind::Robot, RootJoint::FreeFlyer, Pose::identity())
-        };
-        let robot = Robot::compose(&[(model, placement)]).unwrap();
-        let frame = |joint: &str| Frame::of_joint(robot.joint(&format!("human/{joint}")).unwrap());
-        let (ankles, hand) = (ankles.map(frame), frame(hand));
-        let mut standing = robot.space.neutral();
-        for (joint, value) in bent {
-            let joint = &robot.joints[robot.joint(&format!("human/{joint}")).unwrap().at()];
-            let Source::Coordinates { q, .. } = joint.source else { continue };
-            standing[q] = *value;
-        }
-        Self { name, robot, standing, ankles, hand }
-    }
-
-    fn sample() -> Self {
-        let bent =
-            [("hip_pitch", -0.4), ("knee", 0.8), ("ankle_pitch", -0.4), ("shoulder_pitch", -0.4), ("elbow", -1.0)];
-        let bent: Vec<_> = ["l", "r"].iter().flat_map(|s| bent.map(|(joint, x)| (format!("{s}_{joint}"), x))).collect();
-        let bent: Vec<_> = bent.iter().map(|(joint, x)| (joint.as_str(), *x)).collect();
-        Self::new("sample", &sample_models::humanoid(), ["l_ankle_roll", "r_ankle_roll"], "l_wrist_roll", &bent)
-    }
-
-    /// `None`, and said so, where the published robots are not at hand.
-    fn talos() -> Option<Self> {
-        let url = "package://example-robot-data/robots/talos_data/robots/talos_full_v2.urdf";
-        let read = match read_model(url, None, &PackagePath::from_environment(&[])) {
-            Ok(read) => read,
-            Err(error) => {
-                skipped("talos", &error.to_string());
-                return None;
-            }
-        };
-        let bent = [("3", -0.41), ("4", 0.86), ("5", -0.45)];
-        let bent: Vec<_> =
-            ["left", "right"].iter().flat_map(|s| bent.map(|(k, x)| (format!("leg_{s}_{k}_joint"), x))).collect();
-        let mut bent: Vec<_> = bent.iter().map(|(joint, x)| (joint.as_str(), *x)).collect();
-        bent.extend([("arm_left_4_joint", -0.5), ("arm_right_4_joint", -0.5)]);
-        let ankles = ["leg_left_6_joint", "leg_right_6_joint"];
-        Some(Self::new("talos", &read.model, ankles, "arm_left_7_joint", &bent))
-    }
-
-    /// Both feet where they stand, the centre of mass over them where it is, and a hand at an argument: 21 rows. Where the
-    /// robot stands on a foot, its root and six of them are eliminated; a foot in two halves, place and turn, is none, so
-    /// that what elimination saves can be measured.
-    fn program(&self, kinematics: &Kinematics, stands: bool) -> ConstraintProgram {
-        let mut bodies = vec![Pose::identity(); kinematics.bodies()];
-        kinematics.forward(&self.standing, &mut bodies);
-        let world = Frame::world(Pose::identity());
-        let foot = |frame: Frame| {
-            let there = Reference::Fixed(placement_of(&frame).in_world(&bodies));
-            let whole = RelativePose::rigid(world, frame, there);
-            let half = |from: usize| {
-                let rows = std::array::from_fn(|k| whole.rows[k].filter(|_| (from..from + 3).contains(&k)));
-                Constraint::RelativePose(RelativePose { rows, ..whole })
-            };
-            if stands { vec![Constraint::RelativePose(whole)] } else { vec![half(0), half(3)] }
-        };
-        let masses = Masses::of_parts(&self.robot, &[PartIndex(0)]).unwrap();
-        let plane = |normal| PlaneRow { normal, offset: 0.0, row: Row::Zero };
-        let rows = DVec3::AXES.map(plane).to_vec();
-        let mut balance = CentreOfMass { masses, frame: self.ankles[0], rows, reference: Reference::Identity };
-        let center = centre_of_mass::in_frame(&balance, &bodies);
-        balance.rows.iter_mut().for_each(|plane| plane.offset = plane.normal.dot(center));
-        let hand = Constraint::RelativePose(RelativePose::rigid(world, self.hand, Reference::Argument(0)));
-        let mut constraints = self.ankles.map(foot).concat();
-        constraints.extend([Constraint::CentreOfMass(balance), hand]);
-        ConstraintProgram::compile(&self.robot, kinematics, &constraints, &[], &[]).unwrap()
-    }
-
-    /// Configurations on feet and in balance, and where their hands are.
-    fn solutions(&self, kinematics: &Kinematics, program: &ConstraintProgram) -> (Vec<Vec<f64>>, Vec<Pose>) {
-        let (mut found, mut hands) = (Vec::new(), Vec::new());
-        let (mut scratch, mut bodies) = (Scratch::default(), vec![Pose::identity(); kinematics.bodies()]);
-        for random in random_configurations(&self.robot, 20 * BALANCED) {
-            let mut q = self.standing.clone();
-            self.robot.space.interpolate(&self.standing, &random, 0.2, &mut q);
-            kinematics.forward(&q, &mut bodies);
-            let target = [placement_of(&self.hand).in_world(&bodies)];
-            if found.len() < BALANCED
-                && project(program, &mut q, &target, &Settings::default(), &mut scratch).is_converged()
-            {
-                found.push(q);
-                hands.push(target[0]);
-            }
-        }
-        assert_eq!(found.len(), BALANCED, "{}: too few reach a fifth of the way", self.name);
-        (found, hands)
-    }
-}
-
-/// Targets of a humanoid; a multiple of the lanes.
-const BALANCED: usize = 256;
-
 fn bench_humanoid(c: &mut Criterion, humanoid: &Humanoid) {
     let kinematics = Kinematics::new(&humanoid.robot);
-    let standing = humanoid.program(&kinematics, true);
-    let (solutions, targets) = humanoid.solutions(&kinematics, &standing);
+    let standing = humanoid.program(&kinematics, true, true);
+    let (solutions, targets) = humanoid.solutions(&kinematics, &standing, 0.2);
     let random = random_configurations(&humanoid.robot, BALANCED);
     let towards = |share: f64| -> Vec<Vec<f64>> {
         let start = |(there, random): (&Vec<f64>, &Vec<f64>)| {
@@ -283,7 +171,7 @@ fn bench_humanoid(c: &mut Criterion, humanoid: &Humanoid) {
         };
         solutions.iter().zip(&random).map(start).collect()
     };
-    for program in [standing, humanoid.program(&kinematics, false)] {
+    for program in [standing, humanoid.program(&kinematics, false, true)] {
         let (variables, rows) = program.equations();
         let mut group = c.benchmark_group(format!("projection/{} {variables}x{rows}", humanoid.name));
         group.throughput(Throughput::Elements(BALANCED as u64)).sample_size(20);

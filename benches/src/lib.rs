@@ -2,6 +2,8 @@
 #![forbid(unsafe_code)]
 #![allow(clippy::expect_used, clippy::unwrap_used, reason = "a bench that cannot be set up has nothing to measure")]
 
+pub mod humanoid;
+
 use criterion::Criterion;
 use foliate::batch::Entry;
 use foliate::scene::PackagePath;

@@ -152,19 +152,23 @@ impl Share<'_, '_, '_> {
         };
         let legs = self.plans.iter().map(|plan| &plan.legs[number]);
         let arguments = |leg: &PlannedLeg| interior.arguments(model, leaves, leg.state, &leg.parameters, None);
-        let motions: Vec<_> = legs.map(|leg| (ends_of(model, leg), arguments(leg))).collect();
+        let ways: Vec<_> = legs.map(|leg| Way { ends: ends_of(model, leg), arguments: arguments(leg) }).collect();
         let steered = if self.is_crowd {
-            project_side_by_side(model, settings, interior, &motions, scratch)
+            project_side_by_side(model, settings, interior, &ways, scratch)
         } else {
-            let alone = |(ends, arguments): &(_, Vec<Pose>)| {
-                project_between(model, settings, interior, arguments, *ends, scratch)
-            };
-            motions.iter().map(alone).collect()
+            let alone = |way: &Way<'_>| project_between(model, settings, interior, way, scratch);
+            ways.iter().map(alone).collect()
         };
         for (plan, steered) in self.plans.iter_mut().zip(steered) {
             plan.keep(model, number, Some(steered));
         }
     }
+}
+
+/// What is to be projected: the straight motion between two configurations, with right-hand sides.
+struct Way<'l, A = Vec<Pose>> {
+    ends: (&'l [f64], &'l [f64]),
+    arguments: A,
 }
 
 /// The two ends of a leg.
@@ -199,7 +203,8 @@ pub fn steer_whole(
     if interior.program.rows() == 0 {
         return Some(Steered { knots: [a, b].concat(), residual: 0.0, is_whole: true });
     }
-    Some(project_between(model, settings, interior, arguments, (a, b), scratch)).filter(|steered| steered.is_whole)
+    let way = Way { ends: (a, b), arguments };
+    Some(project_between(model, settings, interior, &way, scratch)).filter(|steered| steered.is_whole)
 }
 
 /// Projects the straight motion from one configuration to another onto implicit rows, as far as that goes.
@@ -207,31 +212,27 @@ fn project_between(
     model: &PlanningModel,
     settings: &SearchSettings,
     interior: &LegProgram,
-    arguments: &[Pose],
-    ends: (&[f64], &[f64]),
+    way: &Way<'_, impl AsRef<[Pose]>>,
     scratch: &mut MotionScratch,
 ) -> Steered {
-    let mut knots = Vec::new();
-    let space = &model.problem.robot.space;
-    let end =
-        project_motion(&interior.program, space, ends, arguments, &motion_settings(settings), scratch, &mut knots);
+    let (mut knots, arguments) = (Vec::new(), way.arguments.as_ref());
+    let (space, motion) = (&model.problem.robot.space, motion_settings(settings));
+    let program = &interior.program;
+    let end = project_motion(program, space, way.ends, arguments, &motion, scratch, &mut knots);
     steered(settings, end, knots)
 }
 
-/// The same of several motions, with the arguments of each.
+/// The same of several motions.
 fn project_side_by_side(
     model: &PlanningModel,
     settings: &SearchSettings,
     interior: &LegProgram,
-    motions: &[((&[f64], &[f64]), Vec<Pose>)],
+    ways: &[Way<'_>],
     scratch: &mut MotionScratch,
 ) -> Vec<Steered> {
-    let mut knots = vec![Vec::new(); motions.len()];
-    let mut jobs: Vec<_> = motions
-        .iter()
-        .zip(&mut knots)
-        .map(|((ends, arguments), knots)| MotionJob::new(*ends, arguments, knots))
-        .collect();
+    let mut knots = vec![Vec::new(); ways.len()];
+    let jobs = ways.iter().zip(&mut knots);
+    let mut jobs: Vec<_> = jobs.map(|(way, knots)| MotionJob::new(way.ends, &way.arguments, knots)).collect();
     let space = &model.problem.robot.space;
     project_motions(&interior.program, space, &mut jobs, &motion_settings(settings), scratch);
     let ends: Vec<_> = jobs.iter().map(|job| job.end).collect();

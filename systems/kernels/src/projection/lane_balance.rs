@@ -127,15 +127,16 @@ pub(super) fn linearise_stance<V: Lanes>(
         let satisfied = zero.le(values[row]);
         if satisfied.any() {
             values[row] = V::select(satisfied, zero, values[row]);
-            for moved in 0..3 {
-                gradients[row][moved] = Vector3::select(satisfied, nothing, gradients[row][moved]);
+            for gradient in &mut gradients[row] {
+                *gradient = Vector3::select(satisfied, nothing, *gradient);
             }
         }
     }
     let skipped = usize::from(stance.height.is_none());
-    for row in skipped..4 {
-        values[row].store(&mut out.values[stance.first + row - skipped]);
+    for (value, row) in values[skipped..].iter().zip(&mut out.values[stance.first..]) {
+        value.store(row);
     }
+    let gradients = &gradients[skipped..];
     if out.values_alone {
         return;
     }
@@ -143,9 +144,8 @@ pub(super) fn linearise_stance<V: Lanes>(
         let beyond = (Vector3::load(isa, &out.vectors[3 * moment.node..]), moment.weight);
         let velocity = moment.column.moment_velocity::<V>(isa, at.bodies, at.given, beyond);
         let numbers = &mut out.jacobian[moment.column.variable * out.stride + stance.first..];
-        for row in skipped..4 {
-            let number = &mut numbers[row - skipped];
-            (gradients[row][0].dot(velocity) + V::load(isa, number)).store(number);
+        for (gradient, number) in gradients.iter().zip(numbers) {
+            (gradient[0].dot(velocity) + V::load(isa, number)).store(number);
         }
     }
     for foot in 0..2 {
@@ -153,9 +153,8 @@ pub(super) fn linearise_stance<V: Lanes>(
         for column in columns {
             let (velocity, _) = column.twist::<V>(isa, at.bodies, at.given, feet[foot]);
             let numbers = &mut out.jacobian[column.variable * out.stride + stance.first..];
-            for row in skipped..4 {
-                let number = &mut numbers[row - skipped];
-                (gradients[row][foot + 1].dot(velocity) + V::load(isa, number)).store(number);
+            for (gradient, number) in gradients.iter().zip(numbers) {
+                (gradient[foot + 1].dot(velocity) + V::load(isa, number)).store(number);
             }
         }
     }

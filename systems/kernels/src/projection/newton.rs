@@ -10,6 +10,10 @@ use foliate_components::Pose;
 use foliate_components::configuration::quaternion;
 use foliate_components::pose::exp_so3;
 use glam::DVec3;
+use std::ops::RangeInclusive;
+
+/// Systems of so many rows are solved with their numbers side by side.
+const WIDE: RangeInclusive<usize> = 7..=linear::MOST_WIDE;
 
 /// How a solve works.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,7 +34,8 @@ pub struct Settings {
     /// metres and radians; 0 for double precision throughout. What does not come so far has failed; what does is finished, and
     /// judged, in double precision. Below about 1e-5 rounding may be in the way.
     pub single_until: f64,
-    /// Instructions with which [`project_batch`](super::project_batch) works; one problem alone is solved in scalar code.
+    /// Instructions with which [`project_batch`](super::project_batch) works; one problem alone is solved in scalar code, but for
+    /// the linear systems of many rows.
     pub level: Level,
 }
 
@@ -187,7 +192,7 @@ impl ConstraintProgram {
         self.freeze_by_gradient(q, scratch);
         // A coordinate at its bound that the step would push out is frozen too, and the step taken again without it.
         for _ in 0..3 {
-            if !self.solve_step(damping, scratch) {
+            if !self.solve_step(damping, settings.level, scratch) {
                 return false;
             }
             if !self.freeze_by_step(q, scratch) {
@@ -204,12 +209,17 @@ impl ConstraintProgram {
     }
 
     /// Solves (J·Jᵀ + λ²) y = e, step = −Jᵀ·y.
-    fn solve_step(&self, damping: f64, scratch: &mut Scratch) -> bool {
+    fn solve_step(&self, damping: f64, level: Level, scratch: &mut Scratch) -> bool {
         let (rows, width) = (self.rows(), self.active.len());
-        let Scratch { values, jacobian, gram, multipliers, step, .. } = scratch;
+        let Scratch { values, jacobian, gram, wide, multipliers, step, .. } = scratch;
         multipliers[..rows].copy_from_slice(&values[..rows]);
         let jacobian = &jacobian[..rows * width];
-        if !linear::solve_damped(jacobian, rows, damping, gram, multipliers) {
+        let is_solved = if level != Level::scalar() && WIDE.contains(&rows) {
+            linear::solve_damped_wide(jacobian, rows, damping, level, wide, &mut multipliers[..rows])
+        } else {
+            linear::solve_damped(jacobian, rows, damping, gram, multipliers)
+        };
+        if !is_solved {
             return false;
         }
         for (s, column) in step.iter_mut().zip(jacobian.chunks_exact(rows.max(1))) {

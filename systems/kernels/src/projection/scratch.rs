@@ -6,6 +6,7 @@ use crate::constraints::custom::FunctionMemory;
 use crate::constraints::placement::Contact;
 use crate::kinematics::Carriage;
 use crate::lanes::{F32Row, F64Row};
+use crate::linear::WideMemory;
 use foliate_components::Pose;
 use glam::DVec3;
 
@@ -30,6 +31,7 @@ pub struct Scratch {
     pub(super) values: Vec<f64>,
     pub(super) jacobian: Vec<f64>,
     pub(super) gram: Vec<f64>,
+    pub(super) wide: WideMemory,
     pub(super) multipliers: Vec<f64>,
     pub(super) step: Vec<f64>,
     pub(super) frozen: Vec<bool>,

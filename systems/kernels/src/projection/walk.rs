@@ -39,7 +39,8 @@ const LARGEST_GROWTH: f64 = 2.0;
 pub(super) struct Tools {
     pub solve: Scratch,
     bound_memory: BoundMemory,
-    /// Configurations between two knots, and their errors.
+    /// Part of a step; configurations between two knots, and their errors.
+    part: Vec<f64>,
     probes: Vec<f64>,
     errors: Vec<f64>,
 }
@@ -226,8 +227,8 @@ impl Walk<'_> {
         self.budget() / (self.memory.bend + 1.0 / f64::from(PARTS * PARTS))
     }
 
-    /// Whether the rows stay within the path tolerance on the straight motion from the current knot to the next, or to the
-    /// goal; `bound` is that of all of it.
+    /// Whether the rows stay within the path tolerance on the straight motion from the current knot by `step`, or by `chord` to
+    /// the goal; `bound` is that of all of it.
     fn holds(&mut self, bound: f64, to_goal: bool) -> bool {
         let budget = self.budget();
         if bound <= budget {
@@ -241,10 +242,13 @@ impl Walk<'_> {
         // The middle first: that is where a step fails, if it does, and where its bend is measured.
         let inner = std::iter::once(parts / 2).chain((1..parts).filter(|&k| k != parts / 2));
         let (m, tools) = (&mut *self.memory, &mut *self.tools);
-        let (end, size) = (if to_goal { &m.goal } else { &m.next }, m.current.len());
+        let (way, size) = (if to_goal { &m.chord } else { &m.step }, m.current.len());
         tools.probes.resize((parts as usize - 1) * size, 0.0);
         for (k, probe) in inner.zip(tools.probes.chunks_exact_mut(size.max(1))) {
-            self.space.interpolate(&m.current, end, f64::from(k) / f64::from(parts), probe);
+            let share = f64::from(k) / f64::from(parts);
+            tools.part.clear();
+            tools.part.extend(way.iter().map(|x| share * x));
+            self.space.integrate(&m.current, &tools.part, probe);
         }
         let level = self.settings.solve.level;
         let Tools { solve, probes, errors, .. } = tools;
