@@ -3,6 +3,10 @@
 
 mod cli;
 
+/// A search asks for many small pieces of memory. Hosts bring an allocator of their own.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 fn main() -> std::process::ExitCode {
     cli::main()
 }

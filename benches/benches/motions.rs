@@ -69,7 +69,7 @@ impl Bench<'_> {
 fn bench_humanoid(c: &mut Criterion, humanoid: &Humanoid) {
     let kinematics = Kinematics::new(&humanoid.robot);
     let program = humanoid.program(&kinematics, true, false);
-    let (solutions, _) = humanoid.solutions(&kinematics, &program, 0.1);
+    let (solutions, _) = humanoid.solutions(&kinematics, &program, 0.2);
     let pairs = solutions.chunks_exact(2).take(MOTIONS);
     let bench = Bench {
         program: &program,

@@ -85,6 +85,9 @@ impl Cell {
         above.rows = [Some(Row::Zero), None, Some(Row::Inequality), None, Some(Row::Zero), None];
         let both = RelativePose::rigid(grasp.gripper, second.gripper, Reference::Fixed(apart));
         let placed_at = Constraint::PlacementHold(contact.clone(), 0);
+        let X_CO = gripper.X_JF * placement_of(&grasp.handle).X_JF.inverse();
+        let in_hand = CarriageTemplate::fixed(block, gripper.joint, X_CO);
+        let laid = Constraint::Placement(contact.clone());
         let held = Constraint::RelativePose(grasp.constraint());
         let programs = [
             ("reach", self.compile(&[Constraint::RelativePose(rigid)], &[])),
@@ -93,6 +96,7 @@ impl Cell {
             ("put down there", self.compile(&[held, placed_at], &[])),
             ("some rows", self.compile(&[Constraint::RelativePose(above)], &[])),
             ("hand to hand", self.compile(&[Constraint::RelativePose(both)], &[])),
+            ("lay down what is held", self.compile(&[laid], &[in_hand])),
         ];
         let mut found = Vec::new();
         for (name, program) in programs {

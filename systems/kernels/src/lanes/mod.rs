@@ -36,6 +36,8 @@
 //! * One [`Level::run`] per batch of work, not per number: the call costs a few nanoseconds and is not inlined.
 //! * Memory is made of rows: a [`Row`] is one quantity of every lane, 64 bytes on a 64-byte border, so that the layout is
 //!   `[quantity][lane]` on every machine. Vectors themselves live in registers and are never stored in structures.
+//! * An array of vectors is in registers only where every loop over it is unrolled. Loops whose number of turns is constant
+//!   are, triangular nests of six turns are not: their outermost turns are calls with a constant each (`linear/lane_ldlt`).
 //! * No branch on what a lane contains, except to skip work that no lane needs (`mask.any()`), and then each lane's result
 //!   is selected as if the work had been done: what a lane gets must not depend on its neighbours.
 //! * `mul_add` is fused where the level has it, so that last bits differ between levels, never between two runs at one.

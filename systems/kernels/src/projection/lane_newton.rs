@@ -3,12 +3,12 @@
 //! The same algorithm as `newton`, lane by lane, in either precision. What a lane computes depends on its own problem alone:
 //! nothing is skipped unless every lane's result stays the same bit for bit.
 
-use super::lane_program::{LaneProgram, LaneRows, MOST_ROWS};
+use super::lane_program::{LaneProgram, LaneRows};
 use super::lane_rows::{At, Out, linearise};
 use super::newton::Settings;
 use crate::kinematics::{POSE_ROWS, run_lanes};
 use crate::lanes::{F32Row, F64Row, Isa, Kernel, Lanes, Level, Mask, Scalar};
-use crate::linear::{LaneMatrix, solve_damped_lanes};
+use crate::linear::{LaneSystem, Rows, damped_step_lanes};
 
 /// What lanes work in, and where problems are put.
 #[derive(Clone, Debug, Default)]
@@ -26,6 +26,9 @@ pub(super) struct LaneMemory<R> {
     multipliers: Vec<R>,
     gram: Vec<R>,
     step: Vec<R>,
+    /// For each variable the lanes (bits) at its upper and at its lower bound.
+    at_bounds: Vec<[u32; 2]>,
+    /// And those in which it keeps still.
     frozen: Vec<u32>,
     /// Smallest squared residual so far from which the next halving counts.
     best: R,
@@ -66,6 +69,7 @@ impl<R: Copy + Default> LaneMemory<R> {
         grow(&mut self.step, width);
         if self.frozen.len() < width {
             self.frozen.resize(width, 0);
+            self.at_bounds.resize(width, [0; 2]);
         }
     }
 }
@@ -191,11 +195,10 @@ fn work_off<V: Lanes>(isa: V::Isa, solve: Solve<'_, V::Row>, solves: u32) {
         }
         worst.store(&mut memory.residual);
         let (converged, stagnated) = (converged.bits(), stagnated.bits() | stuck);
-        for lane in 0..V::COUNT {
-            let bit = 1 << lane;
-            if done & bit == 0 {
-                continue;
-            }
+        let mut left = done;
+        while left != 0 {
+            let (lane, bit) = (left.trailing_zeros() as usize % V::COUNT, left & left.wrapping_neg());
+            left &= !bit;
             let end = if converged & bit != 0 {
                 End::Converged
             } else if stagnated & bit != 0 {
@@ -272,115 +275,62 @@ fn step<V: Lanes>(
     damping: V,
 ) -> u32 {
     let (rows, width) = (program.rows, program.moves.len());
-    memory.frozen[..width].fill(0);
     freeze_by_gradient::<V>(isa, program, memory);
     let going_bits = going.bits();
     // Where every lane's contact is inside, its two rows at rest are zero in value and Jacobian: leaving them out changes no
     // bit of the others.
     let lone_contact = matches!(program.blocks.as_slice(), [LaneRows::Contact(_)]);
     let short = lone_contact && at_rest.bits() & going_bits == going_bits;
-    let some = [0, 3, 4];
-    let chosen: &[usize] = if short { &some } else { &EVERY_ROW[..rows.min(MOST_ROWS)] };
+    let chosen = if short { Rows::ThreeOfFive } else { Rows::Every };
     let mut positive = going;
     for left in (0..solves).rev() {
-        for (to, from) in memory.multipliers[..rows].iter_mut().zip(&memory.values[..rows]) {
-            *to = *from;
-        }
-        let LaneMemory { jacobian, multipliers, gram, step, .. } = &mut *memory;
-        let matrix = LaneMatrix { numbers: &jacobian[..rows * width], stride: rows, width };
-        positive = solve_damped_lanes::<V>(isa, matrix, chosen, damping, gram, multipliers);
-        for (column, out) in step[..width].iter_mut().enumerate() {
-            let numbers = &jacobian[column * rows..][..rows];
-            let mut sum = V::constant(isa, 0.0);
-            for &row in chosen {
-                sum = V::load(isa, &numbers[row]).neg_mul_add(V::load(isa, &multipliers[row]), sum);
-            }
-            sum.store(out);
-        }
+        let LaneMemory { values, jacobian, frozen, multipliers, gram, step, .. } = &mut *memory;
+        let system =
+            LaneSystem { jacobian: &mut jacobian[..rows * width], values: &values[..rows], frozen: &frozen[..width] };
+        positive = damped_step_lanes::<V>(isa, system, chosen, damping, (gram, multipliers), &mut step[..width]);
         // The last solution is cut to the bounds anyhow.
-        if left == 0 || freeze_by_step::<V>(isa, program, memory, going_bits) & going_bits == 0 {
+        if left == 0 || freeze_by_step::<V>(isa, program, memory, going_bits) == 0 {
             break;
         }
     }
     integrate::<V>(isa, program, settings, memory, going, positive)
 }
 
-/// The numbers of rows, in order.
-const EVERY_ROW: [usize; MOST_ROWS] = {
-    let mut rows = [0; MOST_ROWS];
-    let mut k = 0;
-    while k < MOST_ROWS {
-        rows[k] = k;
-        k += 1;
-    }
-    rows
-};
-
-/// Which lanes of a coordinate are at its upper and at its lower bound.
-#[inline(always)]
-fn at_bound<V: Lanes>(
-    isa: V::Isa,
-    program: &LaneProgram,
-    memory: &LaneMemory<V::Row>,
-    variable: usize,
-) -> (V::Mask, V::Mask) {
-    let change = &program.moves[variable];
-    let q = V::load(isa, &memory.q[change.coordinate]);
-    // As in the scalar code; scaled with the type.
-    let slack = 4096.0 * V::Scalar::EPSILON.to_f64();
-    let upper = V::constant(isa, change.upper - slack).le(q);
-    (upper, q.le(V::constant(isa, change.lower + slack)) & !upper)
-}
-
-#[inline(always)]
-fn freeze<V: Lanes>(isa: V::Isa, rows: usize, memory: &mut LaneMemory<V::Row>, variable: usize, lanes: V::Mask) {
-    memory.frozen[variable] |= lanes.bits();
-    let zero = V::constant(isa, 0.0);
-    for number in &mut memory.jacobian[variable * rows..][..rows] {
-        V::select(lanes, zero, V::load(isa, number)).store(number);
-    }
-}
-
-/// Freezes coordinates at a bound that the gradient of ½|e|² pushes outward.
+/// Freezes coordinates at a bound that the gradient of ½|e|² pushes outward. With so many lanes there is nearly always one at
+/// some bound and nobody can guess at which: gradients of all are found, and no branch is taken.
 #[inline(always)]
 fn freeze_by_gradient<V: Lanes>(isa: V::Isa, program: &LaneProgram, memory: &mut LaneMemory<V::Row>) {
-    let rows = program.rows;
+    let LaneMemory { q, values, jacobian, at_bounds, frozen, .. } = memory;
+    let values = &values[..program.rows];
     let zero = V::constant(isa, 0.0);
-    for variable in 0..program.moves.len() {
-        let (upper, lower) = at_bound::<V>(isa, program, memory, variable);
-        if !(upper | lower).any() {
-            continue;
-        }
+    // As in the scalar code; scaled with the type.
+    let slack = 4096.0 * V::Scalar::EPSILON.to_f64();
+    let columns = jacobian.chunks_exact(values.len().max(1));
+    for (((change, column), at), frozen) in program.moves.iter().zip(columns).zip(at_bounds).zip(frozen) {
+        let q = V::load(isa, &q[change.coordinate]);
+        let upper = V::constant(isa, change.upper - slack).le(q);
+        let lower = q.le(V::constant(isa, change.lower + slack)) & !upper;
         let mut gradient = zero;
-        for row in 0..rows {
-            let j = V::load(isa, &memory.jacobian[variable * rows + row]);
-            gradient = j.mul_add(V::load(isa, &memory.values[row]), gradient);
+        for (j, e) in column.iter().zip(values) {
+            gradient = V::load(isa, j).mul_add(V::load(isa, e), gradient);
         }
-        let outward = (upper & gradient.lt(zero)) | (lower & zero.lt(gradient));
-        if outward.any() {
-            freeze::<V>(isa, rows, memory, variable, outward);
-        }
+        *at = [upper.bits(), lower.bits()];
+        *frozen = ((upper & gradient.lt(zero)) | (lower & zero.lt(gradient))).bits();
     }
 }
 
-/// Freezes coordinates at a bound that the step pushes outward; answers the lanes where there were any.
+/// Freezes coordinates at a bound that the step pushes outward; answers the lanes among those that go on where there were any.
 #[inline(always)]
 fn freeze_by_step<V: Lanes>(isa: V::Isa, program: &LaneProgram, memory: &mut LaneMemory<V::Row>, going: u32) -> u32 {
+    let LaneMemory { step, at_bounds, frozen, .. } = memory;
     let zero = V::constant(isa, 0.0);
     let mut any = 0;
-    for variable in 0..program.moves.len() {
-        let (upper, lower) = at_bound::<V>(isa, program, memory, variable);
-        if !(upper | lower).any() {
-            continue;
-        }
-        let step = V::load(isa, &memory.step[variable]);
-        let outward = (upper & zero.lt(step)) | (lower & step.lt(zero));
-        let new = outward.bits() & !memory.frozen[variable] & going;
-        if new != 0 {
-            let new_lanes = <V::Mask as Mask>::from_bits(isa, new);
-            freeze::<V>(isa, program.rows, memory, variable, new_lanes);
-            any |= new;
-        }
+    for ((step, [upper, lower]), frozen) in step[..program.moves.len()].iter().zip(at_bounds).zip(frozen) {
+        let step = V::load(isa, step);
+        let outward = (*upper & zero.lt(step).bits()) | (*lower & step.lt(zero).bits());
+        let new = outward & !*frozen & going;
+        *frozen |= new;
+        any |= new;
     }
     any
 }
