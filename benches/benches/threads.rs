@@ -1,4 +1,5 @@
 //! What does a second thread bring to one search, and what would it bring to two that know nothing of each other?
+#![allow(clippy::unwrap_used, reason = "a bench that cannot be set up has nothing to measure")]
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use foliate::Planner;
