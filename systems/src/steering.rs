@@ -54,6 +54,9 @@ pub fn steer_legs(
             plan.candidate.is_alive() && plan.legs.get(number).is_some_and(|leg| is_bound(&model, leg))
         };
         let mut bound: Vec<_> = plans.iter_mut().filter(is_bound).collect();
+        if bound.is_empty() {
+            continue;
+        }
         each(
             &mut shares(&mut bound, number),
             || buffers.borrow(),

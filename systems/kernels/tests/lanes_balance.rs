@@ -3,18 +3,21 @@
 #![allow(non_snake_case, reason = "pose names carry their frames")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on says so")]
 
+mod heavy_world;
+
 use foliate_components::Pose;
 use foliate_components::constraint::{
     CentreOfMass, CentreOfMassBetween, Constraint, Frame, Masses, PlaneRow, Reference, RelativePose, Row,
 };
 use foliate_components::pose::exp_so3;
-use foliate_components::robot::{JointIndex, PartKind, PartPlacement, Robot, RootJoint, Source};
+use foliate_components::robot::{JointIndex, PartKind, PartPlacement, Robot, RootJoint};
 use foliate_components::sample_models as models;
 use foliate_kernels::constraints::centre_of_mass;
 use foliate_kernels::kinematics::Kinematics;
 use foliate_kernels::lanes::Level;
 use foliate_kernels::projection::{ConstraintProgram, Job, Outcome, Scratch, Settings, project, project_batch};
 use glam::DVec3;
+use heavy_world::{bent_knees, flying_human};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -31,21 +34,10 @@ struct Stage {
 
 impl Stage {
     fn new(root: f64) -> Self {
-        let tilted = Pose::from_parts(DVec3::new(0.3, -0.2, 0.5), exp_so3(DVec3::new(0.4, -0.3, 0.9)));
-        let human = PartPlacement {
-            root_bounds: vec![(-root, root); 3],
-            ..models::part("human", PartKind::Robot, RootJoint::FreeFlyer, tilted)
-        };
+        let human = flying_human(root);
         let block = models::block(DVec3::new(0.1, 0.1, 0.2));
         let robot = Robot::compose(&[(&models::humanoid(), human), (&block, models::movable_object("box"))]).unwrap();
-        let mut standing = robot.space.neutral();
-        for side in ["l", "r"] {
-            for (joint, value) in [("hip_pitch", -0.4), ("knee", 0.8), ("ankle_pitch", -0.4), ("elbow", -1.0)] {
-                let joint = robot.joint(&format!("human/{side}_{joint}")).unwrap();
-                let Source::Coordinates { q, .. } = robot.joints[joint.at()].source else { unreachable!() };
-                standing[q] = value;
-            }
-        }
+        let standing = bent_knees(&robot);
         Self { kinematics: Kinematics::new(&robot), robot, rng: ChaCha8Rng::seed_from_u64(9), standing }
     }
 

@@ -7,7 +7,7 @@ mod heavy_world;
 use foliate_components::Pose;
 use foliate_components::constraint::{CentreOfMass, Constraint, Frame, Masses, PlaneRow, Reference, RelativePose, Row};
 use foliate_components::pose::{exp_so3, log_so3};
-use foliate_components::robot::{JointIndex, PartKind, PartPlacement, Robot, RootJoint, Source};
+use foliate_components::robot::{JointIndex, PartKind, Robot, RootJoint};
 use foliate_components::sample_models as models;
 use foliate_kernels::constraints::{centre_of_mass, placement_of, residual};
 use foliate_kernels::kinematics::{AttachmentTree, Kinematics, Standing, geometric_jacobian};
@@ -17,7 +17,7 @@ use foliate_kernels::projection::{
     Settings, project, project_motion, project_motions,
 };
 use glam::DVec3;
-use heavy_world::{Draw, poses};
+use heavy_world::{Draw, bent_knees, flying_human, poses};
 use rand::RngExt;
 
 struct Bench {
@@ -32,10 +32,7 @@ struct Bench {
 impl Bench {
     fn new(seed: u64) -> Self {
         let tilted = Pose::from_parts(DVec3::new(0.3, -0.2, 0.5), exp_so3(DVec3::new(0.4, -0.3, 0.9)));
-        let human = PartPlacement {
-            root_bounds: vec![(-1.0, 1.0); 3],
-            ..models::part("human", PartKind::Robot, RootJoint::FreeFlyer, tilted)
-        };
+        let human = flying_human(1.0);
         let block = models::block(DVec3::new(0.1, 0.1, 0.2));
         let rover = models::part("rover", PartKind::Robot, RootJoint::Planar, tilted);
         let robot = Robot::compose(&[
@@ -44,15 +41,8 @@ impl Bench {
             (&models::two_joint_arm(), rover),
         ])
         .unwrap();
-        let mut standing = robot.space.neutral();
-        for side in ["l", "r"] {
-            for (joint, value) in [("hip_pitch", -0.4), ("knee", 0.8), ("ankle_pitch", -0.4), ("elbow", -1.0)] {
-                let joint = robot.joint(&format!("human/{side}_{joint}")).unwrap();
-                let Source::Coordinates { q, .. } = robot.joints[joint.at()].source else { unreachable!() };
-                standing[q] = value;
-            }
-        }
         let kinematics = Kinematics::new(&robot);
+        let standing = bent_knees(&robot);
         Self { kinematics, scratch: Scratch::default(), draw: Draw::new(seed), robot, standing }
     }
 

@@ -208,7 +208,7 @@ pub(crate) fn run<V: Lanes>(isa: V::Isa, steps: &[LaneStep], q: &[V::Row], given
         };
         body = match from {
             None => step.moved(isa, step.mounted_on_world(isa), q, given),
-            Some(from) if step.is_inverse => step.unmounted(isa, &step.unmoved(isa, from, q)),
+            Some(from) if step.is_inverse => step.unmounted(isa, &step.moved(isa, from, q, given)),
             Some(from) => step.moved(isa, step.mounted(isa, &from), q, given),
         };
         body.store(&mut out[index * POSE_ROWS..]);
@@ -237,10 +237,11 @@ impl LaneStep {
         Self { parent, mounting, translation: X_PJ.translation, moving, is_inverse: false }
     }
 
-    /// The body on which a joint is mounted, found from the one that it moves. `None` for joints that move freely.
+    /// The body on which a joint is mounted, found from the one that it moves: the joint is undone first. `None` for joints
+    /// that move freely.
     pub(crate) fn back_over(robot: &Robot, joint: &Joint, moved: Parent) -> Option<Self> {
-        let is_simple = matches!(joint.motion, Motion::Revolute { .. } | Motion::Prismatic { .. });
-        is_simple.then(|| Self { is_inverse: true, ..Self::of_joint(robot, joint, moved) })
+        let step = Self::of_joint(robot, joint, moved);
+        Some(Self { moving: step.moving.undone()?, is_inverse: true, ..step })
     }
 
     /// A body whose pose in its parent every lane is given.
@@ -377,44 +378,6 @@ impl LaneStep {
 }
 
 impl LaneStep {
-    /// The joint's frame before its coordinate moved it there.
-    #[inline(always)]
-    fn unmoved<V: Lanes>(&self, isa: V::Isa, at: Transform<V>, q: &[V::Row]) -> Transform<V> {
-        let Transform { rotation, translation } = at;
-        let [x, y, z] = rotation.columns;
-        let columns = match self.moving {
-            Moving::TurnX(coordinate) => {
-                let (s, c) = sin_cos(coordinate.value::<V>(isa, q));
-                let (y, z) = turned(-s, c, y, z);
-                [x, y, z]
-            }
-            Moving::TurnY(coordinate) => {
-                let (s, c) = sin_cos(coordinate.value::<V>(isa, q));
-                let (z, x) = turned(-s, c, z, x);
-                [x, y, z]
-            }
-            Moving::TurnZ(coordinate) => {
-                let (s, c) = sin_cos(coordinate.value::<V>(isa, q));
-                let (x, y) = turned(-s, c, x, y);
-                [x, y, z]
-            }
-            Moving::Turn(coordinate, axis) => {
-                let half = coordinate.value::<V>(isa, q) * V::constant(isa, 0.5);
-                let (s, c) = sin_cos(half);
-                let axis = Vector3::splat(isa, axis).scaled(-s);
-                rotation.times(&Rotation::from_quaternion(axis.x, axis.y, axis.z, c)).columns
-            }
-            Moving::Slide(coordinate, axis) => {
-                let along = rotation.turn(Vector3::splat(isa, axis));
-                let translation = along.scaled_from(coordinate.value::<V>(isa, q), translation);
-                return Transform { rotation, translation };
-            }
-            // Steps of these kinds are never built the other way round.
-            Moving::Planar(_) | Moving::FreeFlyer(_) | Moving::Placed(_) => return at,
-        };
-        Transform { rotation: Rotation { columns }, translation }
-    }
-
     /// The body on which the joint is mounted, from the joint's frame at zero.
     #[inline(always)]
     fn unmounted<V: Lanes>(&self, isa: V::Isa, at: &Transform<V>) -> Transform<V> {
@@ -448,6 +411,10 @@ fn turned<V: Lanes>(s: V, c: V, x: Vector3<V>, y: Vector3<V>) -> (Vector3<V>, Ve
 }
 
 impl Coordinate {
+    fn negated(self) -> Self {
+        Self { multiplier: -self.multiplier, offset: -self.offset, ..self }
+    }
+
     #[inline(always)]
     fn value<V: Lanes>(self, isa: V::Isa, q: &[V::Row]) -> V {
         V::load(isa, &q[self.q]).mul_add(V::constant(isa, self.multiplier), V::constant(isa, self.offset))
@@ -455,6 +422,18 @@ impl Coordinate {
 }
 
 impl Moving {
+    /// The way back; `None` where more than one coordinate moves.
+    fn undone(self) -> Option<Self> {
+        Some(match self {
+            Self::TurnX(coordinate) => Self::TurnX(coordinate.negated()),
+            Self::TurnY(coordinate) => Self::TurnY(coordinate.negated()),
+            Self::TurnZ(coordinate) => Self::TurnZ(coordinate.negated()),
+            Self::Turn(coordinate, axis) => Self::Turn(coordinate.negated(), axis),
+            Self::Slide(coordinate, axis) => Self::Slide(coordinate.negated(), axis),
+            Self::Planar(_) | Self::FreeFlyer(_) | Self::Placed(_) => return None,
+        })
+    }
+
     /// A turn about a unit axis; one about an axis of the frame is known as such.
     fn turn(coordinate: Coordinate, axis: DVec3) -> Self {
         let along = |k: usize, own: DVec3| {

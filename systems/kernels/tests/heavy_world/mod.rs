@@ -9,7 +9,7 @@ use foliate_components::constraint::{
 };
 use foliate_components::pose::exp_so3;
 use foliate_components::robot::model::{Inertial, Model};
-use foliate_components::robot::{LinkIndex, PartIndex, PartKind, PartPlacement, Robot, RootJoint};
+use foliate_components::robot::{LinkIndex, PartIndex, PartKind, PartPlacement, Robot, RootJoint, Source};
 use foliate_components::sample_models as models;
 use foliate_kernels::kinematics::{Carriage, Kinematics};
 use glam::DVec3;
@@ -167,4 +167,26 @@ impl Function for Gaze {
     fn curvature(&self) -> Option<Curvature> {
         Some(Curvature { lipschitz: 10.0, bend: 10.0 })
     }
+}
+
+/// The sample humanoid flies as `human` from a tilted place, within so much of it along each axis.
+pub fn flying_human(bound: f64) -> PartPlacement {
+    let tilted = Pose::from_parts(DVec3::new(0.3, -0.2, 0.5), exp_so3(DVec3::new(0.4, -0.3, 0.9)));
+    PartPlacement {
+        root_bounds: vec![(-bound, bound); 3],
+        ..models::part("human", PartKind::Robot, RootJoint::FreeFlyer, tilted)
+    }
+}
+
+/// The `human` stands with bent knees and elbows.
+pub fn bent_knees(robot: &Robot) -> Vec<f64> {
+    let mut q = robot.space.neutral();
+    for side in ["l", "r"] {
+        for (joint, value) in [("hip_pitch", -0.4), ("knee", 0.8), ("ankle_pitch", -0.4), ("elbow", -1.0)] {
+            let joint = robot.joint(&format!("human/{side}_{joint}")).unwrap();
+            let Source::Coordinates { q: at, .. } = robot.joints[joint.at()].source else { unreachable!() };
+            q[at] = value;
+        }
+    }
+    q
 }
