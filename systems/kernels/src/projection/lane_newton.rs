@@ -237,7 +237,8 @@ impl Kernel for Values<'_> {
     }
 }
 
-/// Poses, values and, unless values alone are asked for, Jacobian where the lanes are. Answers the lanes in which a lone contact has two rows at rest.
+/// Poses, values and, unless values alone are asked for, Jacobian where the lanes are. Answers the lanes in which a lone contact
+/// has two rows at rest.
 #[inline(always)]
 fn evaluate<V: Lanes>(
     isa: V::Isa,

@@ -199,7 +199,7 @@ impl ConstraintProgram {
                 break;
             }
         }
-        let most = largest(&scratch.step[..self.active.len()]);
+        let most = largest(scratch.step[..self.active.len()].iter().copied());
         if most <= 1e-14 || most == f64::INFINITY {
             return false;
         }

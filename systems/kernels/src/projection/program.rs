@@ -196,7 +196,7 @@ impl ConstraintProgram {
     #[must_use]
     pub fn residual(&self, q: &[f64], arguments: &[Pose], scratch: &mut Scratch) -> Option<f64> {
         let checks = self.measure_all(q, arguments, scratch)?;
-        Some(checks.max(largest(&scratch.values[..self.rows()])))
+        Some(checks.max(largest(scratch.values[..self.rows()].iter().copied())))
     }
 
     /// As [`Self::residual`], but of what is one vector (a translation, a rotation, what a balance asks) the length, which is
@@ -213,8 +213,7 @@ impl ConstraintProgram {
             let (first, second) = values[block.first..block.first + block.rows].split_at(block.translations());
             [squared(first), squared(second)]
         };
-        let most = self.blocks.iter().flat_map(of_block).fold(0.0, |most: f64, s| if s <= most { most } else { s });
-        if most.is_nan() { f64::INFINITY } else { most.sqrt() }
+        largest(self.blocks.iter().flat_map(of_block)).sqrt()
     }
 
     /// Writes the values of all implicit rows, and returns the largest of the checks.
@@ -274,7 +273,7 @@ impl ConstraintProgram {
         for block in &self.blocks {
             block.linearise(Inputs { q, arguments, decoded, X_WJ }, memory, values, jacobian, rows);
         }
-        largest(&values[..rows])
+        largest(values[..rows].iter().copied())
     }
 
     /// The first check whose residual is above the tolerance, and the largest residual so far.
@@ -289,7 +288,7 @@ impl ConstraintProgram {
         let Scratch { X_WJ, decoded, memory, values, .. } = scratch;
         for check in &self.checks {
             check.linearise(Inputs { q, arguments, decoded, X_WJ }, memory, values, &mut [], 0);
-            let residual = largest(&values[check.first..check.first + check.rows]);
+            let residual = largest(values[check.first..check.first + check.rows].iter().copied());
             worst = worst.max(residual);
             if failed.is_none() && residual > tolerance {
                 failed = Some(check.source);
@@ -343,8 +342,8 @@ impl StandingRoot {
 }
 
 /// The largest absolute value; infinite where one of them is not a number.
-pub(super) fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |most: f64, v| if v.is_nan() { f64::INFINITY } else { most.max(v.abs()) })
+pub(super) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, |most: f64, v| if v.is_nan() { f64::INFINITY } else { most.max(v.abs()) })
 }
 
 impl WriteBack {
@@ -366,5 +365,19 @@ impl WriteBack {
         let apart = DVec3::new(q[i], q[i + 1], q[i + 2]) - pose.translation;
         let turned = foliate_components::configuration::quaternion(q, i).conjugate() * pose.rotation;
         apart.abs().max_element().max(log_so3(turned).abs().max_element())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::largest;
+
+    #[test]
+    fn what_is_not_a_number_hides_behind_nothing() {
+        for values in [[f64::NAN, 1.0, 2.0], [1.0, f64::NAN, 2.0], [1.0, 2.0, f64::NAN]] {
+            assert_eq!(largest(values), f64::INFINITY);
+        }
+        assert_eq!(largest([1.0, -3.0, 2.0]), 3.0);
+        assert_eq!(largest([]), 0.0);
     }
 }
