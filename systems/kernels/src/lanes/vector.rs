@@ -70,6 +70,9 @@ pub type F64Row = Row<f64, 8>;
 pub type F32Row = Row<f32, 16>;
 
 impl<T: Copy, const N: usize> Row<T, N> {
+    /// How many numbers.
+    pub const LANES: usize = N;
+
     /// The same number in every lane.
     #[must_use]
     pub fn splat(x: T) -> Self {

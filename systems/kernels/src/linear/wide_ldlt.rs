@@ -6,7 +6,7 @@
 use crate::lanes::{F64Row, Isa, Kernel, Lanes, Level};
 
 /// Numbers of a row of lanes.
-const LANES: usize = size_of::<F64Row>() / size_of::<f64>();
+const LANES: usize = F64Row::LANES;
 
 /// Rows that are summed up at once: what they need stays in registers.
 const AT_ONCE: usize = 4;

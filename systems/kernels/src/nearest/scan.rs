@@ -4,7 +4,7 @@ use super::metric::Shape;
 use crate::lanes::{F32Row, Isa, Kernel, Lanes, Mask};
 
 /// Lanes of a block.
-pub(super) const LANES: usize = 16;
+pub(super) const LANES: usize = F32Row::LANES;
 
 /// Blocks whose bounds are kept at once: on the stack, and soon enough for a near one to spare what follows.
 pub(super) const CHUNK: usize = 16;

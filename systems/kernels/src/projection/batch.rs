@@ -83,7 +83,7 @@ fn project_in_lanes(
     (scratch.lanes, scratch.todo) = (double, todo);
 }
 
-const MOST_LANES: usize = 16;
+const MOST_LANES: usize = F32Row::LANES;
 
 /// Brings jobs to lanes and takes them away.
 struct Desk<'a, 'j> {

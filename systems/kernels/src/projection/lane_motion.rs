@@ -13,7 +13,7 @@ use crate::lanes::F64Row;
 use foliate_components::configuration::ConfigurationSpace;
 
 /// Lanes of double precision.
-const LANES: usize = size_of::<F64Row>() / size_of::<f64>();
+const LANES: usize = F64Row::LANES;
 
 pub(super) fn walk_in_lanes(
     program: &ConstraintProgram,

@@ -9,7 +9,7 @@ use crate::lanes::{F64Row, Level};
 use foliate_components::Pose;
 
 /// Configurations side by side.
-const LANES: usize = size_of::<F64Row>() / size_of::<f64>();
+const LANES: usize = F64Row::LANES;
 
 impl ConstraintProgram {
     /// As [`Self::longest_error`] of several configurations, one after the other in `configurations`; infinite where one does
