@@ -21,6 +21,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{} after {} candidates, {} nodes", outcome.name(), report.candidates, report.nodes);
     println!("{} events on the way", listener.join().map_err(|_| "the listener panicked")?);
     let path = path.ok_or("no path")?;
-    println!("{} segments, clearance at least {:.1e} m", path.segments.len(), path.certificate.min_clearance);
+    println!("{} segments, clearance at least {:?} m", path.segments.len(), path.certificate.min_clearance);
     Ok(())
 }

@@ -80,6 +80,6 @@ pub struct Certificate {
     pub path_tolerance: f64,
     /// Proven bound of the residual of implicit rows and of the objects' jumps at joint knots.
     pub max_residual: f64,
-    /// Proven lower bound of the clearance beyond the margins, metres.
-    pub min_clearance: f64,
+    /// Proven lower bound of the clearance beyond the margins, metres; none where no pair was tested.
+    pub min_clearance: Option<f64>,
 }

@@ -58,8 +58,8 @@ pub struct PathNumbers {
     pub segments: usize,
     /// Weighted length, metres.
     pub length: f64,
-    /// Proven clearance beyond the margins, metres.
-    pub min_clearance: f64,
+    /// Proven clearance beyond the margins, metres; none where no pair was tested.
+    pub min_clearance: Option<f64>,
     /// Proven bound of the residual, metres and radians.
     pub max_residual: f64,
 }
@@ -138,7 +138,7 @@ impl Row {
             work(|w| w.edges.to_string()),
             path(|p| p.segments.to_string()),
             path(|p| format!("{:?}", p.length)),
-            path(|p| format!("{:?}", p.min_clearance)),
+            path(|p| p.min_clearance.map(|c| format!("{c:?}")).unwrap_or_default()),
             path(|p| format!("{:?}", p.max_residual)),
             work(|w| format!("{:016x}", w.fingerprint)),
             self.message.clone(),
@@ -167,7 +167,7 @@ impl Row {
             "edges": self.work.map(|w| w.edges),
             "segments": self.path.map(|p| p.segments),
             "path_length": self.path.map(|p| p.length),
-            "min_clearance": self.path.map(|p| p.min_clearance),
+            "min_clearance": self.path.and_then(|p| p.min_clearance),
             "max_residual": self.path.map(|p| p.max_residual),
             "roadmap": self.work.map(|w| format!("{:016x}", w.fingerprint)),
             "message": self.message,

@@ -128,10 +128,12 @@ fn certificate(file: &PathFile, report: &mut CheckReport) {
         report.note(format!("certificate.joint_limits is `{}`", models::shown(&claims.joint_limits)));
     }
     let measured = report.min_clearance.clone().filter(|_| !report.has(Kind::Collision) && !report.has(Kind::Margin));
-    if let Some(measured) = measured.filter(|m| claims.min_clearance > m.value + CLAIM_SLACK) {
-        let subject = format!("min_clearance claims {:.6e}, measured at {}", claims.min_clearance, measured.subject);
+    if let (Some(claim), Some(measured)) = (claims.min_clearance, measured)
+        && claim > measured.value + CLAIM_SLACK
+    {
+        let subject = format!("min_clearance claims {claim:.6e}, measured at {}", measured.subject);
         let place = report::Place::at(measured.segment, measured.t);
-        report.violate(place, Kind::Certificate, subject, measured.value, claims.min_clearance);
+        report.violate(place, Kind::Certificate, subject, measured.value, claim);
     }
     if let Some(measured) = report.max_residual.clone().filter(|m| m.value > claims.max_residual + 1e-9) {
         let claim = claims.max_residual;

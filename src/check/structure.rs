@@ -33,7 +33,7 @@ pub(super) fn check(file: &PathFile) -> Checked {
     for (what, value) in [
         ("path_tolerance", file.certificate.path_tolerance),
         ("max_residual", file.certificate.max_residual),
-        ("min_clearance", file.certificate.min_clearance),
+        ("min_clearance", file.certificate.min_clearance.unwrap_or_default()),
     ] {
         if value.is_nan() {
             return refuse(format!("certificate.{what}"), "is not a number");

@@ -117,7 +117,8 @@ fn proven(section: Section, file: &PathFile, report: &CheckReport) -> String {
         }
         Section::Certificate => {
             let claims = &file.certificate;
-            format!("claims clearance {:.1e} m, residual {:.1e}", claims.min_clearance, claims.max_residual)
+            let clearance = claims.min_clearance.map_or("none".to_owned(), |c| format!("{c:.1e} m"));
+            format!("claims clearance {clearance}, residual {:.1e}", claims.max_residual)
         }
     }
 }

@@ -49,7 +49,7 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
         report.leaves,
         path.segments.len(),
         story::tell(&solution.model, path),
-        certificate.min_clearance * 1e6,
+        certificate.min_clearance.unwrap_or_default() * 1e6,
         certificate.max_residual,
     ));
     if let Some(out) = &arguments.out {

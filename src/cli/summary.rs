@@ -57,10 +57,12 @@ pub(crate) fn text(loaded: &Loaded<'_>, solution: &Solution) -> String {
             report.path_length.unwrap_or_default()
         );
         let c = &path.certificate;
+        let clearance =
+            c.min_clearance.map_or("no pair tested".to_owned(), |c| format!("clearance beyond margins ≥ {c:.1e} m"));
         let _ = writeln!(
             out,
-            "  certificate: joint limits kept, residual ≤ {:.1e} (allowed {:.1e}), clearance beyond margins ≥ {:.1e} m",
-            c.max_residual, c.path_tolerance, c.min_clearance
+            "  certificate: joint limits kept, residual ≤ {:.1e} (allowed {:.1e}), {clearance}",
+            c.max_residual, c.path_tolerance
         );
         let _ = writeln!(out, "  what happens:");
         out.push_str(&story::tell(&solution.model, path));

@@ -30,6 +30,7 @@ use std::ops::Range;
 
 /// A constraint along a segment.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ConstraintEntry {
     /// See the table above.
     pub kind: String,
@@ -78,7 +79,7 @@ pub struct ConstraintEntry {
 
 /// A frame: a name (`world`, a part for its root link, a gripper, a handle, `part/link`, `part/joint`), or a pose in one of these.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, deny_unknown_fields)]
 pub enum FrameEntry {
     /// The named frame itself.
     Named(String),
@@ -104,6 +105,7 @@ impl FrameEntry {
 
 /// A plane that a centre of mass lies on, or on one side of: `normal · c − offset` is zero, or not negative.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct PlaneEntry {
     /// Unit normal, in `to`.
     pub normal: [f64; 3],

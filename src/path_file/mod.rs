@@ -22,11 +22,15 @@ pub type PoseRow = [f64; 7];
 
 /// A path file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct PathFile {
     /// [`FORMAT`].
     pub format: String,
     /// Name of the scene.
     pub scene: String,
+    /// The scene file that the path answers; a file without one can only be proved relative to what it says itself.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scene_file: Option<SceneFileEntry>,
     /// Seed of the search.
     pub seed: u64,
     /// Scheduler of the search.
@@ -54,8 +58,19 @@ pub struct PathFile {
     pub certificate: CertificateEntry,
 }
 
+/// Where a scene file is, and which one it was.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneFileEntry {
+    /// The name of a shipped scene, or the scene file's path relative to the path file.
+    pub file: String,
+    /// SHA-256 of the scene file, hexadecimal.
+    pub sha256: String,
+}
+
 /// A part and where its models are.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct PartEntry {
     /// Name.
     pub name: String,
@@ -71,10 +86,18 @@ pub struct PartEntry {
     pub root: String,
     /// Pose of what does not move freely.
     pub world_from_root: PoseRow,
+    /// What is done with the up axis of COLLADA meshes: `as-written` (also where it is left out) or `declared`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mesh_up_axis: Option<String>,
+    /// SHA-256 (hexadecimal) of every file that the part was read from: by `urdf`, `srdf`, and each mesh as the URDF writes
+    /// its name. Empty in files that do not say.
+    #[serde(default, deserialize_with = "place::unique", skip_serializing_if = "BTreeMap::is_empty")]
+    pub sha256: BTreeMap<String, String>,
 }
 
 /// Grippers, handles and surfaces, by name.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Documents {
     /// Grippers.
     #[serde(deserialize_with = "place::unique")]
@@ -89,6 +112,7 @@ pub struct Documents {
 
 /// A gripper in its link.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct GripperEntry {
     /// `part/link`.
     pub link: String,
@@ -98,6 +122,7 @@ pub struct GripperEntry {
 
 /// A handle in its link.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct HandleEntry {
     /// `part/link`.
     pub link: String,
@@ -111,6 +136,7 @@ pub struct HandleEntry {
 
 /// Contact polygons on a link.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SurfaceEntry {
     /// `part/link`.
     pub link: String,
@@ -122,6 +148,7 @@ pub struct SurfaceEntry {
 
 /// A motion on one leaf.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SegmentEntry {
     /// Transition, in the direction of travel.
     pub transition: String,
@@ -143,6 +170,7 @@ pub struct SegmentEntry {
 /// An object follows its carrier. One that is held but has no carrier (its handle leaves rotations free) moves as written,
 /// like a robot's root; one without any attachment stays where it is.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct AttachmentEntry {
     /// The part, or `part/link` of an articulated one.
     pub object: String,
@@ -167,13 +195,41 @@ pub struct AttachmentEntry {
 
 /// What was proven over the continuum.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CertificateEntry {
     /// Bound that residuals keep.
     pub path_tolerance: f64,
     /// The largest residual, bounded.
     pub max_residual: f64,
-    /// The smallest clearance beyond the margins, bounded from below, metres.
-    pub min_clearance: f64,
+    /// The smallest clearance beyond the margins, bounded from below, metres; none where no pair was tested.
+    pub min_clearance: Option<f64>,
     /// `within`.
     pub joint_limits: String,
+    /// Which pairs of collision shapes were looked at.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pairs: Option<PairsEntry>,
+}
+
+/// How many pairs of collision shapes were tested, and how many were left out, by reason.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PairsEntry {
+    /// Tested along the motion.
+    pub tested: u64,
+    /// Rigid to one another through fixed or locked joints of the problem: tested once, at the start.
+    pub rigid: u64,
+    /// Not tested: on one link, or on links that fixed joints of the model make one body.
+    pub same_body: u64,
+    /// Not tested: both belong to the environment.
+    pub environment: u64,
+    /// Not tested: an SRDF disables them.
+    pub srdf: u64,
+    /// Not tested: two links that one joint joins, which touch where that joint is.
+    pub adjacent: u64,
+    /// Not tested: the scene ignores them.
+    pub ignored: u64,
+    /// Tested without their margin while one grasps the other.
+    pub grasped: u64,
+    /// Tested without their margin while one is placed on the other.
+    pub placed: u64,
 }

@@ -42,6 +42,7 @@ pub fn write_path(context: &PathContext<'_>, path: &ManipulationPath) -> PathFil
     PathFile {
         format: FORMAT.into(),
         scene: problem.name.clone(),
+        scene_file: None,
         seed: context.seed,
         scheduler: context.scheduler.into(),
         simd: context.simd.into(),
@@ -73,6 +74,7 @@ pub fn write_path(context: &PathContext<'_>, path: &ManipulationPath) -> PathFil
             max_residual: path.certificate.max_residual,
             min_clearance: path.certificate.min_clearance,
             joint_limits: "within".into(),
+            pairs: None,
         },
     }
 }
@@ -102,6 +104,8 @@ fn part_entry(part: &Part, (urdf, srdf): &(String, Option<String>)) -> PartEntry
         }
         .into(),
         world_from_root: row(&part.world_from_root),
+        mesh_up_axis: None,
+        sha256: BTreeMap::new(),
     }
 }
 

@@ -23,7 +23,8 @@ pub fn extract_path(
 ) -> Option<ManipulationPath> {
     let edges = shortest_route(model, roadmap, start, goal)?;
     let mut path = ManipulationPath::default();
-    let mut certificate = Certificate { path_tolerance, max_residual: 0.0, min_clearance: f64::INFINITY };
+    let mut certificate = Certificate { path_tolerance, max_residual: 0.0, min_clearance: None };
+    let mut min_clearance = f64::INFINITY;
     let mut at = start;
     for edge in edges {
         let row = roadmap.edge(edge);
@@ -34,7 +35,7 @@ pub fn extract_path(
         let next = first.map(|motion| leaves.leaf(motion.leaf).state);
         path.segments.extend(passed_through(model, leaves, path.segments.last(), roadmap.node(left).leaf, next));
         let mut add = |motion: &Motion| {
-            certificate.min_clearance = certificate.min_clearance.min(motion.clearance);
+            min_clearance = min_clearance.min(motion.clearance);
             let segment = segment(model, leaves, motion, forward);
             let gap = model.carrier_gap(leaves.leaf(motion.leaf), leaves, &segment.knots);
             certificate.max_residual = certificate.max_residual.max(motion.residual).max(gap);
@@ -46,8 +47,8 @@ pub fn extract_path(
             motions.iter().rev().for_each(&mut add);
         }
     }
-    // JSON knows no infinity; without any pair the clearance is as large as the world.
-    certificate.min_clearance = certificate.min_clearance.min(1e6);
+    // Without any pair there is no clearance.
+    certificate.min_clearance = Some(min_clearance).filter(|c| c.is_finite());
     path.certificate = certificate;
     unwrap_coordinates(model, &mut path);
     Some(path)
