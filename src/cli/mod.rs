@@ -1,6 +1,7 @@
 //! The commands, one file each. Exit codes: 0 done, 1 no solution or a check that fails, 2 wrong usage or input.
 
 mod bench;
+mod certify;
 mod check;
 mod demo;
 mod graph;
@@ -41,6 +42,7 @@ struct Cli {
 enum Command {
     Demo(demo::Arguments),
     Solve(solve::Arguments),
+    Certify(certify::Arguments),
     Check(check::Arguments),
     Graph(graph::Arguments),
     Bench(bench::Arguments),
@@ -56,6 +58,7 @@ impl Command {
             Self::Demo(arguments) => arguments.search.tuning.level = level,
             Self::Solve(arguments) => arguments.search.tuning.level = level,
             Self::Bench(arguments) => arguments.tuning.level = level,
+            Self::Certify(arguments) => arguments.level = level,
             // These do not search.
             Self::Check(_) | Self::Graph(_) | Self::Inspect(_) | Self::Models(_) | Self::Scenes(_) => {}
         }
@@ -68,6 +71,8 @@ pub(crate) enum Ending {
     Done,
     /// Exit code 1: no solution within limits, a check that fails, something that is not there.
     Failed,
+    /// Exit code 4: not decided within limits of time, work or resolution.
+    Undecided,
 }
 
 /// Why a command did not do what it was asked: exit code 2, and what is said on standard error.
@@ -90,6 +95,7 @@ pub(crate) fn main() -> ExitCode {
     let ending = match &cli.command {
         Command::Demo(arguments) => demo::run(arguments, &packages),
         Command::Solve(arguments) => solve::run(arguments, &packages),
+        Command::Certify(arguments) => certify::run(arguments, &packages),
         Command::Check(arguments) => check::run(arguments, &packages),
         Command::Bench(arguments) => bench::run(arguments, &packages),
         Command::Graph(arguments) => graph::run(arguments, &packages),
@@ -100,6 +106,7 @@ pub(crate) fn main() -> ExitCode {
     match ending {
         Ok(Ending::Done) => ExitCode::SUCCESS,
         Ok(Ending::Failed) => ExitCode::from(1),
+        Ok(Ending::Undecided) => ExitCode::from(4),
         Err(Refusal(message)) => {
             say(&format!("error: {message}\n"));
             ExitCode::from(2)
