@@ -5,7 +5,7 @@
 
 use super::CheckError;
 use crate::path_file::{PartEntry, PathFile};
-use crate::scene::{PackagePath, read_model};
+use crate::scene::{PackagePath, UpAxis, read_model};
 use foliate_components::Pose;
 use foliate_components::pose::pose_from_array;
 use foliate_components::robot::model::Model;
@@ -116,7 +116,14 @@ impl World {
             let place = format!("parts[{index}]");
             let urdf = located(&entry.urdf, base);
             let srdf = entry.srdf.as_deref().filter(|s| !s.is_empty()).map(|s| located(s, base));
-            let read = read_model(&urdf, srdf.as_deref(), packages)
+            let up_axis = match entry.mesh_up_axis.as_deref() {
+                None => UpAxis::AsWritten,
+                Some(word) => UpAxis::of_word(word).ok_or_else(|| {
+                    let message = format!("`{}` is none of as-written, declared", shown(word));
+                    CheckError::malformed(format!("{place}.mesh_up_axis"), message)
+                })?,
+            };
+            let read = read_model(&urdf, srdf.as_deref(), up_axis, packages)
                 .map_err(|error| CheckError::Model { place: place.clone(), error: Box::new(error) })?;
             parts.push((read.model, placement(entry, &place)?));
         }

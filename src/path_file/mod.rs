@@ -9,7 +9,7 @@ pub mod save;
 mod write;
 
 pub use constraint::{Bound, ConstraintEntry, FrameEntry, PlaneEntry};
-pub use write::{PathContext, write_path};
+pub use write::{FileNames, PartFiles, PathContext, write_path};
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
