@@ -25,7 +25,7 @@ const QUERY_SHARE: f64 = 0.1;
 pub struct MinimumSettings {
     /// The proven bound may lie under the least clearance by this share of it …
     pub relative: f64,
-    /// … or by this, metres, whichever allows more.
+    /// … or by this, metres, whichever allows more; but by no more than half of it.
     pub absolute: f64,
     /// What is farther apart than this is of no interest, metres: the least clearance of other motions, say.
     pub below: f64,
@@ -147,7 +147,14 @@ struct Here<'a> {
 impl Minimum<'_> {
     /// What is good enough: whatever keeps this is done.
     fn enough(&self) -> f64 {
-        self.best - self.settings.absolute.max(self.settings.relative * self.best.abs())
+        self.best - self.tolerance()
+    }
+
+    /// By how much the bound may lie under the least clearance.
+    fn tolerance(&self) -> f64 {
+        let Self { settings, best, .. } = self;
+        let absolute = if *best > 0.0 { settings.absolute.min(0.5 * best) } else { settings.absolute };
+        absolute.max(settings.relative * best.abs())
     }
 
     fn is_over(&self) -> bool {
@@ -296,7 +303,7 @@ impl Minimum<'_> {
         let X = [pair.first, pair.second]
             .map(|s| scene.solids[s.at()].body.map_or(foliate_components::Pose::IDENTITY, |body| poses[body.at()]));
         let balls = solid_balls(scene, id, poses);
-        let tolerance = self.settings.absolute * QUERY_SHARE;
+        let tolerance = self.tolerance().min(self.settings.absolute) * QUERY_SHARE;
         let share = (self.settings.relative * QUERY_SHARE).min(0.5);
         let floor = (self.best + margin).min(needed);
         let ask = Ask { needed, floor, ground: floor, absolute: tolerance, relative: share };

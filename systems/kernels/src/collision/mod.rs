@@ -6,12 +6,14 @@
 //! Where bounds from inside overlap, two solids collide for sure.
 //! Nothing is ever called free that is not proved so: in doubt, in collision.
 
+mod adjacent;
 mod around;
 mod attachment;
 pub mod bounds;
 pub mod certificate;
 pub mod convex;
 mod course;
+mod coverage;
 pub mod distance;
 mod gjk;
 pub mod hull;
@@ -35,6 +37,7 @@ mod proof;
 pub mod scene;
 mod scratch;
 mod simplex;
+mod solids;
 mod sweep;
 mod tie;
 mod triangle_order;
@@ -42,6 +45,7 @@ pub mod velocity_bound;
 pub mod verdict;
 mod verdicts;
 
+pub use adjacent::adjacent_links;
 pub use certificate::{CertificateSettings, MotionVerdict, certify_motion};
 pub use distance::{Ask, Solid, clearance};
 pub use minimum::{MinimumClearance, MinimumSettings, Nearest, minimum_clearance_along};
