@@ -208,6 +208,21 @@ fn holds_some_of(outer: &SceneSolid, X_WO: &Pose, inner: &SceneSolid, X_WI: &Pos
     }
 }
 
+/// Whether two solids touch, to within the micrometre that distances are exact to, or one holds some of the other; from the poses
+/// of their bodies. True in doubt.
+pub(super) fn touch(a: &SceneSolid, X_WI: &Pose, b: &SceneSolid, X_WJ: &Pose) -> bool {
+    const EXACT: f64 = 1e-6;
+    let balls = [(a, X_WI), (b, X_WJ)].map(|(s, X)| Ball { center: X.transform_point(s.ball.center), ..s.ball });
+    if apart(&balls[0], &balls[1], EXACT) {
+        return false;
+    }
+    let poses = (X_WI * a.X_JS, X_WJ * b.X_JS);
+    let distance = clearance(&a.solid, &poses.0, &b.solid, &poses.1, Ask::exact(EXACT), &mut DVec3::ZERO.clone());
+    // Compared so that NaN touches.
+    let clear = distance >= EXACT;
+    !clear || holds_some_of(a, X_WI, b, X_WJ) || holds_some_of(b, X_WJ, a, X_WI)
+}
+
 /// Whether two balls are at least `needed` apart; false in doubt.
 #[inline]
 pub(super) fn apart(a: &Ball, b: &Ball, needed: f64) -> bool {
