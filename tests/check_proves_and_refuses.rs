@@ -63,7 +63,8 @@ fn a_planned_path_passes_and_survives_its_file() {
     save::save(&write_path(&context, &solution.path.unwrap()), &out).unwrap();
     let file = save::read(&out).unwrap();
     let prove = |file: &PathFile, work_limit| {
-        check(file, &folder.path, &PackagePath::only(&[]), &CheckOptions { work_limit, ..CheckOptions::default() }).unwrap()
+        check(file, &folder.path, &PackagePath::only(&[]), &CheckOptions { work_limit, ..CheckOptions::default() })
+            .unwrap()
     };
     let report = prove(&file, 1_000_000);
     assert!(report.passed(), "{:#?}", report.violations);

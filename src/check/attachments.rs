@@ -72,9 +72,7 @@ fn one_carrier_each(world: &World, index: usize, list: Vec<Attachment>) -> Resul
 fn one_handle_each(index: usize, entries: &[AttachmentEntry]) -> Result<(), CheckError> {
     let (mut grippers, mut handles) = (HashSet::new(), HashSet::new());
     for (number, entry) in entries.iter().enumerate() {
-        for (key, name, seen) in
-            [("gripper", &entry.gripper, &mut grippers), ("handle", &entry.handle, &mut handles)]
-        {
+        for (key, name, seen) in [("gripper", &entry.gripper, &mut grippers), ("handle", &entry.handle, &mut handles)] {
             if let Some(name) = name
                 && !seen.insert(name)
             {

@@ -5,7 +5,6 @@
 //! How much they may is the sum, over the joints between them in the attachment tree, of travel times reach. A pair
 //! whose solids do not move against each other is asked once.
 
-use super::work::Work;
 use super::distance::{Hint, Measured, Placed, at_least, ball_bound, box_bound, exact};
 use super::enclosure::{Shell, witnesses};
 use super::models::World;
@@ -13,6 +12,7 @@ use super::motion::{At, SegmentMotion};
 use super::pairs::Pairs;
 use super::reach::Reach;
 use super::report::{CheckReport, Kind, Place};
+use super::work::Work;
 use glam::DVec3;
 
 /// Rounding, metres: taken off every step forward.

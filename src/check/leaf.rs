@@ -135,7 +135,9 @@ impl Leaf<'_> {
         let entries = &self.file.segments[motion.index].constraints;
         let says = entries.iter().any(|entry| {
             let rows = entry.mask.unwrap_or_default();
-            entry.kind == "pose" && of_object(&entry.frame) != of_object(&entry.to) && rows.iter().filter(|r| **r).count() >= 3
+            entry.kind == "pose"
+                && of_object(&entry.frame) != of_object(&entry.to)
+                && rows.iter().filter(|r| **r).count() >= 3
         });
         if !says {
             let place = Place { segment: Some(motion.index), t: None };

@@ -256,7 +256,9 @@ fn remarks(entry: &PartEntry, read: &ReadModel, report: &mut CheckReport) {
                 let subject = format!("`{}` of {part} is not the file that the path was planned with", shown(what));
                 report.violate(Place::FILE, Kind::Model, subject, None, None);
             }
-            None => report.weaker(format!("the file does not say which `{}` of {part} it was planned with", shown(what))),
+            None => {
+                report.weaker(format!("the file does not say which `{}` of {part} it was planned with", shown(what)))
+            }
         }
     }
     for what in entry.sha256.keys().filter(|what| !read.sha256.contains_key(*what)) {

@@ -2,9 +2,9 @@
 //! the world, minus the SRDFs' disabled pairs of the same part, minus the pairs that the file ignores.
 
 use super::CheckError;
+use super::adjacent::{self, ADJACENT};
 use super::attachments::Attachment;
 use super::models::{RigidBody, World, ordered, shown};
-use super::adjacent::{self, ADJACENT};
 use super::report::{CheckReport, Kind, LeftOut, Place};
 use crate::path_file::PathFile;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
@@ -143,7 +143,8 @@ pub(super) fn ignored(file: &PathFile, world: &World, report: &mut CheckReport) 
     let neighbours = adjacent::Neighbours::new(world, file);
     for (first, second) in claimed {
         // What no shape is on, or what an SRDF disables, is not tested in any case.
-        let needless = world.disabled.contains(&(first.clone(), second.clone())) || !neighbours.have_shapes(&first, &second);
+        let needless =
+            world.disabled.contains(&(first.clone(), second.clone())) || !neighbours.have_shapes(&first, &second);
         if !needless && !neighbours.are(&first, &second) {
             let subject = format!("{first} and {second} do not touch wherever one joint is, or are not joined by one");
             report.violate(Place::FILE, Kind::NotAdjacent, subject, None, None);

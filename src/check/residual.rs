@@ -6,10 +6,10 @@
 //! decides. So a step from one solution branch of a closed chain to another is refused however well both knots fit: in
 //! between the chain is open, and no bound says otherwise.
 
-use super::work::Work;
 use super::motion::{At, SegmentMotion};
 use super::reach::Bends;
 use super::report::{CheckReport, Kind, Place};
+use super::work::Work;
 use foliate_components::Pose;
 use glam::{DQuat, DVec3};
 

@@ -73,11 +73,7 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     })
 }
 
-fn proved(
-    arguments: &Arguments,
-    packages: &PackagePath,
-    limit: Duration,
-) -> Result<(PathFile, CheckReport), Refusal> {
+fn proved(arguments: &Arguments, packages: &PackagePath, limit: Duration) -> Result<(PathFile, CheckReport), Refusal> {
     let started = Instant::now();
     let file = save::read(&arguments.path).map_err(|e| Refusal(e.to_string()))?;
     let base = arguments.path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -93,8 +89,8 @@ fn proved(
         clearance: arguments.clearance,
         pairs: arguments.pairs,
     };
-    let report = check(&file, base, packages, &options)
-        .map_err(|e| Refusal(format!("{}: {e}", arguments.path.display())))?;
+    let report =
+        check(&file, base, packages, &options).map_err(|e| Refusal(format!("{}: {e}", arguments.path.display())))?;
     Ok((file, report))
 }
 

@@ -22,19 +22,21 @@ pub fn read(path: &Path) -> Result<PathFile, PathFileError> {
     let io = |source| PathFileError::Io { path: path.to_owned(), source };
     let text = text(path).map_err(io)?;
     counts(&text).map_err(io)?;
-    serde_json::from_str::<PathFile>(&text).map_err(|source| {
-        // A file of another format is refused by its name and not by a missing field.
-        if let Ok(Format { format }) = serde_json::from_str(&text)
-            && format != super::FORMAT
-        {
-            return PathFileError::Format { path: path.to_owned(), found: format };
-        }
-        let place = super::place::json_path(&text, source.line(), source.column());
-        PathFileError::Json { path: path.to_owned(), place, source }
-    }).and_then(|file| match file.format == super::FORMAT {
-        true => Ok(file),
-        false => Err(PathFileError::Format { path: path.to_owned(), found: file.format }),
-    })
+    serde_json::from_str::<PathFile>(&text)
+        .map_err(|source| {
+            // A file of another format is refused by its name and not by a missing field.
+            if let Ok(Format { format }) = serde_json::from_str(&text)
+                && format != super::FORMAT
+            {
+                return PathFileError::Format { path: path.to_owned(), found: format };
+            }
+            let place = super::place::json_path(&text, source.line(), source.column());
+            PathFileError::Json { path: path.to_owned(), place, source }
+        })
+        .and_then(|file| match file.format == super::FORMAT {
+            true => Ok(file),
+            false => Err(PathFileError::Format { path: path.to_owned(), found: file.format }),
+        })
 }
 
 /// The text of a regular file; a pipe would block, and a device has no end.
@@ -52,9 +54,8 @@ fn text(path: &Path) -> std::io::Result<String> {
     if content.len() as u64 > CAP {
         return Err(too_large(content.len() as u64));
     }
-    String::from_utf8(content).map_err(|error| {
-        std::io::Error::other(format!("byte {} is not UTF-8", error.utf8_error().valid_up_to()))
-    })
+    String::from_utf8(content)
+        .map_err(|error| std::io::Error::other(format!("byte {} is not UTF-8", error.utf8_error().valid_up_to())))
 }
 
 /// Refuses what would take far more memory than its text.

@@ -25,10 +25,9 @@ impl Contract<'_> {
         let same = |row: [f64; 7], pose: &Pose| pose_from_array(row).is_some_and(|found| same_pose(&found, pose));
         let mut wrong = Vec::new();
         for known in &robot.grippers {
-            let fits = documents
-                .grippers
-                .get(&known.name)
-                .is_some_and(|e| e.link == self.link(known.link) && same(e.link_from_gripper, &known.link_from_gripper));
+            let fits = documents.grippers.get(&known.name).is_some_and(|e| {
+                e.link == self.link(known.link) && same(e.link_from_gripper, &known.link_from_gripper)
+            });
             wrong.extend((!fits).then(|| format!("gripper `{}` is not the scene's", known.name)));
         }
         for known in &robot.handles {
@@ -40,9 +39,10 @@ impl Contract<'_> {
             wrong.extend((!fits).then(|| format!("handle `{}` is not the scene's", known.name)));
         }
         for known in &robot.surfaces {
-            let fits = documents.surfaces.get(&known.name).is_some_and(|entry| {
-                entry.link == self.link(known.link) && same_polygons(entry, known)
-            });
+            let fits = documents
+                .surfaces
+                .get(&known.name)
+                .is_some_and(|entry| entry.link == self.link(known.link) && same_polygons(entry, known));
             wrong.extend((!fits).then(|| format!("surface `{}` is not the scene's", known.name)));
         }
         let grippers = documents.grippers.keys().filter(|name| robot.gripper(name).is_none());
@@ -69,7 +69,10 @@ impl Contract<'_> {
                     differs(report, format!("limits of `{name}` are not in the file: the scene has [{low}, {high}]"));
                 }
                 Some([l, h]) if *l < low - SLACK || *h > high + SLACK => {
-                    differs(report, format!("limits of `{name}` are [{l}, {h}], wider than the scene's [{low}, {high}]"));
+                    differs(
+                        report,
+                        format!("limits of `{name}` are [{l}, {h}], wider than the scene's [{low}, {high}]"),
+                    );
                 }
                 Some([l, h]) if *l > low + SLACK || *h < high - SLACK => {
                     report.note(format!("limits of {name} are [{l}, {h}], narrower than the scene's [{low}, {high}]"));
@@ -82,7 +85,8 @@ impl Contract<'_> {
             for (segment, entry) in file.segments.iter().enumerate() {
                 let beyond = |row: &Vec<f64>| row[column] < low - SLACK || row[column] > high + SLACK;
                 if let Some(knot) = entry.knots.iter().position(beyond) {
-                    let (value, limit) = (entry.knots[knot][column], if entry.knots[knot][column] < low { low } else { high });
+                    let (value, limit) =
+                        (entry.knots[knot][column], if entry.knots[knot][column] < low { low } else { high });
                     let place = Place::at(segment, knot as f64);
                     report.violate(place, Kind::Limit, format!("{name}: the scene's limit"), value, limit);
                 }
@@ -154,7 +158,6 @@ fn same_polygons(entry: &SurfaceEntry, known: &Surface) -> bool {
         && entry.polygons.iter().zip(&known.polygons).all(|(ours, theirs)| {
             let theirs: Vec<_> = theirs.iter().filter_map(|&i| known.points.get(i as usize)).collect();
             let ours = corners(entry, ours);
-            ours.len() == theirs.len()
-                && ours.iter().zip(theirs).all(|(a, b)| (*a - *b).abs().max_element() <= SLACK)
+            ours.len() == theirs.len() && ours.iter().zip(theirs).all(|(a, b)| (*a - *b).abs().max_element() <= SLACK)
         })
 }

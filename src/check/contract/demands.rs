@@ -16,9 +16,7 @@ use crate::check::work::Work;
 use crate::check::{CheckError, balance, constraint};
 use crate::path_file::{ConstraintEntry, FrameEntry, PathFile, constraint_entries};
 use foliate_components::Pose;
-use foliate_components::constraint::{
-    Constraint, Frame, Locked, LockedValue, Reference, RelativePose, Row,
-};
+use foliate_components::constraint::{Constraint, Frame, Locked, LockedValue, Reference, RelativePose, Row};
 use foliate_components::path::PathConstraint;
 use foliate_components::pose::pose_from_array;
 use foliate_components::problem::{JointRest, NamedConstraint};

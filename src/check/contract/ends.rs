@@ -2,11 +2,11 @@
 
 use super::Contract;
 use super::demands::all_hold;
+use crate::check::CheckError;
 use crate::check::documents::Frames;
 use crate::check::motion::SegmentMotion;
 use crate::check::report::{CheckReport, Kind, Place};
 use crate::check::work::Work;
-use crate::check::CheckError;
 use crate::path_file::{PathFile, SegmentEntry};
 use foliate_components::Pose;
 use foliate_components::pose::pose_from_array;
@@ -34,7 +34,13 @@ impl Contract<'_> {
             // Compared so that NaN is off.
             let there = off <= NEAR;
             if !there {
-                report.violate(Place::at(0, 0.0), Kind::Start, format!("{name} is not where the scene starts"), off, NEAR);
+                report.violate(
+                    Place::at(0, 0.0),
+                    Kind::Start,
+                    format!("{name} is not where the scene starts"),
+                    off,
+                    NEAR,
+                );
             }
         }
         if motion.index + 1 == file.segments.len() {
@@ -121,7 +127,8 @@ impl Contract<'_> {
 }
 
 fn quaternions_off(found: &[f64], wanted: &[f64]) -> f64 {
-    let read = |q: &[f64]| pose_from_array([0.0, 0.0, 0.0, q[0], q[1], q[2], q[3]]).unwrap_or(Pose::identity()).rotation;
+    let read =
+        |q: &[f64]| pose_from_array([0.0, 0.0, 0.0, q[0], q[1], q[2], q[3]]).unwrap_or(Pose::identity()).rotation;
     let (found, wanted) = (read(found), read(wanted));
     (found - wanted).length().min((found + wanted).length())
 }

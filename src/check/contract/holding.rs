@@ -42,7 +42,8 @@ impl Contract<'_> {
         for entry in entries {
             let (Some(gripper), Some(handle)) = (&entry.gripper, &entry.handle) else { continue };
             let found = robot.gripper(gripper).filter(|g| options.grippers.contains(g));
-            let found = found.zip(robot.handle(handle).filter(|h| options.objects.iter().any(|o| o.handles.contains(h))));
+            let found =
+                found.zip(robot.handle(handle).filter(|h| options.objects.iter().any(|o| o.handles.contains(h))));
             let allowed = found.filter(|grasp| options.grasps.as_ref().is_none_or(|table| table.contains(grasp)));
             match allowed {
                 Some(grasp) => grasps.push(grasp),
@@ -126,7 +127,8 @@ impl Contract<'_> {
         let mut joint = robot.links[robot.handles[handle.at()].link.at()].joint;
         let root = robot.parts[object.part.at()].root_joint;
         let still = |joint: JointIndex| {
-            robot.joints[joint.at()].is_immovable() || self.problem.graph.locked.iter().any(|(locked, _)| *locked == joint)
+            robot.joints[joint.at()].is_immovable()
+                || self.problem.graph.locked.iter().any(|(locked, _)| *locked == joint)
         };
         while joint != root {
             match joint {

@@ -81,7 +81,8 @@ impl Contract<'_> {
         let Some(source) = self.scene.and_then(|scene| scene.parts.get(number)) else { return };
         for (what, sum) in &source.sha256 {
             if entry.sha256.get(what).is_some_and(|said| !said.eq_ignore_ascii_case(sum)) {
-                let subject = format!("part `{name}`: the scene's `{what}` is not the one that the path was planned with");
+                let subject =
+                    format!("part `{name}`: the scene's `{what}` is not the one that the path was planned with");
                 report.violate(Place::FILE, Kind::Model, subject, None, None);
             }
         }
@@ -153,7 +154,9 @@ impl Contract<'_> {
         let mine = world.shapes.iter().filter(|shape| shape.link.split_once('/').is_some_and(|(p, _)| p == part.name));
         // An environment's joints are no joints of the problem: its shapes are compared where they stand.
         let still = part.kind == PartKind::Environment;
-        let stands = |body: Option<usize>| if still { standing(world, body, &file.segments[0].knots[0]) } else { Pose::identity() };
+        let stands = |body: Option<usize>| {
+            if still { standing(world, body, &file.segments[0].knots[0]) } else { Pose::identity() }
+        };
         let (scenes, mine): (Vec<_>, Vec<_>) = (scenes.collect(), mine.collect());
         if scenes.len() != mine.len() {
             wrong.push(format!("there are {} collision shapes, in the scene {}", mine.len(), scenes.len()));
@@ -179,9 +182,10 @@ fn same_source<'n>(
 ) -> bool {
     match (&body.value, source) {
         (Value::Columns(_), Source::Coordinates { .. }) => true,
-        (Value::Follows { leader, multiplier, offset }, Source::Follows { leader: theirs, multiplier: m, offset: o }) => {
-            Some(world.bodies[*leader].name.as_str()) == named(Some(*theirs)) && multiplier == m && offset == o
-        }
+        (
+            Value::Follows { leader, multiplier, offset },
+            Source::Follows { leader: theirs, multiplier: m, offset: o },
+        ) => Some(world.bodies[*leader].name.as_str()) == named(Some(*theirs)) && multiplier == m && offset == o,
         _ => false,
     }
 }

@@ -31,9 +31,7 @@ impl Core {
         Some(match geometry {
             Geometry::Sphere { radius } => (Self::Point, *radius),
             Geometry::Box { half_extents } => (Self::Box { half: *half_extents }, 0.0),
-            Geometry::Cylinder { radius, half_length } => {
-                (Self::Cylinder { radius: *radius, half: *half_length }, 0.0)
-            }
+            Geometry::Cylinder { radius, half_length } => (Self::Cylinder { radius: *radius, half: *half_length }, 0.0),
             Geometry::Capsule { radius, half_length } => (Self::Segment { half: *half_length }, *radius),
             Geometry::Mesh(_) => return None,
         })
