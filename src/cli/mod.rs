@@ -1,4 +1,5 @@
-//! The commands, one file each. Exit codes: 0 done, 1 no solution or a check that fails, 2 wrong usage or input.
+//! The commands, one file each. Exit codes: 0 done, 1 no solution or a check that fails, 2 wrong usage or input, 3 proved only
+//! relative to what a file says of itself, 4 undecided within limits.
 
 mod bench;
 mod check;
@@ -68,6 +69,10 @@ pub(crate) enum Ending {
     Done,
     /// Exit code 1: no solution within limits, a check that fails, something that is not there.
     Failed,
+    /// Exit code 3: what is proved holds only relative to what a file says of itself.
+    Relative,
+    /// Exit code 4: undecided within the limits of work, time or resolution.
+    Undecided,
 }
 
 /// Why a command did not do what it was asked: exit code 2, and what is said on standard error.
@@ -100,6 +105,8 @@ pub(crate) fn main() -> ExitCode {
     match ending {
         Ok(Ending::Done) => ExitCode::SUCCESS,
         Ok(Ending::Failed) => ExitCode::from(1),
+        Ok(Ending::Relative) => ExitCode::from(3),
+        Ok(Ending::Undecided) => ExitCode::from(4),
         Err(Refusal(message)) => {
             say(&format!("error: {message}\n"));
             ExitCode::from(2)

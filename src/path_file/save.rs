@@ -1,5 +1,6 @@
 //! Path files on disk.
 
+pub use super::read::read;
 use super::{FileNames, PartFiles, PathFile, SceneFileEntry};
 use crate::scene::{ModelFile, Origin, PartSource, Scene, SceneFile, SceneOrigin, folder_of, shipped_scenes};
 use std::io::Write;
@@ -16,9 +17,6 @@ pub enum PathFileError {
     #[error("{}: `format` is `{found}`; this version reads `{}`", path.display(), super::FORMAT)]
     Format { path: PathBuf, found: String },
 }
-
-/// Largest path file that is read, bytes: some hundred thousand knots.
-const CAP: u64 = 1 << 28;
 
 /// The files of a scene as a path file at `out` has to name them. Models that live only in the program are written beside it,
 /// into `PATH.models/`.
@@ -106,32 +104,4 @@ pub fn save(file: &PathFile, out: &Path) -> Result<(), PathFileError> {
     let mut handle = std::fs::File::create(&part).map_err(io)?;
     handle.write_all(text.as_bytes()).and_then(|()| handle.sync_all()).map_err(io)?;
     std::fs::rename(&part, out).map_err(io)
-}
-
-/// Reads a path file.
-///
-/// # Errors
-/// It cannot be read, is larger than 256 MiB, is not JSON, or is of another format.
-pub fn read(path: &Path) -> Result<PathFile, PathFileError> {
-    let io = |source| PathFileError::Io { path: path.to_owned(), source };
-    let size = std::fs::metadata(path).map_err(io)?.len();
-    if size > CAP {
-        return Err(io(std::io::Error::other(format!("{size} bytes are more than the {CAP} that are read"))));
-    }
-    let text = std::fs::read_to_string(path).map_err(io)?;
-    let json = |source: serde_json::Error| {
-        let place = super::place::json_path(&text, source.line(), source.column());
-        PathFileError::Json { path: path.to_owned(), place, source }
-    };
-    let format: Format = serde_json::from_str(&text).map_err(json)?;
-    if format.format != super::FORMAT {
-        return Err(PathFileError::Format { path: path.to_owned(), found: format.format });
-    }
-    serde_json::from_str(&text).map_err(json)
-}
-
-/// Only the format, so that a file of another one is refused by its name and not by a missing field.
-#[derive(serde::Deserialize)]
-struct Format {
-    format: String,
 }
