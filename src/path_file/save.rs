@@ -1,8 +1,8 @@
 //! Path files on disk.
 
 use super::PathFile;
+use crate::output;
 use crate::scene::{ModelFile, Origin, Scene};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Why a path file was not written or read.
@@ -21,7 +21,7 @@ pub enum PathFileError {
 const CAP: u64 = 1 << 28;
 
 /// URDF and SRDF of every part as a path file at `out` has to name them. Models that live only in the program are written
-/// beside it, into `PATH.models/`.
+/// beside it, into `PATH.models/`, unless `out` is a device or a pipe.
 ///
 /// # Errors
 /// A model cannot be written.
@@ -39,9 +39,12 @@ fn model_name(file: &ModelFile, out: &Path) -> Result<String, PathFileError> {
         Origin::Program(content) => {
             let folder = models_folder(out);
             let place = folder.join(Path::new(&file.url).file_name().unwrap_or_default());
-            let failed = |source| PathFileError::Io { path: place.clone(), source };
-            std::fs::create_dir_all(&folder).map_err(failed)?;
-            std::fs::write(&place, content).map_err(failed)?;
+            // Beside a device or a pipe there is no place; the file then says what it would say.
+            if output::is_file(out) {
+                let failed = |source| PathFileError::Io { path: place.clone(), source };
+                std::fs::create_dir_all(&folder).map_err(failed)?;
+                output::write(&place, content.as_bytes()).map_err(failed)?;
+            }
             Ok(relative(&place, out))
         }
     }
@@ -64,7 +67,7 @@ fn relative(path: &Path, out: &Path) -> String {
     steps.collect::<Vec<String>>().join("/")
 }
 
-/// Writes a path file: to a temporary name first, so that a reader never sees half of one.
+/// Writes a path file: whole or not at all, see [`crate::output`].
 ///
 /// # Errors
 /// The file cannot be written.
@@ -73,12 +76,7 @@ pub fn save(file: &PathFile, out: &Path) -> Result<(), PathFileError> {
     let json = |source| PathFileError::Json { path: out.to_owned(), place: "the file".into(), source };
     let mut text = serde_json::to_string(file).map_err(json)?;
     text.push('\n');
-    let mut part = out.as_os_str().to_owned();
-    part.push(".part");
-    let part = PathBuf::from(part);
-    let mut handle = std::fs::File::create(&part).map_err(io)?;
-    handle.write_all(text.as_bytes()).and_then(|()| handle.sync_all()).map_err(io)?;
-    std::fs::rename(&part, out).map_err(io)
+    output::write(out, text.as_bytes()).map_err(io)
 }
 
 /// Reads a path file.
