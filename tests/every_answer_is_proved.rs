@@ -128,7 +128,12 @@ fn independent_eyes() {
         eprintln!("SKIPPED independent eyes on random problems: {} has no pin and coal", python.display());
         return;
     }
-    let paths = common::files_below(&root(), "path.json");
+    // Their reader of URDF files knows no capsules.
+    let knows = |path: &PathBuf| {
+        let models = common::files_below(path.parent().expect("a folder"), ".urdf");
+        models.iter().all(|model| !std::fs::read_to_string(model).expect("a model").contains("<capsule"))
+    };
+    let paths: Vec<PathBuf> = common::files_below(&root(), "path.json").into_iter().filter(knows).collect();
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/independent/recheck.py");
     let output = Command::new(python).arg(script).args(&paths).arg("--adaptive").output().expect("python runs");
     let said = String::from_utf8_lossy(&output.stdout);

@@ -20,7 +20,7 @@ pub struct Obstacle {
 impl Obstacle {
     /// One of any kind near a point.
     pub fn near(draw: &mut Draw, name: &str, centre: DVec3, spread: f64) -> Self {
-        let mut model = Model::new(name);
+        let mut model = Model { capsules: draw.chance(0.1), ..Model::new(name) };
         let root = model.link("stand");
         let mut values = Vec::new();
         match draw.index(4) {

@@ -66,6 +66,8 @@ pub struct Model {
     pub joints: Vec<Joint>,
     /// Elements of the SRDF; none where there is no such file.
     pub srdf: Option<Vec<String>>,
+    /// Whether capsules may be among its shapes: URDF readers other than ours do not know them.
+    pub capsules: bool,
     /// Mesh files by name.
     pub meshes: Vec<(String, Vec<u8>)>,
 }

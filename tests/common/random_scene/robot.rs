@@ -84,7 +84,7 @@ impl Robot {
 
     /// A hand that hangs from a gantry above everything.
     pub fn from_above(draw: &mut Draw) -> Self {
-        let mut model = Model::new("robot");
+        let mut model = Model { capsules: draw.chance(0.3), ..Model::new("robot") };
         model.link("base");
         let tip = gantry(draw, &mut model);
         let mut robot = Self { model, root: Root::Fixed, hands: Vec::new(), tips: vec![tip] };
@@ -94,7 +94,7 @@ impl Robot {
     }
 
     fn on_a_base(draw: &mut Draw, root: Root) -> Self {
-        let mut model = Model::new("robot");
+        let mut model = Model { capsules: draw.chance(0.3), ..Model::new("robot") };
         let base = model.link("base");
         if draw.chance(0.8) {
             let sides = [draw.range(0.1, 0.3), draw.range(0.1, 0.3), draw.range(0.1, 0.24)];
@@ -206,10 +206,11 @@ fn gantry(draw: &mut Draw, model: &mut Model) -> usize {
         model.last_joint().limits = (-half, half);
         if draw.chance(0.5) {
             let sides = if name == "slide_x" { [0.05, 2.0 * half, 0.04] } else { [0.09, 0.09, 0.07] };
-            model.shape(link, Place::at(0.0, 0.0, 0.1), &cuboid(sides));
+            let height = if name == "slide_x" { 0.33 } else { 0.26 };
+            model.shape(link, Place::at(0.0, 0.0, height), &cuboid(sides));
         }
     }
-    let place = Place { xyz: [0.0; 3], rpy: [PI, 0.0, 0.0] };
+    let place = Place { xyz: [0.0; 3], rpy: [0.0, PI, 0.0] };
     link = model.joint("slide_z", Motion::Prismatic, link, place, [0.0, 0.0, 1.0]);
     model.last_joint().limits = (0.0, 0.62);
     let column = within(draw, model, [0.04, 0.04, 0.3]);

@@ -9,7 +9,7 @@ pub fn cuboid([x, y, z]: [f64; 3]) -> String {
     format!("<box size=\"{x} {y} {z}\"/>")
 }
 
-/// A shape that fits into a box with these sides, of any kind; meshes become files of the model.
+/// A shape that fits into a box with these sides, of any kind that the model may have; meshes become files of it.
 pub fn within(draw: &mut Draw, model: &mut Model, sides: [f64; 3]) -> String {
     let [x, y, z] = sides;
     let smallest = x.min(y).min(z);
@@ -17,7 +17,7 @@ pub fn within(draw: &mut Draw, model: &mut Model, sides: [f64; 3]) -> String {
         0 | 1 => cuboid(sides),
         2 => format!("<sphere radius=\"{}\"/>", rounded(smallest / 2.0)),
         3 | 4 => format!("<cylinder radius=\"{}\" length=\"{z}\"/>", rounded(x.min(y) / 2.0)),
-        5 => {
+        5 if model.capsules => {
             let radius = rounded(x.min(y).min(z * 0.8) / 2.0);
             format!("<capsule radius=\"{radius}\" length=\"{}\"/>", rounded((z - 2.0 * radius).max(0.01)))
         }
