@@ -85,7 +85,10 @@ fn all(seeds: std::ops::Range<u64>) -> Vec<(u64, Option<Kind>, Fate)> {
 /// Prints what became of the problems, by kind; returns proved and all.
 fn table(found: &[(u64, Option<Kind>, Fate)]) -> (usize, usize) {
     let mut rows: BTreeMap<String, [usize; 5]> = BTreeMap::new();
-    for (_, kind, fate) in found {
+    for (seed, kind, fate) in found {
+        if let Fate::Infeasible(why) | Fate::Refused(why) = fate {
+            eprintln!("seed {seed} {kind:?} is no problem: {why}");
+        }
         let column = match fate {
             Fate::Proved => 0,
             Fate::Unsolved => 1,

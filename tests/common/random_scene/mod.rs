@@ -8,6 +8,7 @@ pub mod environment;
 mod kept;
 pub mod model;
 pub mod objects;
+mod problems;
 pub mod robot;
 pub mod scene;
 pub mod shapes;

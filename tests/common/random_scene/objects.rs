@@ -72,7 +72,7 @@ pub fn block(draw: &mut Draw, name: &str, opening: f64, lies: bool) -> Block {
         elements.push(handle("again", "body", other, draw.of(&MASKS), 0.04));
     }
     model.srdf = Some(elements);
-    Block { model, height, turns: masks.0[3] == 0 }
+    Block { model, height, turns: masks.0[3] == 0 && masks.1[3] == 0 }
 }
 
 /// A table whose top is at that height, with posts or a rim on it.
@@ -124,7 +124,7 @@ pub fn furniture(draw: &mut Draw, height: f64) -> (Model, f64) {
     model.shape(tray, Place::at(x, y, height + 0.015), &geometry);
     let place = Place { xyz: [x, y, height + 0.045], rpy: [0.0, FRAC_PI_2, 0.0] };
     let free = [([1, 1, 1, 0, 1, 1], [0; 6]), ([1, 1, 1, 0, 0, 0], [0; 6])];
-    let masks = if slides { draw.of(&MASKS) } else { draw.of(&free) };
+    let masks = if slides && draw.chance(0.3) { draw.of(&MASKS) } else { draw.of(&free) };
     model.srdf = Some(vec![handle("knob", "tray_link", place, masks, 0.04)]);
     let link = model.links[tray].name.clone();
     model.srdf = model.srdf.map(|list| list.iter().map(|e| e.replace("tray_link", &link)).collect());
