@@ -10,6 +10,7 @@ use super::distance::Ask;
 use super::pairs::{ActiveGroup, PairSet};
 use super::scene::{CollisionScene, PairId};
 use super::scratch::{CollisionScratch, place_balls, solid_balls};
+use super::tie::{kept_clearance, tie_of};
 use super::verdict::{exact_clearance, hull_clearance, rough_clearance};
 use crate::kinematics::{Carriage, Kinematics};
 use glam::DVec3;
@@ -31,12 +32,14 @@ pub struct MinimumSettings {
     pub below: f64,
     /// Distances of shapes that may be asked for. What is proved by then is returned.
     pub max_queries: u64,
+    /// As [`CertificateSettings::tied_within`](super::certificate::CertificateSettings::tied_within).
+    pub tied_within: f64,
 }
 
 impl Default for MinimumSettings {
     /// Within a tenth, or a tenth of a millimetre.
     fn default() -> Self {
-        Self { relative: 0.1, absolute: 1e-4, below: f64::MAX, max_queries: 20_000_000 }
+        Self { relative: 0.1, absolute: 1e-4, below: f64::MAX, max_queries: 20_000_000, tied_within: f64::INFINITY }
     }
 }
 
@@ -206,9 +209,8 @@ impl Minimum<'_> {
     ) {
         let size = self.scene.space.size();
         let pieces = (knots.len() / size).saturating_sub(1) as u32;
-        let all = |active| Open { active: active as u32, pair: None, lower: f64::NEG_INFINITY };
-        let mut open: Vec<Open> = (0..moving.len()).map(all).collect();
-        let whole = |piece| Part { piece, t: 0.5, half: 0.5, open: 0..moving.len() };
+        let mut open = self.open_all(moving, scratch);
+        let whole = |piece| Part { piece, t: 0.5, half: 0.5, open: 0..open.len() };
         let mut parts: Vec<Part> = if open.is_empty() { Vec::new() } else { (0..pieces).map(whole).collect() };
         let mut q = vec![0.0; size];
         for _depth in 0..DEEPEST {
@@ -241,6 +243,28 @@ impl Minimum<'_> {
             (parts, open) = (halves, left);
         }
         self.lower = open.iter().fold(self.lower, |lower, open| lower.min(open.lower));
+    }
+
+    /// Everything that moves is open, but for pairs that are tied together well enough.
+    fn open_all(&mut self, moving: &[ActiveGroup], scratch: &CollisionScratch) -> Vec<Open> {
+        let mut open = Vec::with_capacity(moving.len());
+        for (number, active) in moving.iter().enumerate() {
+            let entry = |pair| Open { active: number as u32, pair, lower: f64::NEG_INFINITY };
+            let Some(tie) = tie_of(self.scene, self.pairs, &scratch.course, active) else {
+                open.push(entry(None));
+                continue;
+            };
+            let group = &self.scene.groups[active.group as usize];
+            for pair in group.start..group.end {
+                let (id, margin) = (PairId(pair), self.pairs.margin(PairId(pair)));
+                let (within, keep) = (self.settings.tied_within, self.enough() + margin);
+                match kept_clearance(self.scene, id, (tie, within), &scratch.course.start, keep) {
+                    Some(kept) => self.lower = self.lower.min(kept - margin),
+                    None => open.push(entry(Some(pair))),
+                }
+            }
+        }
+        open
     }
 
     /// Settles what it can of a part; what is left open goes to `left`.

@@ -55,5 +55,8 @@ pub use polyline::{PolylineVerdict, certify_polyline};
 pub use scene::{CollisionScene, Pair, PairId};
 pub use scratch::CollisionScratch;
 pub use tie::Tie;
-pub use verdict::{Contact, contained, first_collision, min_clearance, pair_clearance, surely_colliding};
+pub use verdict::{
+    Contact, all_collisions, contained, first_collision, min_clearance, pair_clearance, rigid_collisions,
+    surely_colliding,
+};
 pub use verdicts::{Verdicts, first_collisions, open_to_bounds};
