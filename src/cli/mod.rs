@@ -3,6 +3,7 @@
 
 mod bench;
 mod check;
+mod coverage;
 mod demo;
 mod graph;
 mod inspect;
