@@ -4,6 +4,7 @@
 mod bench;
 mod certify;
 mod check;
+mod coverage;
 mod demo;
 mod graph;
 mod inspect;
