@@ -89,7 +89,8 @@ impl Drift {
             }
             let [first, last] = [0, motion.last()].map(|knot| motion.scalar(joint, At::knot(knot)));
             if (last - first).abs() > tolerance {
-                continue; // told of the segment itself
+                self.resting[joint] = None; // told of the segment itself
+                continue;
             }
             let origin = *self.resting[joint].get_or_insert(first);
             let moved = (last - origin).abs();
