@@ -2,8 +2,8 @@
 
 pub use super::read::read;
 use super::{FileNames, PartFiles, PathFile, SceneFileEntry};
+use crate::output;
 use crate::scene::{ModelFile, Origin, PartSource, Scene, SceneFile, SceneOrigin, folder_of, shipped_scenes};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Why a path file was not written or read.
@@ -19,7 +19,7 @@ pub enum PathFileError {
 }
 
 /// The files of a scene as a path file at `out` has to name them. Models that live only in the program are written beside it,
-/// into `PATH.models/`.
+/// into `PATH.models/`, unless `out` is a device or a pipe.
 ///
 /// # Errors
 /// A model cannot be written.
@@ -60,9 +60,12 @@ fn model_name(file: &ModelFile, out: &Path) -> Result<String, PathFileError> {
         Origin::Program(content) => {
             let folder = models_folder(out);
             let place = folder.join(Path::new(&file.url).file_name().unwrap_or_default());
-            let failed = |source| PathFileError::Io { path: place.clone(), source };
-            std::fs::create_dir_all(&folder).map_err(failed)?;
-            std::fs::write(&place, content).map_err(failed)?;
+            // Beside a device or a pipe there is no place; the file then says what it would say.
+            if output::is_file(out) {
+                let failed = |source| PathFileError::Io { path: place.clone(), source };
+                std::fs::create_dir_all(&folder).map_err(failed)?;
+                output::write(&place, content.as_bytes()).map_err(failed)?;
+            }
             Ok(relative(&place, out))
         }
     }
@@ -89,7 +92,7 @@ fn relative(path: &Path, out: &Path) -> String {
     steps.collect::<Vec<String>>().join("/")
 }
 
-/// Writes a path file: to a temporary name first, so that a reader never sees half of one.
+/// Writes a path file: whole or not at all, see [`crate::output`].
 ///
 /// # Errors
 /// The file cannot be written.
@@ -98,10 +101,5 @@ pub fn save(file: &PathFile, out: &Path) -> Result<(), PathFileError> {
     let json = |source| PathFileError::Json { path: out.to_owned(), place: "the file".into(), source };
     let mut text = serde_json::to_string(file).map_err(json)?;
     text.push('\n');
-    let mut part = out.as_os_str().to_owned();
-    part.push(".part");
-    let part = PathBuf::from(part);
-    let mut handle = std::fs::File::create(&part).map_err(io)?;
-    handle.write_all(text.as_bytes()).and_then(|()| handle.sync_all()).map_err(io)?;
-    std::fs::rename(&part, out).map_err(io)
+    output::write(out, text.as_bytes()).map_err(io)
 }

@@ -4,8 +4,8 @@
 //! every refusal is a [`SceneError`] with file, line and element.
 
 mod assemble;
-mod error;
-mod input;
+pub(crate) mod error;
+pub(crate) mod input;
 mod keys;
 mod mesh;
 mod mesh_cache;

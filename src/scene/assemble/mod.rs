@@ -105,6 +105,7 @@ pub(crate) fn load(name: &str, text: &str, base: SceneBase, packages: &PackagePa
         at.map_or(&part_items, |p| &p.item).error(error.to_string())
     })?;
 
+    configuration::refuse_twins(&robot, &items)?;
     check_sums(&mut keys, &mut loader)?;
     let mut ignored_pairs = pairs::of_parts(&parts, &robot)?;
     ignored_pairs.extend(pairs::ignored(&mut keys, &robot)?);
