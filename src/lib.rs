@@ -5,6 +5,7 @@ pub mod batch;
 pub mod check;
 pub mod diagram;
 pub mod inspection;
+pub mod memory;
 pub mod output;
 pub mod path_file;
 pub mod planner;

@@ -14,7 +14,7 @@ impl Model {
     /// which the state decides; margins are lifted from what touches at either end of the transition.
     #[must_use]
     pub fn pairs(&self, transition: TransitionId, state: StateId, carriages: &[Carriage]) -> &PairSet {
-        let tied = |pairs: PairSet| pairs.tied(self.ties(state));
+        let tied = |pairs: PairSet| Box::new(pairs.tied(self.ties(state)));
         let shared =
             || self.states[state.at()].pairs.get_or_init(|| tied(PairSet::new(&self.collision, carriages, &[])));
         if self.problem.margins.is_empty() {
@@ -23,7 +23,7 @@ impl Model {
         let ends = self.graph.transition(transition);
         // Motions that only enter the target come after the last leg; they stand still, and margins do not matter.
         let Some(leg) = ends.legs.iter().position(|leg| leg.state == state) else { return shared() };
-        self.transitions[transition.at()].legs[leg].pairs.get_or_init(|| {
+        self.leg_tables(transition)[leg].pairs.get_or_init(|| {
             let touching = self.touching_along(transition);
             tied(PairSet::new(&self.collision, carriages, &touching))
         })
@@ -94,7 +94,7 @@ impl Model {
         guard: f64,
         scratch: &mut CollisionScratch,
     ) -> Option<Contact> {
-        let verdict = || PairSet::new(&self.collision, &[], &self.touching(state));
+        let verdict = || Box::new(PairSet::new(&self.collision, &[], &self.touching(state)));
         let pairs = match self.problem.margins.is_empty() {
             true => &self.all_pairs,
             false => self.states[state.at()].verdict.get_or_init(verdict),
@@ -118,7 +118,7 @@ impl Model {
     /// Every pair, with the margins that hold at the waypoints of a transition: lifted from what touches at either end.
     #[must_use]
     pub fn waypoint_pairs(&self, transition: TransitionId) -> &PairSet {
-        let verdict = || PairSet::new(&self.collision, &[], &self.touching_along(transition));
+        let verdict = || Box::new(PairSet::new(&self.collision, &[], &self.touching_along(transition)));
         match self.problem.margins.is_empty() {
             true => &self.all_pairs,
             false => self.transitions[transition.at()].verdict.get_or_init(verdict),
