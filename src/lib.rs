@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 pub mod batch;
+pub mod certify;
 pub mod check;
 pub mod diagram;
 pub mod inspection;

@@ -1,7 +1,8 @@
 //! The commands, one file each. Exit codes: 0 done, 1 no solution or a check that fails, 2 wrong usage or input, or output
-//! that could not be written, 130 interrupted.
+//! that could not be written, 3 proved only relative to what a file says of itself, 4 undecided within limits, 130 interrupted.
 
 mod bench;
+mod certify;
 mod check;
 mod demo;
 mod graph;
@@ -44,6 +45,7 @@ struct Cli {
 enum Command {
     Demo(demo::Arguments),
     Solve(solve::Arguments),
+    Certify(certify::Arguments),
     Check(check::Arguments),
     Graph(graph::Arguments),
     Bench(bench::Arguments),
@@ -59,6 +61,7 @@ impl Command {
             Self::Demo(arguments) => arguments.search.tuning.level = level,
             Self::Solve(arguments) => arguments.search.tuning.level = level,
             Self::Bench(arguments) => arguments.tuning.level = level,
+            Self::Certify(arguments) => arguments.level = level,
             // These do not search.
             Self::Check(_) | Self::Graph(_) | Self::Inspect(_) | Self::Models(_) | Self::Scenes(_) => {}
         }
@@ -71,6 +74,10 @@ pub(crate) enum Ending {
     Done,
     /// Exit code 1: no solution within limits, a check that fails, something that is not there.
     Failed,
+    /// Exit code 3: what is proved holds only relative to what a file says of itself.
+    Relative,
+    /// Exit code 4: undecided within the limits of work, time or resolution.
+    Undecided,
     /// Exit code 130: a signal has stopped it.
     Interrupted,
 }
@@ -117,6 +124,7 @@ fn run(mut cli: Cli) -> u8 {
     let ending = match &cli.command {
         Command::Demo(arguments) => demo::run(arguments, &packages),
         Command::Solve(arguments) => solve::run(arguments, &packages),
+        Command::Certify(arguments) => certify::run(arguments, &packages),
         Command::Check(arguments) => check::run(arguments, &packages),
         Command::Bench(arguments) => bench::run(arguments, &packages),
         Command::Graph(arguments) => graph::run(arguments, &packages),
@@ -127,6 +135,8 @@ fn run(mut cli: Cli) -> u8 {
     match ending {
         Ok(Ending::Done) => 0,
         Ok(Ending::Failed) => 1,
+        Ok(Ending::Relative) => 3,
+        Ok(Ending::Undecided) => 4,
         Ok(Ending::Interrupted) => interrupt::EXIT_CODE,
         Err(Refusal(message)) => {
             say(&format!("error: {message}\n"));
