@@ -108,7 +108,8 @@ impl JointNames {
             }
         }
         let mut bare_names: HashMap<String, Vec<String>> = HashMap::new();
-        for (name, _) in &all {
+        // Roots go by their full names: every object has an x.
+        for (name, _) in all.iter().filter(|(name, _)| robot.joint(name).is_some()) {
             bare_names.entry(bare(name).to_owned()).or_default().push(name.clone());
         }
         let full = all.iter().map(|(name, _)| name.clone()).collect();

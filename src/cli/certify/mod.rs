@@ -72,8 +72,6 @@ struct Answer {
     result: Result<CertifyReport, String>,
     read: Duration,
     certify: Duration,
-    /// Of this thread, where the system says so.
-    cpu: Option<Duration>,
 }
 
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
@@ -136,19 +134,12 @@ fn one(
     let started = Instant::now();
     let motion = read(path, certifier.robot(), &how);
     let read = started.elapsed();
-    let (started, before) = (Instant::now(), cpu_time());
+    let started = Instant::now();
     let result = motion.map_err(|e| e.to_string()).and_then(|motion| {
         let report = certifier.certify_while(&motion, options, scratch, go_on);
         report.map_err(|e| format!("{}: {e}", path.display()))
     });
-    let cpu = before.zip(cpu_time()).map(|(before, after)| after.saturating_sub(before));
-    Answer { result, read, certify: started.elapsed(), cpu }
-}
-
-/// Time that this thread has run, as Linux counts it.
-fn cpu_time() -> Option<Duration> {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    text.split_whitespace().next()?.parse().ok().map(Duration::from_nanos)
+    Answer { result, read, certify: started.elapsed() }
 }
 
 /// A failure outweighs what is undecided.
@@ -208,6 +199,5 @@ fn as_json(arguments: &Arguments, path: &Path, answer: &Answer, loaded: Duration
         "load_ms": ms(loaded),
         "read_ms": ms(answer.read),
         "certify_ms": ms(answer.certify),
-        "cpu_ms": answer.cpu.map(ms),
     })
 }
