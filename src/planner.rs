@@ -13,6 +13,8 @@ use foliate_systems::schedulers::{self, Scheduler};
 use foliate_systems::search::Search;
 use foliate_systems::settings::SearchSettings;
 use foliate_systems::worlds::{WorldCount, WorldCounts};
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -201,6 +203,13 @@ impl Planner {
         self
     }
 
+    /// Lets solves be cancelled by a token that others may hold too.
+    #[must_use]
+    pub fn cancelled_by(mut self, token: CancelToken) -> Self {
+        self.token = token;
+        self
+    }
+
     /// The token that cancels solves of this planner from any thread.
     #[must_use]
     pub fn cancel_token(&self) -> CancelToken {
@@ -230,8 +239,23 @@ impl Planner {
     }
 
     /// Solves on the rayon pool in which it is called (the global one outside of any).
+    ///
+    /// A panic in the search, in a system of the host's for instance, does not leave it: the outcome is then
+    /// [`SearchOutcome::Crashed`] with what the panic said, and the report is empty. The planner may go on to be used.
     #[must_use]
     pub fn solve(&self) -> Solution {
+        let started = Instant::now();
+        // Nothing that a panic may leave half done is looked at again: a search owns its world, and what solves share is
+        // immutable or filled in whole.
+        catch_unwind(AssertUnwindSafe(|| self.solve_unguarded())).unwrap_or_else(|panic| Solution {
+            outcome: SearchOutcome::Crashed(panic_message(panic.as_ref())),
+            path: None,
+            report: Report { graph_time: self.graph_time, solve_time: started.elapsed(), ..Report::default() },
+            model: self.model.clone(),
+        })
+    }
+
+    fn solve_unguarded(&self) -> Solution {
         let started = Instant::now();
         let mut search = self.search();
         let outcome = search.run();
@@ -284,6 +308,12 @@ impl Planner {
             goals: GoalReport { statistics, blocking_parts },
         }
     }
+}
+
+/// What a panic says.
+pub(crate) fn panic_message(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().copied().or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+    text.unwrap_or("a panic without a message").to_owned()
 }
 
 fn funnel_row(model: &PlanningModel, transition: TransitionId, statistics: TransitionStatistics) -> FunnelRow {

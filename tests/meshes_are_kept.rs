@@ -7,7 +7,7 @@ mod common;
 use foliate::Planner;
 use foliate::components::outcome::SearchOutcome;
 use foliate::components::robot::shape::{Geometry, Mesh};
-use foliate::scene::{MeshCache, PackagePath, ReadModel, load_scene, read_model};
+use foliate::scene::{MeshCache, PackagePath, ReadModel, UpAxis, load_scene, read_model};
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -68,7 +68,7 @@ impl Drop for Folder {
 
 fn read(urdf: &Path, cache: impl Into<Option<MeshCache>>) -> ReadModel {
     let packages = PackagePath::default().with_mesh_cache(cache);
-    read_model(urdf.to_str().unwrap(), None, &packages).unwrap_or_else(|e| panic!("{e}"))
+    read_model(urdf.to_str().unwrap(), None, UpAxis::AsWritten, &packages).unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn mesh(read: &ReadModel) -> &Arc<Mesh> {
@@ -338,7 +338,7 @@ fn a_file_that_changes_is_another_mesh() {
     // A file that is damaged is refused, whatever is kept of it as it was.
     std::fs::write(folder.0.join("m.stl"), &small()[..9000 - 700]).unwrap();
     let packages = PackagePath::default().with_mesh_cache(MeshCache::in_directory(folder.cache()));
-    assert!(read_model(urdf.to_str().unwrap(), None, &packages).is_err());
+    assert!(read_model(urdf.to_str().unwrap(), None, UpAxis::AsWritten, &packages).is_err());
 }
 
 #[test]
@@ -474,9 +474,9 @@ fn all_published_models_are_kept_as_they_are_read() {
     for package in common::PACKAGES {
         for urdf in common::files_below(&packages.find(package).unwrap(), ".urdf") {
             let name = urdf.to_string_lossy();
-            let Ok(plain) = read_model(&name, None, &packages) else { continue };
+            let Ok(plain) = read_model(&name, None, UpAxis::AsWritten, &packages) else { continue };
             for _ in 0..2 {
-                let read = read_model(&name, None, &cached).unwrap_or_else(|e| panic!("{e}"));
+                let read = read_model(&name, None, UpAxis::AsWritten, &cached).unwrap_or_else(|e| panic!("{e}"));
                 assert_eq!(read.warnings, plain.warnings);
                 let shapes = |read: &ReadModel| -> Vec<Arc<Mesh>> {
                     let shapes = read.model.links.iter().flat_map(|link| &link.shapes);

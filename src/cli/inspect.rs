@@ -7,7 +7,7 @@ use foliate::components::robot::model::{JointKind, JointModel, Model};
 use foliate::components::robot::shape::Geometry;
 use foliate::components::robot::{PartKind, PartPlacement, Robot, RootJoint};
 use foliate::inspection::always_colliding;
-use foliate::scene::{PackagePath, SceneError, read_model};
+use foliate::scene::{PackagePath, SceneError, UpAxis, read_model};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
@@ -26,7 +26,7 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
-    let read = read_model(&arguments.urdf, arguments.srdf.as_deref(), packages)?;
+    let read = read_model(&arguments.urdf, arguments.srdf.as_deref(), UpAxis::AsWritten, packages)?;
     let placement = PartPlacement {
         name: "model".into(),
         kind: PartKind::Robot,

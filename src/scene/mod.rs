@@ -4,8 +4,8 @@
 //! every refusal is a [`SceneError`] with file, line and element.
 
 mod assemble;
-mod error;
-mod input;
+pub(crate) mod error;
+pub(crate) mod input;
 mod keys;
 mod mesh;
 mod mesh_cache;
@@ -16,16 +16,18 @@ mod srdf;
 mod urdf;
 mod xml;
 
-pub use assemble::{PartSource, Scene, coordinate_names};
+pub use assemble::{PartSource, Scene, SceneFile, SceneOrigin, coordinate_names};
 pub use error::SceneError;
 pub use mesh::UpAxis;
 pub use mesh_cache::MeshCache;
 pub use package::{PackagePath, model_cache};
 pub use shipped::{ShippedScene, shipped_scenes};
-pub use source::{ModelFile, Origin};
+pub(crate) use source::folder_of;
+pub use source::{ModelFile, Origin, sha256};
 
 use foliate_components::robot::model::Model;
 use source::SceneBase;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Loads a scene: a shipped one by its name, or a file.
@@ -60,15 +62,22 @@ pub struct ReadModel {
     pub model: Model,
     /// Remarks that did not stop the reading.
     pub warnings: Vec<SceneError>,
+    /// SHA-256 (hexadecimal) of every file that was read: by `urdf`, `srdf`, and each mesh as the URDF writes its name.
+    pub sha256: BTreeMap<String, String>,
 }
 
-/// Reads a URDF and, where there is one, its SRDF. Both are paths or `package://` URLs.
+/// Reads a URDF and, where there is one, its SRDF. Both are paths or `package://` URLs. `up_axis` is for COLLADA meshes.
 ///
 /// # Errors
 /// As [`load_scene`].
-pub fn read_model(urdf: &str, srdf: Option<&str>, packages: &PackagePath) -> Result<ReadModel, SceneError> {
+pub fn read_model(
+    urdf: &str,
+    srdf: Option<&str>,
+    up_axis: UpAxis,
+    packages: &PackagePath,
+) -> Result<ReadModel, SceneError> {
     let open = |name: &str| {
-        let base = SceneBase::Directory(std::path::PathBuf::new());
+        let base = SceneBase::Directory(".".into());
         source::open(name, &base, packages).map_err(|error| match error {
             source::OpenError::Name(message, hint) => SceneError::new(name, "file", message).hint(hint),
             source::OpenError::File(error) => error,
@@ -78,18 +87,15 @@ pub fn read_model(urdf: &str, srdf: Option<&str>, packages: &PackagePath) -> Res
     let mut warnings = Vec::new();
     let mut meshes = mesh::Meshes::new(packages);
     let base = urdf.file.base();
-    let mut context = urdf::Context {
-        meshes: &mut meshes,
-        base: &base,
-        up_axis: UpAxis::AsWritten,
-        warnings: &mut warnings,
-        open_meshes: Vec::new(),
-    };
+    let mut context = urdf::Context::new(&mut meshes, &base, up_axis, &mut warnings);
     let mut model = urdf::read(&urdf.label, &urdf.text, &mut context)?;
+    let mut sha256 = context.sha256;
+    sha256.insert("urdf".into(), urdf.file.sha256);
     if let Some(srdf) = srdf {
         let srdf = open(srdf)?;
         srdf::read(&srdf.label, &srdf.text, &mut model, &mut warnings)?;
+        sha256.insert("srdf".into(), srdf.file.sha256);
     }
     warnings.extend(meshes.finish());
-    Ok(ReadModel { model, warnings })
+    Ok(ReadModel { model, warnings, sha256 })
 }

@@ -80,6 +80,12 @@ impl EventSink {
 pub struct CancelToken(Arc<AtomicBool>);
 
 impl CancelToken {
+    /// A token that is also cancelled by setting a flag, as a handler of signals does.
+    #[must_use]
+    pub fn of_flag(flag: Arc<AtomicBool>) -> Self {
+        Self(flag)
+    }
+
     /// Asks every search that holds the token to stop.
     pub fn cancel(&self) {
         self.0.store(true, Ordering::Relaxed);

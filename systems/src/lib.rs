@@ -26,6 +26,7 @@ pub mod model;
 pub mod neighbours;
 mod parallel;
 pub mod passages;
+pub mod path_clearance;
 pub mod path_extraction;
 pub mod projection;
 pub mod random;

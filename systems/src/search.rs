@@ -128,10 +128,10 @@ impl Search {
         }
         let roadmap = self.world.resource::<Roadmap>();
         let roots = self.world.resource::<Roots>();
-        let tolerance = self.world.resource::<SearchSettings>().path_tolerance;
+        let settings = self.world.resource::<SearchSettings>();
         let goal = roots.reached_goal(roadmap)?;
         let leaves = self.world.resource::<LeafIndex>();
-        extract_path(self.model(), roadmap, leaves, tolerance, roots.start?, goal)
+        extract_path(self.model(), settings, roadmap, leaves, roots.start?, goal)
     }
 
     /// Leaves the world behind.
@@ -275,7 +275,7 @@ fn find_roots(
     stop: &StopSignal,
 ) -> Result<FoundRoots, SearchOutcome> {
     let q = model.problem.start.clone();
-    let start = membership::reach_feasible(model, settings, &q).map_err(SearchOutcome::InfeasibleStart)?;
+    let start = membership::reach_start(model, settings, &q).map_err(SearchOutcome::InfeasibleStart)?;
     let mut sampler = GoalSampler::new(model, settings, &start.q);
     let mut goals = Vec::new();
     let mut complaint = String::from("the problem names no goal");

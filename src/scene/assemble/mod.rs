@@ -19,7 +19,7 @@ use super::input;
 use super::keys::{File, Keys};
 use super::mesh::Meshes;
 use super::package::PackagePath;
-use super::source::{Place, SceneBase, hexadecimal, locate, sha256};
+use super::source::{Place, SceneBase, folder_of, hexadecimal, locate, sha256};
 use foliate_components::problem::Problem;
 use foliate_components::robot::Robot;
 use std::collections::HashMap;
@@ -41,6 +41,26 @@ pub struct Scene {
     pub parts: Vec<PartSource>,
     /// Remarks that did not stop the reading.
     pub warnings: Vec<SceneError>,
+    /// Which scene file it was; none where the scene was read from a text.
+    pub file: Option<SceneFile>,
+}
+
+/// A scene file: where it was, and which one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SceneFile {
+    /// Where it was read.
+    pub origin: SceneOrigin,
+    /// SHA-256 of its bytes, hexadecimal.
+    pub sha256: String,
+}
+
+/// Where a scene file was read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum SceneOrigin {
+    /// From the program, under this name.
+    Shipped(&'static str),
+    /// From disk.
+    File(PathBuf),
 }
 
 /// What is at hand while a scene is read.
@@ -101,7 +121,7 @@ pub(crate) fn load(name: &str, text: &str, base: SceneBase, packages: &PackagePa
     let problem = Problem { name: scene_name, robot, graph, ignored_pairs, margins, start, goals };
     let parts = parts.into_iter().map(|p| p.source).collect();
     loader.warnings.extend(loader.meshes.finish());
-    Ok(Scene { problem, description, parts, warnings: loader.warnings })
+    Ok(Scene { problem, description, parts, warnings: loader.warnings, file: None })
 }
 
 /// `[sha256]`: says when a file differs from the one that the scene was made with.
@@ -137,7 +157,10 @@ impl Loader<'_> {
 
 /// Reads a scene file from disk.
 pub(crate) fn load_path(path: &Path, packages: &PackagePath) -> Result<Scene, SceneError> {
-    let text = input::text(path, input::SCENE_CAP)?;
-    let directory = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    load(&path.display().to_string(), &text, SceneBase::Directory(directory.to_owned()), packages)
+    let content = input::bytes(path, input::SCENE_CAP)?;
+    let file = SceneFile { origin: SceneOrigin::File(path.to_owned()), sha256: sha256(&content) };
+    let name = path.display().to_string();
+    let text = input::decode(content, &name)?;
+    let scene = load(&name, &text, SceneBase::Directory(folder_of(path).to_owned()), packages)?;
+    Ok(Scene { file: Some(file), ..scene })
 }

@@ -17,6 +17,7 @@ use crate::graph::growth::Growth;
 use crate::graph::resting::{Resting, RestingPlace};
 use bevy_ecs::prelude::Resource;
 use foliate_components::constraint::{Constraint, Grasp, Locked, LockedValue};
+use foliate_components::coverage::LeftOutPair;
 use foliate_components::graph::{ConstraintGraph, ConstraintId, ConstraintKind, StateId, Transition, TransitionId};
 use foliate_components::problem::{JointRest, Problem};
 use foliate_components::roadmap::{NodeId, Roadmap};
@@ -99,6 +100,8 @@ pub struct ProblemTables {
     pub weights: Vec<f64>,
     /// Values that the locked joints keep, by configuration index.
     locked: Vec<(usize, f64)>,
+    /// All joints that never move.
+    still: Vec<JointIndex>,
     /// Every pair, for verdicts.
     all_pairs: PairSet,
     /// Starts for solves that bring a gripper somewhere, by the body that carries it: built in a millisecond when first asked
@@ -375,15 +378,8 @@ impl ProblemTables {
     #[must_use]
     pub fn new(problem: Problem) -> Self {
         let robot = &problem.robot;
-        let locked_joints = locked_joints(&problem);
-        let rule = PairRule {
-            ignored: &problem.ignored_pairs,
-            margins: &problem.margins,
-            locked: &locked_joints,
-            // The problem names them.
-            ignore_neighbours_without_srdf: false,
-        };
-        let collision = CollisionScene::new(robot, &rule);
+        let still = locked_joints(&problem);
+        let collision = CollisionScene::new(robot, &pair_rule(&problem, &still));
         Self {
             kinematics: Kinematics::new(robot),
             weights: coordinate_weights(robot),
@@ -391,8 +387,15 @@ impl ProblemTables {
             all_pairs: PairSet::new(&collision, &[], &[]),
             seeds: seed_tables(robot),
             collision,
+            still,
             problem,
         }
+    }
+
+    /// The pairs of shapes that are never tested, with the reason.
+    #[must_use]
+    pub fn left_out(&self) -> Vec<LeftOutPair> {
+        self.collision.left_out(&self.problem.robot, &pair_rule(&self.problem, &self.still))
     }
 
     /// A constraint of the problem's own, or a joint's rest, as kernels know it; parameter rows name slot 0.
@@ -413,6 +416,11 @@ impl ProblemTables {
             _ => None,
         }
     }
+}
+
+/// Which pairs are tested: as the problem says, which names neighbours too.
+fn pair_rule<'a>(problem: &'a Problem, still: &'a [JointIndex]) -> PairRule<'a> {
+    PairRule { ignored: &problem.ignored_pairs, margins: &problem.margins, locked: still }
 }
 
 /// Weights of the robots' coordinates alone.
