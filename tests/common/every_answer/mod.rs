@@ -9,7 +9,7 @@ pub mod posts;
 pub mod solve;
 
 use super::random_scene::RandomScene;
-use foliate::check::{CheckOptions, check};
+use foliate::check::{CheckOptions, Verdict, check};
 use foliate::path_file::save;
 use foliate::scene::PackagePath;
 use solve::{Answer, Ended, solve};
@@ -121,6 +121,9 @@ fn checked(answer: &Answer) -> Result<(), String> {
     let report = check(&file, base, &PackagePath::only(&[]), &CheckOptions::default())
         .map_err(|e| format!("check: cannot check: {e}"))?;
     let mut told: Vec<String> = Vec::new();
+    if report.verdict() != Verdict::Proved {
+        told.push(format!("verdict: {:?}", report.verdict()));
+    }
     for (index, violation) in report.violations.iter().enumerate() {
         if !report.violations[..index].iter().any(|earlier| earlier.kind == violation.kind) {
             told.push(format!("check: {violation}"));
