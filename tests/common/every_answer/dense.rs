@@ -69,7 +69,7 @@ pub fn sampled(answer: &Answer) -> Result<(), String> {
     Ok(())
 }
 
-fn in_world(robot: &Robot, shape: usize, X_WJ: &[Pose]) -> Pose {
+pub fn in_world(robot: &Robot, shape: usize, X_WJ: &[Pose]) -> Pose {
     let shape = &robot.shapes[shape];
     let X_JS = shape.joint_from_shape;
     robot.links[shape.link.at()].joint.map_or(X_JS, |joint| X_WJ[joint.at()] * X_JS)
@@ -114,14 +114,14 @@ fn pairs(answer: &Answer) -> Result<Vec<Pair>, String> {
 }
 
 /// Where all bodies are along a segment: joints and robots' roots as interpolated, objects on what carries them.
-struct Places<'r> {
+pub struct Places<'r> {
     robot: &'r Robot,
     kinematics: &'r Kinematics,
     carriages: Vec<Carriage>,
 }
 
 impl<'r> Places<'r> {
-    fn new(robot: &'r Robot, kinematics: &'r Kinematics, segment: &Segment) -> Self {
+    pub fn new(robot: &'r Robot, kinematics: &'r Kinematics, segment: &Segment) -> Self {
         let first = &segment.knots[0];
         let mut X_WJ = vec![Pose::IDENTITY; kinematics.bodies()];
         kinematics.forward(first, &mut X_WJ);
@@ -145,7 +145,7 @@ impl<'r> Places<'r> {
         Self { robot, kinematics, carriages: in_order(robot, carriages) }
     }
 
-    fn at(&self, a: &[f64], b: &[f64], t: f64) -> Vec<Pose> {
+    pub fn at(&self, a: &[f64], b: &[f64], t: f64) -> Vec<Pose> {
         let mut q = vec![0.0; self.robot.space.size()];
         self.robot.space.interpolate(a, b, t, &mut q);
         let mut X_WJ = vec![Pose::IDENTITY; self.kinematics.bodies()];

@@ -5,10 +5,11 @@
 
 pub mod dense;
 mod goal;
+pub mod posts;
 pub mod solve;
 
 use super::random_scene::RandomScene;
-use foliate::check::{CheckOptions, check};
+use foliate::check::{CheckOptions, Verdict, check};
 use foliate::path_file::save;
 use foliate::scene::PackagePath;
 use solve::{Answer, Ended, solve};
@@ -34,39 +35,70 @@ const ATTEMPTS: u64 = 40;
 /// Attempts that may be too hard.
 const HARD: u64 = 3;
 
+/// The scheduler whose turn a seed is.
+pub fn scheduler_of(seed: u64) -> &'static str {
+    ["sequence", "mrrt", "portfolio"][(seed % 3) as usize]
+}
+
+/// Solves the problem of a seed, then the same with thin posts beside what its path swept, and holds that answer against
+/// everything.
+pub fn examine_among_posts(seed: u64, folder: &Path) -> (RandomScene, Fate) {
+    let scheduler = scheduler_of(seed);
+    let (bare, answer) = match first_answer(seed, folder) {
+        Ok(found) => found,
+        Err((scene, fate)) => return (scene, fate),
+    };
+    let scene = posts::among_posts(&bare, &answer);
+    let file = scene.write(folder).expect("a folder for the problem");
+    let fate = match solve(&file, scheduler, seed, 1, &folder.join("path.json")) {
+        Ok(Ended::Solved(answer)) => proved(&scene, &file, scheduler, &answer),
+        Ok(Ended::Infeasible(why)) => Fate::Infeasible(why),
+        Ok(Ended::Refused(why)) => Fate::Refused(why),
+        Ok(Ended::Unsolved) => Fate::Unsolved,
+        Err(why) => Fate::Failed(why),
+    };
+    (scene, fate)
+}
+
 /// Draws the problem of a seed, solves it, and holds the answer against everything. All files stay in `folder`.
 pub fn examine(seed: u64, folder: &Path) -> (RandomScene, Fate) {
-    let scheduler = ["sequence", "mrrt", "portfolio"][(seed % 3) as usize];
+    match first_answer(seed, folder) {
+        Ok((scene, answer)) => {
+            let fate = proved(&scene, &folder.join("scene.toml"), scheduler_of(seed), &answer);
+            (scene, fate)
+        }
+        Err(ended) => ended,
+    }
+}
+
+/// The first attempt of a seed that is solved, in `folder`; or what became of all.
+pub fn first_answer(seed: u64, folder: &Path) -> Result<(RandomScene, Box<Answer>), (RandomScene, Fate)> {
     let (mut attempt, mut hard) = (0, 0);
     loop {
         let scene = RandomScene::new(seed, attempt);
         let _none = std::fs::remove_dir_all(folder);
         let scene_file = scene.write(folder).expect("a folder for the problem");
-        let out = folder.join("path.json");
-        let last = attempt + 1 == ATTEMPTS;
-        let fate = match solve(&scene_file, scheduler, seed, 1, &out) {
-            Err(error) => Fate::Failed(error),
-            Ok(Ended::Refused(why)) if last => Fate::Refused(why),
-            Ok(Ended::Infeasible(why)) if last => Fate::Infeasible(why),
-            Ok(Ended::Refused(_) | Ended::Infeasible(_)) => {
-                attempt += 1;
-                continue;
-            }
+        attempt += 1;
+        let last = attempt == ATTEMPTS;
+        match solve(&scene_file, scheduler_of(seed), seed, 1, &folder.join("path.json")) {
+            Err(error) => return Err((scene, Fate::Failed(error))),
+            Ok(Ended::Solved(answer)) => return Ok((scene, answer)),
+            Ok(Ended::Refused(why)) if last => return Err((scene, Fate::Refused(why))),
+            Ok(Ended::Infeasible(why)) if last => return Err((scene, Fate::Infeasible(why))),
+            Ok(Ended::Refused(_) | Ended::Infeasible(_)) => {}
             Ok(Ended::Unsolved) => {
                 hard += 1;
-                attempt += 1;
                 if last || hard == HARD {
-                    return (scene, Fate::Unsolved);
+                    return Err((scene, Fate::Unsolved));
                 }
-                continue;
             }
-            Ok(Ended::Solved(answer)) => {
-                let wrong = prove(&scene, &scene_file, scheduler, &answer);
-                if wrong.is_empty() { Fate::Proved } else { Fate::Failed(wrong.join("; ")) }
-            }
-        };
-        return (scene, fate);
+        }
     }
+}
+
+fn proved(scene: &RandomScene, file: &Path, scheduler: &str, answer: &Answer) -> Fate {
+    let wrong = prove(scene, file, scheduler, answer);
+    if wrong.is_empty() { Fate::Proved } else { Fate::Failed(wrong.join("; ")) }
 }
 
 /// All that is promised of an answer; what does not hold.
@@ -89,6 +121,9 @@ fn checked(answer: &Answer) -> Result<(), String> {
     let report = check(&file, base, &PackagePath::only(&[]), &CheckOptions::default())
         .map_err(|e| format!("check: cannot check: {e}"))?;
     let mut told: Vec<String> = Vec::new();
+    if report.verdict() != Verdict::Proved {
+        told.push(format!("verdict: {:?}", report.verdict()));
+    }
     for (index, violation) in report.violations.iter().enumerate() {
         if !report.violations[..index].iter().any(|earlier| earlier.kind == violation.kind) {
             told.push(format!("check: {violation}"));

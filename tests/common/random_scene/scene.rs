@@ -41,6 +41,9 @@ pub struct RandomScene {
     pub goal: BTreeMap<String, f64>,
 }
 
+/// Leader, multiplier, offset.
+type Mimic = (String, f64, f64);
+
 /// What is gathered of a scene while it is drawn.
 #[derive(Default)]
 pub(super) struct Draft {
@@ -59,6 +62,8 @@ pub(super) struct Draft {
     pub names: Vec<String>,
     /// Limits of the scene's own: joint of the robot, lower, upper.
     pub bounds: Vec<(String, f64, f64)>,
+    /// Joints of the robot that would follow, but are free: they start where they would be.
+    pub free: Vec<(String, Mimic)>,
     /// Tables of parts that come before the robot's.
     pub before: String,
 }
@@ -82,6 +87,10 @@ impl RandomScene {
             Kind::Carry => super::problems::carry(&mut draft, &mut what, &mut place),
             Kind::Table => super::problems::on_table(&mut draft, &mut what, &mut place),
             Kind::Furniture => super::problems::opens(&mut draft, &mut what, &mut place),
+        }
+        for (joint, (leader, factor, offset)) in std::mem::take(&mut draft.free) {
+            let value = draft.start.get(&format!("robot/{leader}")).copied().unwrap_or_default();
+            draft.start.insert(format!("robot/{joint}"), factor * value + offset);
         }
         let text = draft.text(&format!("random-{seed}"), &mut what);
         let mut files = draft.files;
@@ -144,6 +153,8 @@ impl Draft {
         }
         if what.chance(0.1) {
             text += "mimic = \"free\"\n";
+            let follower = |joint: &super::model::Joint| Some((joint.name.clone(), joint.mimic.clone()?));
+            self.free = robot.model.joints.iter().filter_map(follower).collect();
         }
         self.robot = text;
     }
