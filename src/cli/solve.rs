@@ -1,5 +1,6 @@
 //! `foliate solve`: plan for a scene, say what was found, write the path.
 
+use super::coverage::LeftOut;
 use super::summary::{self, Loaded};
 use super::{Ending, Refusal, interrupt, print, print_json, say};
 use foliate::components::outcome::SearchOutcome;
@@ -28,6 +29,12 @@ pub(crate) struct Arguments {
     /// Write the path to this file
     #[arg(long, value_name = "PATH.json")]
     out: Option<PathBuf>,
+    /// Say how close things come, to within a tenth or 0.1 mm, and where on the path
+    #[arg(long)]
+    clearance: bool,
+    /// List every pair of collision shapes that is not tested, with the reason
+    #[arg(long)]
+    pairs: bool,
     /// One JSON object instead of text
     #[arg(long)]
     json: bool,
@@ -154,13 +161,19 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     }
     let tables = Arc::new(ProblemTables::new(scene.problem.clone()));
     let load_time = started.elapsed();
+    let left_out = LeftOut::of(&tables);
+    for warning in left_out.warnings(&scene.problem.robot) {
+        say(&format!("warning: {warning}\n"));
+    }
     let planner = arguments.search.planner(tables)?;
     let solution = solve(planner, &arguments.search, !arguments.json)?;
     let (planner, solution) = (solution.0, solution.1);
     if let (Some(out), Some(_)) = (&arguments.out, &solution.path) {
         write(out, &scene, &planner, &solution, &arguments.search)?;
     }
-    let loaded = Loaded { scene: &scene, load_time };
+    let clearance = if arguments.clearance { solution.clearance() } else { None };
+    let left_out = arguments.pairs.then_some(&left_out);
+    let loaded = Loaded { scene: &scene, load_time, clearance: clearance.as_ref(), left_out };
     if arguments.json {
         print_json(&summary::json(&loaded, &arguments.search, &solution))?;
     } else {
