@@ -18,6 +18,9 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
+    if let Some(out) = &arguments.out {
+        solve::writable(out)?;
+    }
     let scene = load_scene("demo", packages)?;
     let planner = arguments.search.planner(Arc::new(ProblemTables::new(scene.problem.clone())))?;
     let model = planner.model();

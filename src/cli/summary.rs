@@ -113,7 +113,9 @@ fn duration(time: Duration) -> String {
 pub(crate) fn json(loaded: &Loaded<'_>, search: &SearchArguments, solution: &Solution) -> Value {
     let report = &solution.report;
     let reason = match &solution.outcome {
-        SearchOutcome::InfeasibleStart(why) | SearchOutcome::InfeasibleGoal(why) => Some(why.clone()),
+        SearchOutcome::InfeasibleStart(why) | SearchOutcome::InfeasibleGoal(why) | SearchOutcome::Crashed(why) => {
+            Some(why.clone())
+        }
         _ => None,
     };
     let certificate = solution.path.as_ref().map(|path| {

@@ -1,8 +1,9 @@
 //! Path files on disk.
 
+pub use super::read::read;
 use super::{FileNames, PartFiles, PathFile, SceneFileEntry};
+use crate::output;
 use crate::scene::{ModelFile, Origin, PartSource, Scene, SceneFile, SceneOrigin, folder_of, shipped_scenes};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Why a path file was not written or read.
@@ -17,11 +18,8 @@ pub enum PathFileError {
     Format { path: PathBuf, found: String },
 }
 
-/// Largest path file that is read, bytes: some hundred thousand knots.
-const CAP: u64 = 1 << 28;
-
 /// The files of a scene as a path file at `out` has to name them. Models that live only in the program are written beside it,
-/// into `PATH.models/`.
+/// into `PATH.models/`, unless `out` is a device or a pipe.
 ///
 /// # Errors
 /// A model cannot be written.
@@ -62,9 +60,12 @@ fn model_name(file: &ModelFile, out: &Path) -> Result<String, PathFileError> {
         Origin::Program(content) => {
             let folder = models_folder(out);
             let place = folder.join(Path::new(&file.url).file_name().unwrap_or_default());
-            let failed = |source| PathFileError::Io { path: place.clone(), source };
-            std::fs::create_dir_all(&folder).map_err(failed)?;
-            std::fs::write(&place, content).map_err(failed)?;
+            // Beside a device or a pipe there is no place; the file then says what it would say.
+            if output::is_file(out) {
+                let failed = |source| PathFileError::Io { path: place.clone(), source };
+                std::fs::create_dir_all(&folder).map_err(failed)?;
+                output::write(&place, content.as_bytes()).map_err(failed)?;
+            }
             Ok(relative(&place, out))
         }
     }
@@ -91,7 +92,7 @@ fn relative(path: &Path, out: &Path) -> String {
     steps.collect::<Vec<String>>().join("/")
 }
 
-/// Writes a path file: to a temporary name first, so that a reader never sees half of one.
+/// Writes a path file: whole or not at all, see [`crate::output`].
 ///
 /// # Errors
 /// The file cannot be written.
@@ -100,38 +101,5 @@ pub fn save(file: &PathFile, out: &Path) -> Result<(), PathFileError> {
     let json = |source| PathFileError::Json { path: out.to_owned(), place: "the file".into(), source };
     let mut text = serde_json::to_string(file).map_err(json)?;
     text.push('\n');
-    let mut part = out.as_os_str().to_owned();
-    part.push(".part");
-    let part = PathBuf::from(part);
-    let mut handle = std::fs::File::create(&part).map_err(io)?;
-    handle.write_all(text.as_bytes()).and_then(|()| handle.sync_all()).map_err(io)?;
-    std::fs::rename(&part, out).map_err(io)
-}
-
-/// Reads a path file.
-///
-/// # Errors
-/// It cannot be read, is larger than 256 MiB, is not JSON, or is of another format.
-pub fn read(path: &Path) -> Result<PathFile, PathFileError> {
-    let io = |source| PathFileError::Io { path: path.to_owned(), source };
-    let size = std::fs::metadata(path).map_err(io)?.len();
-    if size > CAP {
-        return Err(io(std::io::Error::other(format!("{size} bytes are more than the {CAP} that are read"))));
-    }
-    let text = std::fs::read_to_string(path).map_err(io)?;
-    let json = |source: serde_json::Error| {
-        let place = super::place::json_path(&text, source.line(), source.column());
-        PathFileError::Json { path: path.to_owned(), place, source }
-    };
-    let format: Format = serde_json::from_str(&text).map_err(json)?;
-    if format.format != super::FORMAT {
-        return Err(PathFileError::Format { path: path.to_owned(), found: format.format });
-    }
-    serde_json::from_str(&text).map_err(json)
-}
-
-/// Only the format, so that a file of another one is refused by its name and not by a missing field.
-#[derive(serde::Deserialize)]
-struct Format {
-    format: String,
+    output::write(out, text.as_bytes()).map_err(io)
 }

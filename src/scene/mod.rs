@@ -4,8 +4,9 @@
 //! every refusal is a [`SceneError`] with file, line and element.
 
 mod assemble;
-mod error;
-mod input;
+pub(crate) mod error;
+mod follower_limits;
+pub(crate) mod input;
 mod keys;
 mod mesh;
 mod mesh_cache;
@@ -25,7 +26,9 @@ pub use shipped::{ShippedScene, shipped_scenes};
 pub(crate) use source::folder_of;
 pub use source::{ModelFile, Origin, sha256};
 
+use foliate_components::Pose;
 use foliate_components::robot::model::Model;
+use foliate_components::robot::{ComposeError, PartIndex, PartKind, PartPlacement, Robot, RootJoint};
 use source::SceneBase;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -64,6 +67,38 @@ pub struct ReadModel {
     pub warnings: Vec<SceneError>,
     /// SHA-256 (hexadecimal) of every file that was read: by `urdf`, `srdf`, and each mesh as the URDF writes its name.
     pub sha256: BTreeMap<String, String>,
+    urdf: source::ModelFile,
+}
+
+impl ReadModel {
+    /// The model as a robot of one part, `model`, fixed in the world; its remarks grow by those about joints that their followers
+    /// leave little room.
+    ///
+    /// # Errors
+    /// Followers that leave their leader no room at all, with the line.
+    pub fn compose_alone(&mut self) -> Result<Robot, SceneError> {
+        let placement = PartPlacement {
+            name: "model".into(),
+            kind: PartKind::Robot,
+            root: RootJoint::Fixed,
+            world_from_root: Pose::identity(),
+            mimic_follows: true,
+            root_bounds: Vec::new(),
+            joint_bounds: Vec::new(),
+        };
+        let robot = Robot::compose(&[(&self.model, placement)]).map_err(|error| {
+            match (&error, follower_limits::again(&self.urdf)) {
+                (ComposeError::NoRoom { room, .. }, Some(urdf)) => follower_limits::refusal(&urdf, room),
+                _ => SceneError::new(&self.urdf.url, "<robot>", error.to_string()),
+            }
+        })?;
+        if !robot.narrowed.is_empty()
+            && let Some(urdf) = follower_limits::again(&self.urdf)
+        {
+            self.warnings.extend(follower_limits::remarks(&robot, PartIndex(0), &urdf));
+        }
+        Ok(robot)
+    }
 }
 
 /// Reads a URDF and, where there is one, its SRDF. Both are paths or `package://` URLs. `up_axis` is for COLLADA meshes.
@@ -90,12 +125,12 @@ pub fn read_model(
     let mut context = urdf::Context::new(&mut meshes, &base, up_axis, &mut warnings);
     let mut model = urdf::read(&urdf.label, &urdf.text, &mut context)?;
     let mut sha256 = context.sha256;
-    sha256.insert("urdf".into(), urdf.file.sha256);
+    sha256.insert("urdf".into(), urdf.file.sha256.clone());
     if let Some(srdf) = srdf {
         let srdf = open(srdf)?;
         srdf::read(&srdf.label, &srdf.text, &mut model, &mut warnings)?;
         sha256.insert("srdf".into(), srdf.file.sha256);
     }
     warnings.extend(meshes.finish());
-    Ok(ReadModel { model, warnings, sha256 })
+    Ok(ReadModel { model, warnings, sha256, urdf: urdf.file })
 }

@@ -15,13 +15,14 @@ pub use configuration::coordinate_names;
 pub use part::PartSource;
 
 use super::error::{SceneError, quoted};
+use super::follower_limits;
 use super::input;
 use super::keys::{File, Keys};
 use super::mesh::Meshes;
 use super::package::PackagePath;
 use super::source::{Place, SceneBase, folder_of, hexadecimal, locate, sha256};
 use foliate_components::problem::Problem;
-use foliate_components::robot::Robot;
+use foliate_components::robot::{ComposeError, PartIndex, Robot};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -102,9 +103,14 @@ pub(crate) fn load(name: &str, text: &str, base: SceneBase, packages: &PackagePa
     let composed: Vec<_> = parts.iter().map(|p| (&p.model, p.placement.clone())).collect();
     let robot = Robot::compose(&composed).map_err(|error| {
         let at = parts.iter().find(|p| error.to_string().contains(&format!("`{}`", p.placement.name)));
-        at.map_or(&part_items, |p| &p.item).error(error.to_string())
+        match (&error, at.and_then(|part| follower_limits::again(&part.source.urdf))) {
+            (ComposeError::NoRoom { room, .. }, Some(urdf)) => follower_limits::refusal(&urdf, room),
+            _ => at.map_or(&part_items, |p| &p.item).error(error.to_string()),
+        }
     })?;
+    loader.warnings.extend(narrowed(&robot, &parts));
 
+    configuration::refuse_twins(&robot, &items)?;
     check_sums(&mut keys, &mut loader)?;
     let mut ignored_pairs = pairs::of_parts(&parts, &robot)?;
     ignored_pairs.extend(pairs::ignored(&mut keys, &robot)?);
@@ -121,6 +127,16 @@ pub(crate) fn load(name: &str, text: &str, base: SceneBase, packages: &PackagePa
     let parts = parts.into_iter().map(|p| p.source).collect();
     loader.warnings.extend(loader.meshes.finish());
     Ok(Scene { problem, description, parts, warnings: loader.warnings, file: None })
+}
+
+/// Remarks about joints that their followers leave little room.
+fn narrowed(robot: &Robot, parts: &[part::LoadedPart<'_>]) -> Vec<SceneError> {
+    let is_narrowed = |index: &usize| robot.narrowed.iter().any(|n| robot.joints[n.leader.at()].part.at() == *index);
+    let of_part = |index: usize| {
+        let urdf = follower_limits::again(&parts[index].source.urdf)?;
+        Some(follower_limits::remarks(robot, PartIndex(index as u32), &urdf))
+    };
+    (0..parts.len()).filter(is_narrowed).filter_map(of_part).flatten().collect()
 }
 
 /// `[sha256]`: says when a file differs from the one that the scene was made with.
