@@ -6,6 +6,8 @@ pub mod certify;
 pub mod check;
 pub mod diagram;
 pub mod inspection;
+pub mod memory;
+pub mod output;
 pub mod path_file;
 pub mod planner;
 pub mod scene;

@@ -1,5 +1,6 @@
 //! The facade: a problem in, a certified path or a reason out.
 
+use crate::memory::MemoryLimit;
 use foliate_components::graph::{ConstraintGraph, StateId, TransitionId};
 use foliate_components::outcome::{
     BlockingParts, GoalStatistics, Prior, SearchOutcome, StateStatistics, TransitionStatistics,
@@ -9,10 +10,13 @@ use foliate_components::problem::Problem;
 use foliate_components::robot::PartIndex;
 use foliate_systems::events::{CancelToken, EventSink, SearchEvent, StopSignal};
 use foliate_systems::model::{Model, ModelError, PlanningModel, ProblemTables};
+use foliate_systems::path_clearance::{PathClearance, path_clearance};
 use foliate_systems::schedulers::{self, Scheduler};
 use foliate_systems::search::Search;
 use foliate_systems::settings::SearchSettings;
 use foliate_systems::worlds::{WorldCount, WorldCounts};
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -25,6 +29,7 @@ pub struct Planner {
     settings: SearchSettings,
     scheduler: Arc<dyn Scheduler>,
     time_limit: Option<Duration>,
+    memory_limit: Option<MemoryLimit>,
     token: CancelToken,
     events: EventSink,
     graph_time: Duration,
@@ -42,6 +47,15 @@ pub struct Solution {
     /// The model whose graph the path's ids are of: the planner's own, or, where its graph is lazy, as far as this search has
     /// made it grow.
     pub model: PlanningModel,
+}
+
+impl Solution {
+    /// How close things come along the path, and where: of all tested pairs of shapes the least distance beyond the margins, bounded
+    /// from below to within a tenth of it or 0.1 mm. `None` without a path, and where no pair is tested.
+    #[must_use]
+    pub fn clearance(&self) -> Option<PathClearance> {
+        path_clearance(&self.model, self.path.as_ref()?)
+    }
 }
 
 /// What a search did. Wall times are of this run; everything else depends on problem, settings and seed alone.
@@ -160,6 +174,7 @@ impl Planner {
             settings: SearchSettings::default(),
             scheduler: schedulers::default_scheduler().into(),
             time_limit: None,
+            memory_limit: None,
             token: CancelToken::default(),
             events: EventSink::default(),
             graph_time: Duration::ZERO,
@@ -201,6 +216,21 @@ impl Planner {
         self
     }
 
+    /// Ends with [`SearchOutcome::MemoryLimit`] where the search would need more, or the process has more: see [`MemoryLimit`].
+    /// Without this only [`SearchSettings::max_bytes`] bounds a search.
+    #[must_use]
+    pub fn memory_limit(mut self, limit: MemoryLimit) -> Self {
+        self.memory_limit = Some(limit);
+        self
+    }
+
+    /// Lets solves be cancelled by a token that others may hold too.
+    #[must_use]
+    pub fn cancelled_by(mut self, token: CancelToken) -> Self {
+        self.token = token;
+        self
+    }
+
     /// The token that cancels solves of this planner from any thread.
     #[must_use]
     pub fn cancel_token(&self) -> CancelToken {
@@ -225,13 +255,31 @@ impl Planner {
     #[must_use]
     pub fn search(&self) -> Search {
         let deadline = self.time_limit.and_then(|limit| Instant::now().checked_add(limit));
-        let stop = StopSignal { deadline, token: self.token.clone() };
-        Search::new(&self.model, self.scheduler.as_ref(), self.settings.clone(), stop, self.events.clone())
+        let memory = self.memory_limit.map(MemoryLimit::guard);
+        let stop = StopSignal { deadline, token: self.token.clone(), memory };
+        let mut settings = self.settings.clone();
+        settings.max_bytes = self.memory_limit.map_or(u64::MAX, |limit| limit.counted(1)).min(settings.max_bytes);
+        Search::new(&self.model, self.scheduler.as_ref(), settings, stop, self.events.clone())
     }
 
     /// Solves on the rayon pool in which it is called (the global one outside of any).
+    ///
+    /// A panic in the search, in a system of the host's for instance, does not leave it: the outcome is then
+    /// [`SearchOutcome::Crashed`] with what the panic said, and the report is empty. The planner may go on to be used.
     #[must_use]
     pub fn solve(&self) -> Solution {
+        let started = Instant::now();
+        // Nothing that a panic may leave half done is looked at again: a search owns its world, and what solves share is
+        // immutable or filled in whole.
+        catch_unwind(AssertUnwindSafe(|| self.solve_unguarded())).unwrap_or_else(|panic| Solution {
+            outcome: SearchOutcome::Crashed(panic_message(panic.as_ref())),
+            path: None,
+            report: Report { graph_time: self.graph_time, solve_time: started.elapsed(), ..Report::default() },
+            model: self.model.clone(),
+        })
+    }
+
+    fn solve_unguarded(&self) -> Solution {
         let started = Instant::now();
         let mut search = self.search();
         let outcome = search.run();
@@ -284,6 +332,12 @@ impl Planner {
             goals: GoalReport { statistics, blocking_parts },
         }
     }
+}
+
+/// What a panic says.
+pub(crate) fn panic_message(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().copied().or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+    text.unwrap_or("a panic without a message").to_owned()
 }
 
 fn funnel_row(model: &PlanningModel, transition: TransitionId, statistics: TransitionStatistics) -> FunnelRow {

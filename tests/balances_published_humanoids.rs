@@ -15,7 +15,7 @@ use foliate::kernels::kinematics::Kinematics;
 use foliate::kernels::projection::{
     ConstraintProgram, MotionEnd, MotionScratch, MotionSettings, Scratch, Settings, project, project_motion,
 };
-use foliate::scene::{PackagePath, coordinate_names, read_model};
+use foliate::scene::{PackagePath, UpAxis, coordinate_names, read_model};
 use glam::DVec3;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -96,7 +96,7 @@ const TALOS: Humanoid = Humanoid {
 impl Humanoid {
     fn load(&self, packages: &PackagePath, mimic_follows: bool) -> Robot {
         let url = format!("package://example-robot-data/robots/{}", self.urdf);
-        let read = read_model(&url, None, packages).unwrap();
+        let read = read_model(&url, None, UpAxis::AsWritten, packages).unwrap();
         let placement = PartPlacement {
             name: "robot".into(),
             kind: PartKind::Robot,

@@ -7,7 +7,7 @@ use foliate::components::pose::pose_from_array;
 use foliate::components::robot::{PartKind, PartPlacement, Robot, RootJoint};
 use foliate::components::{Pose, pose};
 use foliate::kernels::kinematics::Kinematics;
-use foliate::scene::{PackagePath, coordinate_names, read_model};
+use foliate::scene::{PackagePath, UpAxis, coordinate_names, read_model};
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -59,7 +59,7 @@ fn script() -> PathBuf {
 }
 
 fn robot(urdf: &str, root: RootJoint, mimic_follows: bool, packages: &PackagePath) -> Robot {
-    let read = read_model(urdf, None, packages).unwrap_or_else(|e| panic!("{e}"));
+    let read = read_model(urdf, None, UpAxis::AsWritten, packages).unwrap_or_else(|e| panic!("{e}"));
     let placement = PartPlacement {
         name: "robot".into(),
         kind: PartKind::Robot,

@@ -1,7 +1,7 @@
 //! Promise: damaged files are refused, never a panic. Good files are cut off at every byte, and changed at random.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot go on says so")]
 
-use foliate::scene::{PackagePath, load_scene_text, read_model};
+use foliate::scene::{PackagePath, UpAxis, load_scene_text, read_model};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::path::Path;
@@ -38,7 +38,8 @@ fn damaged_models_and_meshes_are_refused_or_read() {
     let directory = std::env::temp_dir().join(format!("foliate-damaged-{}", std::process::id()));
     std::fs::create_dir_all(&directory).expect("a directory");
     let place = |name: &str| directory.join(name).to_string_lossy().into_owned();
-    let read = |urdf: &str, srdf: Option<&str>| drop(read_model(urdf, srdf, &PackagePath::default()));
+    let read =
+        |urdf: &str, srdf: Option<&str>| drop(read_model(urdf, srdf, UpAxis::AsWritten, &PackagePath::default()));
 
     damaged(&demo("robot.urdf"), |bad| {
         std::fs::write(place("bad.urdf"), bad).expect("written");

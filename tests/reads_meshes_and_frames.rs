@@ -5,7 +5,7 @@
 use foliate::components::Pose;
 use foliate::components::robot::model::Model;
 use foliate::components::robot::shape::{Geometry, Mesh};
-use foliate::scene::{PackagePath, ReadModel, load_scene_text, read_model};
+use foliate::scene::{PackagePath, ReadModel, UpAxis, load_scene_text, read_model};
 use glam::{DQuat, DVec3};
 use std::f64::consts::FRAC_PI_2;
 use std::path::PathBuf;
@@ -27,7 +27,8 @@ impl Files {
     fn read(&self, urdf: &str, srdf: Option<&str>) -> ReadModel {
         let path = |name: &str| self.0.join(name).to_string_lossy().into_owned();
         let srdf = srdf.map(path);
-        read_model(&path(urdf), srdf.as_deref(), &PackagePath::default()).unwrap_or_else(|e| panic!("{e}"))
+        read_model(&path(urdf), srdf.as_deref(), UpAxis::AsWritten, &PackagePath::default())
+            .unwrap_or_else(|e| panic!("{e}"))
     }
 }
 

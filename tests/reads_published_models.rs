@@ -7,7 +7,7 @@ use foliate::components::robot::model::{JointKind, Model};
 use foliate::components::robot::shape::Geometry;
 use foliate::components::robot::{PartKind, PartPlacement, Robot, RootJoint};
 use foliate::components::{Pose, robot};
-use foliate::scene::{coordinate_names, read_model};
+use foliate::scene::{UpAxis, coordinate_names, read_model};
 use glam::{DQuat, DVec3};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -29,7 +29,7 @@ fn every_published_model_loads_or_is_refused_with_a_reason() {
         for urdf in common::files_below(&directory, ".urdf") {
             let name = urdf.to_string_lossy();
             let refused = REFUSED.iter().find(|(file, _)| name.ends_with(file));
-            match (read_model(&name, None, &packages), refused) {
+            match (read_model(&name, None, UpAxis::AsWritten, &packages), refused) {
                 (Ok(read), None) => match compose(&read.model, true) {
                     Ok(_) => loaded += 1,
                     Err(error) => faults.push(format!("{name}: {error}")),
@@ -53,10 +53,11 @@ fn every_published_srdf_is_read_with_the_model_beside_it() {
         for srdf in common::files_below(&directory, ".srdf") {
             let srdf = srdf.to_string_lossy().into_owned();
             let urdf = srdf.replace("/srdf/", "/urdf/").replace(".srdf", ".urdf");
-            if !std::path::Path::new(&urdf).is_file() || read_model(&urdf, None, &packages).is_err() {
+            if !std::path::Path::new(&urdf).is_file() || read_model(&urdf, None, UpAxis::AsWritten, &packages).is_err()
+            {
                 continue;
             }
-            match read_model(&urdf, Some(&srdf), &packages) {
+            match read_model(&urdf, Some(&srdf), UpAxis::AsWritten, &packages) {
                 Ok(_) => read += 1,
                 // Text after the root element.
                 Err(error) if srdf.ends_with("multicontact/cubeWorld3.srdf") && error.line == Some(3) => {}
@@ -99,7 +100,7 @@ fn trees_limits_shapes_and_the_order_of_coordinates_are_pinocchios() {
     for (name, facts) in FACTS {
         let facts: Value = serde_json::from_str(facts).expect("facts are JSON");
         let urdf = facts["urdf"].as_str().expect("a URL");
-        let read = read_model(urdf, None, &packages).unwrap_or_else(|e| panic!("{e}"));
+        let read = read_model(urdf, None, UpAxis::AsWritten, &packages).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(read.model.links.len() as u64, facts["links"], "{name}");
         assert_joints(name, &read.model, &facts);
         assert_shapes(name, &read.model, &facts);
@@ -109,7 +110,7 @@ fn trees_limits_shapes_and_the_order_of_coordinates_are_pinocchios() {
         assert_eq!(compose(&read.model, true).expect("composes").space.dimension() + followers, free, "{name}");
         for srdf in facts["srdf"].as_array().into_iter().flatten() {
             let file = srdf["file"].as_str().expect("a URL");
-            let read = read_model(urdf, Some(file), &packages).unwrap_or_else(|e| panic!("{e}"));
+            let read = read_model(urdf, Some(file), UpAxis::AsWritten, &packages).unwrap_or_else(|e| panic!("{e}"));
             assert_eq!(read.model.disabled_pairs.len() as u64, srdf["disabled"], "{file}");
             assert_grippers(file, &read.model, srdf);
         }

@@ -2,7 +2,7 @@
 #![allow(non_snake_case, reason = "pose names carry their frames")]
 
 use crate::{random_configurations, skipped};
-use foliate::scene::{PackagePath, read_model};
+use foliate::scene::{PackagePath, UpAxis, read_model};
 use foliate_components::Pose;
 use foliate_components::constraint::{CentreOfMass, Constraint, Frame, Masses, PlaneRow, Reference, RelativePose, Row};
 use foliate_components::robot::model::Model as RobotModel;
@@ -60,7 +60,7 @@ impl Humanoid {
     #[must_use]
     pub fn talos() -> Option<Self> {
         let url = "package://example-robot-data/robots/talos_data/robots/talos_full_v2.urdf";
-        let read = match read_model(url, None, &PackagePath::from_environment(&[])) {
+        let read = match read_model(url, None, UpAxis::AsWritten, &PackagePath::from_environment(&[])) {
             Ok(read) => read,
             Err(error) => {
                 skipped("talos", &error.to_string());

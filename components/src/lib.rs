@@ -11,6 +11,7 @@
 pub mod candidate;
 pub mod configuration;
 pub mod constraint;
+pub mod coverage;
 pub mod graph;
 pub mod leaf;
 pub mod outcome;

@@ -224,6 +224,8 @@ pub enum SearchOutcome {
     InfeasibleStart(String),
     /// No goal is usable; why.
     InfeasibleGoal(String),
+    /// Something in the search panicked, which is a bug of ours or of a system of the host's; what it said.
+    Crashed(String),
 }
 
 impl SearchOutcome {
@@ -238,6 +240,7 @@ impl SearchOutcome {
             Self::MemoryLimit => "memory_limit",
             Self::InfeasibleStart(_) => "infeasible_start",
             Self::InfeasibleGoal(_) => "infeasible_goal",
+            Self::Crashed(_) => "crashed",
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::Pose;
 use crate::constraint::Constraint;
+use crate::coverage::PairCounts;
 use crate::graph::{StateId, TransitionId};
 use crate::robot::{GripperIndex, HandleIndex, JointIndex, LinkIndex, SurfaceIndex};
 
@@ -80,6 +81,9 @@ pub struct Certificate {
     pub path_tolerance: f64,
     /// Proven bound of the residual of implicit rows and of the objects' jumps at joint knots.
     pub max_residual: f64,
-    /// Proven lower bound of the clearance beyond the margins, metres; none where no pair was tested.
+    /// Proven lower bound of the clearance beyond the margins, of all tested pairs, those that do not move included; metres. None
+    /// where no pair was tested.
     pub min_clearance: Option<f64>,
+    /// Which pairs of shapes that holds for.
+    pub pairs: PairCounts,
 }

@@ -13,8 +13,8 @@ pub struct Problem {
     pub robot: Robot,
     /// What the constraint graph is built from.
     pub graph: GraphOptions,
-    /// Pairs of links that are not tested for collision besides the SRDFs': the scene's `ignore`, and usually
-    /// [`Robot::neighbouring_links`] of parts without an SRDF.
+    /// Pairs of links that are not tested for collision besides the SRDFs': the scene's `ignore`, and in parts without an SRDF
+    /// usually links that one joint joins and that touch wherever it is.
     pub ignored_pairs: Vec<DisabledPair>,
     /// Minimum distances between links, metres; 0 where none is given. They do not apply to a pair that touches by grasp or placement.
     pub margins: Vec<Margin>,

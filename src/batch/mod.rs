@@ -6,6 +6,7 @@
 //! on disk.)
 
 mod entry;
+mod kept;
 mod machine;
 mod record;
 mod row;
@@ -19,12 +20,13 @@ pub use seeds::{Seeds, SeedsError};
 pub use table::{SceneSummary, Spread, Table};
 
 use crate::path_file::{PathContext, save, write_path};
-use crate::planner::{Planner, Solution};
+use crate::planner::{Planner, Solution, panic_message};
 use foliate_components::outcome::SearchOutcome;
+use foliate_systems::events::CancelToken;
 use foliate_systems::schedulers::{self, Scheduler};
 use foliate_systems::settings::SearchSettings;
+use kept::Identity;
 use record::Recorder;
-use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -52,6 +54,7 @@ pub struct Batch {
     entries: Vec<Entry>,
     settings: Settings,
     scheduler: Arc<dyn Scheduler>,
+    token: CancelToken,
 }
 
 /// Why a batch does not start, or stops.
@@ -64,8 +67,16 @@ pub enum BatchError {
     SameName(String),
     #[error("{0} solves are more than the {MOST_SOLVES} of one batch; split the seeds")]
     TooMany(u64),
-    #[error("{} is there already; choose another folder, or remove it", path.display())]
+    #[error("{} is there already; choose another folder, go on with it (resume), or remove it", path.display())]
     Exists { path: PathBuf },
+    #[error("{}: another process is writing it", path.display())]
+    Busy { path: PathBuf },
+    #[error("{}: its results were made with {what} = {was}, now it is {is}; rows of two settings do not go together", path.display())]
+    Different { path: PathBuf, what: String, was: String, is: String },
+    #[error("{}: has a row of scene `{}`, seed {seed}, which this batch does not solve", path.display(), scene.escape_debug())]
+    Foreign { path: PathBuf, scene: String, seed: u64 },
+    #[error("{}:{line}: {what}", path.display())]
+    Damaged { path: PathBuf, line: usize, what: String },
     #[error("{}: {source}", path.display())]
     Io { path: PathBuf, source: std::io::Error },
 }
@@ -88,7 +99,8 @@ impl Batch {
         if solves > MOST_SOLVES {
             return Err(BatchError::TooMany(solves));
         }
-        Ok(Self { entries, settings, scheduler: schedulers::default_scheduler().into() })
+        let scheduler = schedulers::default_scheduler().into();
+        Ok(Self { entries, settings, scheduler, token: CancelToken::default() })
     }
 
     /// Uses another scheduler.
@@ -98,29 +110,61 @@ impl Batch {
         self
     }
 
+    /// Lets a token end the batch: solves under way stop and have no row, no further ones begin.
+    #[must_use]
+    pub fn cancelled_by(mut self, token: CancelToken) -> Self {
+        self.token = token;
+        self
+    }
+
     /// Number of solves.
     #[must_use]
     pub fn solves(&self) -> usize {
         self.entries.len() * self.settings.seeds.count() as usize
     }
 
-    /// Solves everything. Writes `results.csv`, `paths/SCENE-SEED.json` and `table.md` into the folder `out`, which is made
-    /// where it is missing.
+    /// Solves everything. Writes `results.csv`, `paths/SCENE-SEED.json`, `settings.json` and `table.md` into the folder `out`,
+    /// which is made where it is missing.
     ///
     /// While the batch runs, rows stand in `results.csv` in the order in which solves end, each written as soon as it is
-    /// known; in the end they are put in the order of scenes and seeds. `on_row` hears of each. Rows come back in order.
+    /// known; in the end they are put in the order of scenes and seeds. `on_row` hears of each. Rows come back in order; of a
+    /// batch that was cancelled there are those of the solves that had ended.
     ///
     /// # Errors
     /// `out` holds results already or cannot be written.
     pub fn run(&self, out: &Path, on_row: impl Fn(&Row) + Sync) -> Result<Vec<Row>, BatchError> {
-        let recorder = Mutex::new(Recorder::create(out)?);
-        let next = AtomicUsize::new(0);
-        let failure = Mutex::new(None);
+        self.go_on(Recorder::create(out, &self.identity())?, out, on_row)
+    }
+
+    /// As [`Self::run`], in a folder in which the same batch was begun: rows that are there are kept, the others are added. A
+    /// row that was not written whole, that could not start, or whose path is missing is solved again. The folder may be new.
+    ///
+    /// # Errors
+    /// The results in `out` were made with other settings, problems or by another version, are no results, or another process
+    /// is writing them; or as for [`Self::run`].
+    pub fn resume(&self, out: &Path, on_row: impl Fn(&Row) + Sync) -> Result<Vec<Row>, BatchError> {
+        let seeds = self.settings.seeds;
+        let index = |row: &Row| {
+            let entry = self.entries.iter().position(|entry| entry.name() == row.scene)?;
+            let seed = row.seed.checked_sub(seeds.first()).filter(|&seed| seed < seeds.count())?;
+            (row.scheduler == self.scheduler.name()).then_some(entry * seeds.count() as usize + seed as usize)
+        };
+        let has_path = |row: &Row| {
+            let entry = self.entries.iter().find(|entry| entry.name() == row.scene && entry.scene().is_some());
+            row.path.is_none() || entry.is_none_or(|e| record::path_file(out, &e.file_stem(), row.seed).is_file())
+        };
+        self.go_on(Recorder::resume(out, &self.identity(), index, has_path)?, out, on_row)
+    }
+
+    fn go_on(&self, recorder: Recorder, out: &Path, on_row: impl Fn(&Row) + Sync) -> Result<Vec<Row>, BatchError> {
+        let done = recorder.done();
+        let waiting: Vec<usize> = (0..self.solves()).filter(|index| !done.contains(index)).collect();
+        let (recorder, next, failure) = (Mutex::new(recorder), AtomicUsize::new(0), Mutex::new(None));
         std::thread::scope(|scope| {
-            for _ in 0..self.settings.threads.clamp(1, self.solves()) {
+            for _ in 0..self.settings.threads.clamp(1, waiting.len().max(1)) {
                 scope.spawn(|| {
-                    if let Err(error) = self.work(&next, &recorder, &on_row, out) {
-                        next.store(self.solves(), Ordering::Relaxed);
+                    if let Err(error) = self.work(&waiting, &next, &recorder, &on_row, out) {
+                        next.store(waiting.len(), Ordering::Relaxed);
                         *failure.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
                     }
                 });
@@ -132,6 +176,20 @@ impl Batch {
         let rows = recorder.into_inner().unwrap_or_else(PoisonError::into_inner).finish()?;
         record::write_whole(&out.join("table.md"), &self.table(&rows).markdown())?;
         Ok(rows)
+    }
+
+    /// What decides the rows.
+    fn identity(&self) -> Identity {
+        let settings = &self.settings;
+        let scenes = self.entries.iter().map(|entry| (format!("scene {}", entry.name()), kept::fingerprint(entry)));
+        let common = [
+            ("version", env!("CARGO_PKG_VERSION").to_owned()),
+            ("scheduler", self.scheduler.name().to_owned()),
+            ("seeds", settings.seeds.to_string()),
+            ("time_limit_s", format!("{:?}", settings.time_limit.as_secs_f64())),
+            ("search", format!("{:?}", SearchSettings { seed: 0, ..settings.search.clone() })),
+        ];
+        Identity(scenes.chain(common.map(|(name, value)| (name.to_owned(), value))).collect())
     }
 
     /// The table of some rows of this batch.
@@ -152,6 +210,7 @@ impl Batch {
     /// Takes one solve after the other until none is left.
     fn work(
         &self,
+        waiting: &[usize],
         next: &AtomicUsize,
         recorder: &Mutex<Recorder>,
         on_row: &(impl Fn(&Row) + Sync),
@@ -159,12 +218,13 @@ impl Batch {
     ) -> Result<(), BatchError> {
         let seeds = self.settings.seeds.count() as usize;
         loop {
-            let index = next.fetch_add(1, Ordering::Relaxed);
-            if index >= self.solves() {
-                return Ok(());
-            }
+            let index = waiting.get(next.fetch_add(1, Ordering::Relaxed)).copied();
+            let Some(index) = index.filter(|_| !self.token.is_cancelled()) else { return Ok(()) };
             let seed = self.settings.seeds.first() + (index % seeds) as u64;
             let row = self.solve(&self.entries[index / seeds], seed, out);
+            if row.outcome == RowOutcome::Ended(SearchOutcome::Cancelled) {
+                return Ok(());
+            }
             recorder.lock().unwrap_or_else(PoisonError::into_inner).record(index, &row)?;
             on_row(&row);
         }
@@ -183,6 +243,7 @@ impl Batch {
                 .settings(self.settings.search.clone())
                 .seed(seed)
                 .scheduler(Arc::clone(&self.scheduler))
+                .cancelled_by(self.token.clone())
                 .time_limit(self.settings.time_limit);
             let solution = planner.solve_on(1).map_err(|error| error.to_string())?;
             row.fill(&solution);
@@ -244,7 +305,10 @@ impl Row {
         if let SearchOutcome::InfeasibleStart(why) | SearchOutcome::InfeasibleGoal(why) = &solution.outcome {
             self.message.clone_from(why);
         }
-        self.outcome = RowOutcome::Ended(solution.outcome.clone());
+        self.outcome = match &solution.outcome {
+            SearchOutcome::Crashed(why) => return self.fail(RowOutcome::Crashed, why.clone()),
+            ended => RowOutcome::Ended(ended.clone()),
+        };
         if solution.outcome == SearchOutcome::Solved && solution.path.is_none() {
             self.fail(RowOutcome::Failed, "start and goal hang together, but no path was extracted".into());
         }
@@ -253,10 +317,4 @@ impl Row {
     fn fail(&mut self, outcome: RowOutcome, message: String) {
         (self.outcome, self.message) = (outcome, message);
     }
-}
-
-/// What a panic says.
-fn panic_message(panic: &(dyn Any + Send)) -> String {
-    let text = panic.downcast_ref::<&str>().copied().or_else(|| panic.downcast_ref::<String>().map(String::as_str));
-    text.unwrap_or("a panic without a message").to_owned()
 }

@@ -1,15 +1,17 @@
 //! The files of a batch.
 
 use super::BatchError;
+use super::kept::{self, Identity};
 use super::row::{COLUMNS, Row, csv_line};
-use std::fs::File;
-use std::io::Write;
+use crate::output::{self, Lines};
+use std::collections::HashSet;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// Writes rows as they come.
 pub(super) struct Recorder {
     path: PathBuf,
-    file: File,
+    lines: Lines,
     rows: Vec<(usize, Row)>,
 }
 
@@ -20,17 +22,57 @@ pub(super) fn path_file(out: &Path, scene: &str, seed: u64) -> PathBuf {
 
 impl Recorder {
     /// Makes the folder and begins `results.csv`, which must not be there yet: the paths beside it belong to its rows.
-    pub(super) fn create(out: &Path) -> Result<Self, BatchError> {
+    pub(super) fn create(out: &Path, identity: &Identity) -> Result<Self, BatchError> {
         let folder = out.join("paths");
         std::fs::create_dir_all(&folder).map_err(|source| BatchError::Io { path: folder.clone(), source })?;
         let path = out.join("results.csv");
-        let file = File::create_new(&path).map_err(|source| match source.kind() {
-            std::io::ErrorKind::AlreadyExists => BatchError::Exists { path: path.clone() },
+        let lines = Lines::create_new(&path).map_err(|source| match source.kind() {
+            ErrorKind::AlreadyExists => BatchError::Exists { path: path.clone() },
             _ => BatchError::Io { path: path.clone(), source },
         })?;
-        let mut recorder = Self { path, file, rows: Vec::new() };
+        let mut recorder = Self { path, lines, rows: Vec::new() };
         recorder.append(&csv_line(&COLUMNS))?;
+        identity.write(out)?;
         Ok(recorder)
+    }
+
+    /// Goes on with the `results.csv` of an earlier run of the same batch: its whole rows stay, but for those that were not
+    /// solved to an end. A folder without one is begun.
+    pub(super) fn resume(
+        out: &Path,
+        identity: &Identity,
+        index: impl Fn(&Row) -> Option<usize>,
+        has_path: impl Fn(&Row) -> bool,
+    ) -> Result<Self, BatchError> {
+        let path = out.join("results.csv");
+        let failed = |source| BatchError::Io { path: path.clone(), source };
+        if !path.try_exists().map_err(failed)? {
+            return Self::create(out, identity);
+        }
+        identity.compare(out)?;
+        // Nobody else may append between reading and writing.
+        let held = Lines::open(&path).map_err(|source| match source.kind() {
+            ErrorKind::WouldBlock => BatchError::Busy { path: path.clone() },
+            _ => failed(source),
+        })?;
+        let rows = kept::read(&path)?;
+        let numbered = |row: Row| match index(&row) {
+            Some(index) => Ok((index, row)),
+            None => Err(BatchError::Foreign { path: path.clone(), scene: row.scene, seed: row.seed }),
+        };
+        let mut rows = rows.into_iter().map(numbered).collect::<Result<Vec<_>, _>>()?;
+        let mut seen = HashSet::new();
+        rows.retain(|(index, row)| kept::is_final(row) && has_path(row) && seen.insert(*index));
+        output::write(&path, text(rows.iter().map(|(_, row)| row)).as_bytes()).map_err(failed)?;
+        // The file has been replaced by its whole rows; what was held is gone with the old one.
+        let lines = Lines::open(&path).map_err(failed)?;
+        drop(held);
+        Ok(Self { path, lines, rows })
+    }
+
+    /// Numbers of the solves that have their row already.
+    pub(super) fn done(&self) -> HashSet<usize> {
+        self.rows.iter().map(|(index, _)| *index).collect()
     }
 
     /// Adds the row of the solve with that number. It is in the file when this returns.
@@ -41,26 +83,24 @@ impl Recorder {
     }
 
     fn append(&mut self, line: &str) -> Result<(), BatchError> {
-        let written = self.file.write_all(line.as_bytes()).and_then(|()| self.file.flush());
-        written.map_err(|source| BatchError::Io { path: self.path.clone(), source })
+        self.lines.append(line).map_err(|source| BatchError::Io { path: self.path.clone(), source })
     }
 
     /// Puts the rows in order.
     pub(super) fn finish(mut self) -> Result<Vec<Row>, BatchError> {
         self.rows.sort_by_key(|(index, _)| *index);
         let rows: Vec<Row> = self.rows.into_iter().map(|(_, row)| row).collect();
-        let mut text = csv_line(&COLUMNS);
-        rows.iter().for_each(|row| text.push_str(&row.csv()));
-        write_whole(&self.path, &text)?;
+        write_whole(&self.path, &text(&rows))?;
         Ok(rows)
     }
 }
 
-/// Writes a file: to a temporary name first, so that there is never half of one.
+/// `results.csv` with some rows.
+fn text<'a>(rows: impl IntoIterator<Item = &'a Row>) -> String {
+    rows.into_iter().fold(csv_line(&COLUMNS), |text, row| text + &row.csv())
+}
+
+/// Writes a file: there is never half of one.
 pub(super) fn write_whole(path: &Path, text: &str) -> Result<(), BatchError> {
-    let failed = |source| BatchError::Io { path: path.to_owned(), source };
-    let part = path.with_extension("part");
-    let mut file = File::create(&part).map_err(failed)?;
-    file.write_all(text.as_bytes()).and_then(|()| file.sync_all()).map_err(failed)?;
-    std::fs::rename(&part, path).map_err(failed)
+    output::write(path, text.as_bytes()).map_err(|source| BatchError::Io { path: path.to_owned(), source })
 }

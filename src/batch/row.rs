@@ -99,6 +99,24 @@ impl RowOutcome {
     }
 }
 
+impl RowOutcome {
+    /// The outcome of a name and a message.
+    fn named(name: &str, message: &str) -> Option<Self> {
+        Some(match name {
+            "solved" => Self::Ended(SearchOutcome::Solved),
+            "timeout" => Self::Ended(SearchOutcome::Timeout),
+            "step_limit" => Self::Ended(SearchOutcome::StepLimit),
+            "cancelled" => Self::Ended(SearchOutcome::Cancelled),
+            "memory_limit" => Self::Ended(SearchOutcome::MemoryLimit),
+            "infeasible_start" => Self::Ended(SearchOutcome::InfeasibleStart(message.to_owned())),
+            "infeasible_goal" => Self::Ended(SearchOutcome::InfeasibleGoal(message.to_owned())),
+            "crashed" => Self::Crashed,
+            "failed" => Self::Failed,
+            _ => return None,
+        })
+    }
+}
+
 impl Row {
     pub(super) fn new(entry: &Entry, seed: u64, scheduler: &str) -> Self {
         Self {
@@ -112,6 +130,61 @@ impl Row {
             path: None,
             message: String::new(),
         }
+    }
+
+    /// Reads the cells of [`Self::cells`] back; `None` where they are no row.
+    pub(super) fn of_cells(cells: &[String]) -> Option<Self> {
+        let [
+            scene,
+            seed,
+            scheduler,
+            outcome,
+            solve_ms,
+            load_ms,
+            steps,
+            candidates,
+            nodes,
+            edges,
+            segments,
+            length,
+            clearance,
+            residual,
+            roadmap,
+            message,
+        ] = cells
+        else {
+            return None;
+        };
+        let time = |cell: &String| Some(Duration::try_from_secs_f64(cell.parse::<f64>().ok()? * 1e-3).ok()?);
+        let work = || {
+            Some(Work {
+                steps: steps.parse().ok()?,
+                candidates: candidates.parse().ok()?,
+                nodes: nodes.parse().ok()?,
+                edges: edges.parse().ok()?,
+                fingerprint: u64::from_str_radix(roadmap, 16).ok()?,
+            })
+        };
+        let path = || {
+            let min_clearance = if clearance.is_empty() { None } else { Some(clearance.parse().ok()?) };
+            Some(PathNumbers {
+                segments: segments.parse().ok()?,
+                length: length.parse().ok()?,
+                min_clearance,
+                max_residual: residual.parse().ok()?,
+            })
+        };
+        Some(Self {
+            scene: scene.clone(),
+            seed: seed.parse().ok()?,
+            scheduler: scheduler.clone(),
+            outcome: RowOutcome::named(outcome, message)?,
+            solve_time: time(solve_ms)?,
+            load_time: time(load_ms)?,
+            work: if steps.is_empty() { None } else { Some(work()?) },
+            path: if segments.is_empty() { None } else { Some(path()?) },
+            message: message.clone(),
+        })
     }
 
     /// Whether the solve gave a path.

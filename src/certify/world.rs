@@ -73,7 +73,6 @@ impl Certifier {
             ignored: &ignored,
             margins: &problem.margins,
             locked: &[],
-            ignore_neighbours_without_srdf: false,
         };
         let scene = CollisionScene::new(robot, &rule);
         let counts = count(robot, &scene, touching);

@@ -1,6 +1,7 @@
 //! Joints of objects do not move by themselves: only while something beyond them is held.
 
 use super::attachments::Bond;
+use super::models::World;
 use super::motion::{At, SegmentMotion};
 use super::report::{CheckReport, Kind, Place};
 use crate::path_file::PathFile;
@@ -13,25 +14,29 @@ pub(super) fn check(motion: &SegmentMotion<'_>, file: &PathFile, report: &mut Ch
     let world = motion.world;
     // Written so that a tolerance that is not a number is none.
     let tolerance = TOLERANCE.min(file.certificate.path_tolerance);
-    for part in world.parts.iter().filter(|part| part.kind == PartKind::Object) {
-        let joints = part.bodies.clone().filter(|&b| Some(b) != part.root);
-        for joint in joints.filter(|&j| world.bodies[j].motion.configuration_size() == 1 && !held_beyond(motion, j)) {
-            let start = motion.scalar(joint, At::knot(0));
-            for knot in 1..motion.knots.len() {
-                let moved = (motion.scalar(joint, At::knot(knot)) - start).abs();
-                // Compared so that NaN is off.
-                let still = moved <= tolerance;
-                if !still {
-                    let place = Place::at(motion.index, knot as f64);
-                    report.violate(place, Kind::JointUnheld, &world.bodies[joint].name, moved, tolerance);
-                }
+    for joint in joints_of_objects(world).filter(|&j| !held_beyond(motion, j)) {
+        let start = motion.scalar(joint, At::knot(0));
+        for knot in 1..motion.knots.len() {
+            let moved = (motion.scalar(joint, At::knot(knot)) - start).abs();
+            // Compared so that NaN is off.
+            let still = moved <= tolerance;
+            if !still {
+                let place = Place::at(motion.index, knot as f64);
+                report.violate(place, Kind::JointUnheld, &world.bodies[joint].name, moved, tolerance);
             }
         }
     }
 }
 
+/// Joints of one coordinate of objects, their roots aside.
+pub(super) fn joints_of_objects(world: &World) -> impl Iterator<Item = usize> {
+    let objects = world.parts.iter().filter(|part| part.kind == PartKind::Object);
+    let joints = objects.flat_map(|part| part.bodies.clone().filter(|&b| Some(b) != part.root));
+    joints.filter(|&joint| world.bodies[joint].motion.configuration_size() == 1)
+}
+
 /// Whether a gripper holds a handle on the body of a joint, or on one further out.
-fn held_beyond(motion: &SegmentMotion<'_>, joint: usize) -> bool {
+pub(super) fn held_beyond(motion: &SegmentMotion<'_>, joint: usize) -> bool {
     let handles = motion.attachments.iter().filter_map(|a| match &a.held {
         Some((_, held, Bond::Grasp { .. })) => held.frame.body,
         _ => None,

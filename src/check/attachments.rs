@@ -6,6 +6,7 @@ use super::documents::Frames;
 use super::models::{Frame, Link, World, shown};
 use crate::path_file::{AttachmentEntry, PathFile, SurfaceEntry};
 use glam::DVec3;
+use std::collections::HashSet;
 
 /// How an object is held.
 #[derive(Clone, Debug)]
@@ -47,7 +48,10 @@ pub(super) fn resolve(file: &PathFile, world: &World, frames: &Frames) -> Result
                 Resolver { file, world, frames, place }.attachment(entry)
             })
             .collect();
-        resolved.and_then(|list| one_carrier_each(world, index, list))
+        resolved.and_then(|list| one_carrier_each(world, index, list)).and_then(|list| {
+            one_handle_each(index, &segment.attachments)?;
+            Ok(list)
+        })
     };
     file.segments.iter().enumerate().map(of_segment).collect()
 }
@@ -61,6 +65,22 @@ fn one_carrier_each(world: &World, index: usize, list: Vec<Attachment>) -> Resul
         }
     }
     Ok(list)
+}
+
+/// A gripper holds one handle at a time, and a handle is in one gripper.
+fn one_handle_each(index: usize, entries: &[AttachmentEntry]) -> Result<(), CheckError> {
+    let (mut grippers, mut handles) = (HashSet::new(), HashSet::new());
+    for (number, entry) in entries.iter().enumerate() {
+        for (key, name, seen) in [("gripper", &entry.gripper, &mut grippers), ("handle", &entry.handle, &mut handles)] {
+            if let Some(name) = name
+                && !seen.insert(name)
+            {
+                let place = format!("segments[{index}].attachments[{number}].{key}");
+                return Err(CheckError::malformed(place, format!("`{}` takes part in two grasps", shown(name))));
+            }
+        }
+    }
+    Ok(())
 }
 
 struct Resolver<'a> {
@@ -92,8 +112,8 @@ impl Resolver<'_> {
         };
         if let Some((holder, link, bond)) = &held {
             self.owner(entry, part, *link, bond)?;
-            if entry.carrier && holder.part == part {
-                return self.refuse("", format!("`{}` cannot carry itself", shown(&entry.object)));
+            if holder.part == part {
+                return self.refuse("", format!("`{}` can neither hold nor carry itself", shown(&entry.object)));
             }
         }
         let name = match (&entry.gripper, &entry.handle, &entry.surface, &entry.support, &entry.on) {

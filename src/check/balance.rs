@@ -2,12 +2,13 @@
 
 use super::CheckError;
 use super::constraint::{Case, inequality, nearest, rows, value};
+use super::documents::Frames;
 use super::leaf::{Leaf, Named};
 use super::models::{Frame, shown};
 use super::motion::{At, SegmentMotion};
 use super::reach::{Bends, Reach};
 use super::residual::{Form, Quantity, prove};
-use crate::path_file::PlaneEntry;
+use crate::path_file::{ConstraintEntry, PlaneEntry};
 use foliate_components::Pose;
 use glam::{DVec3, Vec3Swizzles};
 
@@ -57,6 +58,15 @@ impl Heavy {
         let of = |frame: &Frame| reach.bends(from, (frame.body, frame.body_from_frame.translation.length()), knots);
         self.0.iter().fold(Bends::still(knots), |sum, (share, frame)| sum.plus(*share, &of(frame)))
     }
+}
+
+/// Where the first knot has the centre of mass that a constraint is about, in the constraint's frame.
+pub(super) fn first_centre(leaf: &Leaf<'_>, entry: &ConstraintEntry, frames: &Frames) -> Result<DVec3, CheckError> {
+    let case = Case::new(entry, frames, "scene");
+    let heavy = Heavy::of(leaf, &case)?;
+    let to = case.frame(leaf, "to", entry.to.as_ref())?;
+    let (motion, first) = (leaf.motion, At::knot(0));
+    Ok(motion.frame(&to, first).inverse().transform_point(heavy.centre(motion, first)))
 }
 
 /// The centre of mass in a frame, as the origin of a frame that does not turn.

@@ -5,14 +5,14 @@
 //! How much they may is the sum, over the joints between them in the attachment tree, of travel times reach. A pair
 //! whose solids do not move against each other is asked once.
 
-use super::Work;
-use super::distance::{Measured, Placed, at_least, ball_bound, box_bound, exact};
+use super::distance::{Hint, Measured, Placed, at_least, ball_bound, box_bound, exact};
 use super::enclosure::{Shell, witnesses};
 use super::models::World;
 use super::motion::{At, SegmentMotion};
 use super::pairs::Pairs;
 use super::reach::Reach;
 use super::report::{CheckReport, Kind, Place};
+use super::work::Work;
 use glam::DVec3;
 
 /// Rounding, metres: taken off every step forward.
@@ -24,6 +24,12 @@ const LOOK_AHEAD: f64 = 1e-3;
 /// A cheap bound is good enough to march by when it is at least this, metres.
 const FAR: f64 = 0.05;
 
+/// What clearances are proved to be at least, beyond margins, where the smallest that was seen is this and the smallest was
+/// asked for: a tenth less, or a tenth of a millimetre. Metres.
+pub(super) fn least_between(seen: f64) -> f64 {
+    (seen - (0.1 * seen).max(1e-4)).max(0.0)
+}
+
 /// Tests the listed pairs along segments.
 pub(super) struct Clearance<'w> {
     world: &'w World,
@@ -31,14 +37,17 @@ pub(super) struct Clearance<'w> {
     shapes: Vec<Measured>,
     shells: Vec<Option<Shell<'w>>>,
     witnesses: Vec<Vec<DVec3>>,
+    /// Whether the smallest clearance of the path is asked for, and not only whether there is any.
+    least: bool,
 }
 
 impl<'w> Clearance<'w> {
-    pub(super) fn new(world: &'w World, pairs: &'w Pairs) -> Self {
+    pub(super) fn new(world: &'w World, pairs: &'w Pairs, least: bool) -> Self {
         Self {
             world,
             pairs,
-            shapes: world.shapes.iter().map(Measured::new).collect(),
+            least,
+            shapes: Measured::all(&world.shapes),
             shells: world.shapes.iter().map(|s| Shell::of(&s.geometry)).collect(),
             witnesses: world.shapes.iter().map(|s| witnesses(&s.geometry)).collect(),
         }
@@ -49,6 +58,7 @@ impl<'w> Clearance<'w> {
         &self,
         motion: &SegmentMotion<'_>,
         thresholds: &[f64],
+        moving: &mut [bool],
         report: &mut CheckReport,
         work: &mut Work,
     ) {
@@ -58,9 +68,16 @@ impl<'w> Clearance<'w> {
             let end = |shape: usize| (self.shapes[shape].body(), self.shapes[shape].reach());
             let levers = reach.levers(end(a), end(b));
             let movement = reach.movement(&levers, motion.knots.len());
-            let mut march = March { tester: self, motion, pair, threshold, movement, report, work };
+            moving[pair] |= movement.last().is_some_and(|&moved| moved > 0.0);
+            let mut march = March { tester: self, motion, pair, threshold, movement, report, work, hint: None };
             march.go();
             self.enclosed(motion, pair, report);
+            if report.is_broken() {
+                work.refused();
+            }
+            if work.is_over() {
+                return;
+            }
         }
     }
 
@@ -77,7 +94,7 @@ impl<'w> Clearance<'w> {
             if ball_bound(a, b) > threshold {
                 continue;
             }
-            self.judge(motion.index, knot as f64, pair, (a, b), threshold, report);
+            self.judge((motion.index, knot as f64), pair, (a, b), threshold, (report, &mut None));
         }
     }
 
@@ -98,18 +115,17 @@ impl<'w> Clearance<'w> {
     /// Measures a pair exactly; reports it where it is too close. Returns the distance beyond the threshold.
     fn judge(
         &self,
-        segment: usize,
-        t: f64,
+        (segment, t): (usize, f64),
         pair: usize,
         (a, b): (Placed<'_>, Placed<'_>),
         threshold: f64,
-        report: &mut CheckReport,
+        (report, hint): (&mut CheckReport, &mut Hint),
     ) -> f64 {
         report.counts.distance_queries += 1;
-        let found = exact(a, b);
-        if let Some(apart) = found.disagreement {
+        let found = exact(a, b, hint);
+        if let Some(open) = found.open {
             let name = self.name(pair);
-            report.note(format!("two codes differ by {apart:.1e} m on the distance of {name}: the smaller is taken"));
+            report.note(format!("the distance of {name} is open by {open:.1e} m: the smaller is taken"));
         }
         // Compared so that NaN collides.
         let (free, clear) = (found.value > 0.0, found.value >= threshold);
@@ -147,6 +163,8 @@ struct March<'m, 'w> {
     movement: Vec<f64>,
     report: &'m mut CheckReport,
     work: &'m mut Work,
+    /// What was nearest at the last place.
+    hint: Hint,
 }
 
 impl March<'_, '_> {
@@ -154,14 +172,12 @@ impl March<'_, '_> {
         let end = self.movement[self.motion.last()];
         let mut moved = 0.0;
         loop {
-            let at = self.place(moved);
             if !self.work.spend(1) {
-                let place = Place::at(self.motion.index, at.t());
-                self.report.violate(place, Kind::Undecided, "the work limit is reached", None, None);
                 return;
             }
-            let free = self.free(at, end - moved);
-            let next = moved + free - ROUNDING;
+            let at = self.place(moved);
+            let free = self.free(at, end - moved + self.floor());
+            let next = moved + (free - self.floor()) - ROUNDING;
             // Written so that NaN stops here.
             let free_so_far = free > 0.0;
             if !free_so_far || next >= end {
@@ -174,6 +190,13 @@ impl March<'_, '_> {
         }
     }
 
+    /// What the solids must not come closer than, beyond the margin, so that the smallest clearance that was seen is nearly
+    /// the smallest that there is; 0 where nobody asks.
+    fn floor(&self) -> f64 {
+        let seen = self.report.min_clearance.as_ref().filter(|_| self.tester.least);
+        seen.map_or(0.0, |least| least_between(least.value))
+    }
+
     /// A march comes to a stand just before two solids meet: looks ahead for the place where they have met. Where none
     /// is found they graze each other, closer than can be told.
     fn stalled(&mut self, moved: f64, at: At, free: f64) {
@@ -182,7 +205,7 @@ impl March<'_, '_> {
         while ahead <= LOOK_AHEAD {
             let place = self.place((moved + ahead).min(end));
             let placed = self.tester.placed(self.motion, self.pair, place);
-            let found = self.tester.judge(self.motion.index, place.t(), self.pair, placed, self.threshold, self.report);
+            let found = self.judge(place, placed);
             let still_free = found > 0.0;
             if !still_free {
                 return;
@@ -212,12 +235,17 @@ impl March<'_, '_> {
         }
         self.report.counts.distance_queries += 1;
         let wanted = enough.max(if known.is_finite() { known } else { 0.0 }) + 2.0 * ROUNDING;
-        let found = at_least(a, b, wanted + self.threshold) - self.threshold;
+        let found = at_least(a, b, wanted + self.threshold, &mut self.hint) - self.threshold;
         let surely = found > 0.0 && found > known;
         if surely {
             return found;
         }
-        self.tester.judge(self.motion.index, at.t(), self.pair, (a, b), self.threshold, self.report)
+        self.judge(at, (a, b))
+    }
+
+    fn judge(&mut self, at: At, placed: (Placed<'_>, Placed<'_>)) -> f64 {
+        let place = (self.motion.index, at.t());
+        self.tester.judge(place, self.pair, placed, self.threshold, (&mut *self.report, &mut self.hint))
     }
 
     /// Where along the segment the solids have moved this far.
@@ -238,6 +266,7 @@ impl March<'_, '_> {
 mod tests {
     use super::*;
     use crate::Planner;
+    use crate::check::pairs::Ignored;
     use crate::check::{attachments, documents};
     use crate::path_file::{PathContext, PathFile, save, write_path};
     use crate::scene::{PackagePath, load_scene};
@@ -265,12 +294,12 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("foliate-approach-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let file = planned(&folder);
-        let world = World::load(&file, &folder, &PackagePath::only(&[])).unwrap();
+        let world = World::load(&file, &folder, &PackagePath::only(&[]), &mut CheckReport::default()).unwrap();
         std::fs::remove_dir_all(&folder).unwrap();
         let frames = documents::Frames::new(&file, &world).unwrap();
         let attachments = attachments::resolve(&file, &world, &frames).unwrap();
-        let pairs = Pairs::list(&file, &world, &mut CheckReport::default()).unwrap();
-        let tester = Clearance::new(&world, &pairs);
+        let pairs = Pairs::list(&file, &world, &Ignored::new(), &mut CheckReport::default(), false).unwrap();
+        let tester = Clearance::new(&world, &pairs, false);
         let mut tightest = 0.0_f64;
         for (index, segment) in file.segments.iter().enumerate() {
             let motion = SegmentMotion::new(&world, segment, index, &attachments[index]).unwrap();
@@ -280,7 +309,7 @@ mod tests {
                 let movement = reach.movement(&reach.levers(end(a), end(b)), motion.knots.len());
                 let distance = |at: At| {
                     let (a, b) = tester.placed(&motion, pair, at);
-                    exact(a, b).value.max(0.0)
+                    exact(a, b, &mut None).value.max(0.0)
                 };
                 for knot in 0..motion.last() {
                     let places = [0.0, 0.21, 0.5, 0.83, 1.0].map(|fraction| At { knot, fraction });

@@ -21,7 +21,7 @@ pub(super) fn check(
     frames: &Frames,
     place: &str,
 ) -> Result<(), CheckError> {
-    let mut case = Case { entry, frames, place, subject: subject(entry) };
+    let mut case = Case::new(entry, frames, place);
     if entry.tolerance > leaf.tolerance() {
         let (subject, tolerance) = (&case.subject, entry.tolerance);
         leaf.report.note(format!("{subject}: its tolerance {tolerance} exceeds the path tolerance"));
@@ -62,7 +62,11 @@ pub(super) struct Case<'c> {
     pub subject: String,
 }
 
-impl Case<'_> {
+impl<'c> Case<'c> {
+    pub(super) fn new(entry: &'c ConstraintEntry, frames: &'c Frames, place: &'c str) -> Self {
+        Self { entry, frames, place, subject: subject(entry) }
+    }
+
     pub(super) fn refuse<T>(&self, key: &str, message: impl Into<String>) -> Result<T, CheckError> {
         Err(CheckError::malformed(format!("{}.{key}", self.place), message))
     }

@@ -78,6 +78,7 @@ pub(super) fn check(file: &PathFile, world: &World, report: &mut CheckReport) {
         let part = &world.parts[world.part(part)?];
         Some((part.name.clone(), &part.model, local.to_owned()))
     };
+    owned(file, report);
     for (name, entry) in &documents.grippers {
         let Some((part, model, local)) = owner(name) else { continue };
         match model.grippers.iter().find(|g| g.name == local) {
@@ -96,7 +97,7 @@ pub(super) fn check(file: &PathFile, world: &World, report: &mut CheckReport) {
                 same_link(name, &entry.link, &part, &known.link, report);
                 same_pose(name, &entry.link_from_handle, &known.link_from_handle, report);
                 if (entry.mask, entry.mask_complement) != (known.mask, known.mask_complement) {
-                    report.note(format!("masks of {} are not the SRDF's: the scene overrides them", shown(name)));
+                    report.weaker(format!("masks of {} are not the SRDF's", shown(name)));
                 }
             }
         }
@@ -115,7 +116,22 @@ pub(super) fn check(file: &PathFile, world: &World, report: &mut CheckReport) {
 
 fn from_the_scene(name: &str, model: &Model, report: &mut CheckReport) {
     let why = if model.has_srdf { "is not in the SRDF" } else { "is of a part without SRDF" };
-    report.note(format!("{} {why}: it comes from the scene", shown(name)));
+    report.weaker(format!("{} {why}", shown(name)));
+}
+
+/// A document is called after the part that its link is on: one of nobody would be compared with no model.
+fn owned(file: &PathFile, report: &mut CheckReport) {
+    let documents = &file.documents;
+    let grippers = documents.grippers.iter().map(|(name, entry)| (name, &entry.link));
+    let handles = documents.handles.iter().map(|(name, entry)| (name, &entry.link));
+    let surfaces = documents.surfaces.iter().map(|(name, entry)| (name, &entry.link));
+    for (name, link) in grippers.chain(handles).chain(surfaces) {
+        let owner = |text: &str| text.split_once('/').map(|(part, _)| part.to_owned());
+        if owner(name).is_none() || owner(name) != owner(link) {
+            let subject = format!("{} is on {}, and not called after its part", shown(name), shown(link));
+            report.violate(Place::FILE, Kind::Document, subject, None, None);
+        }
+    }
 }
 
 fn same_link(name: &str, link: &str, part: &str, known: &str, report: &mut CheckReport) {

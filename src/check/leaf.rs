@@ -6,14 +6,16 @@
 
 use super::attachments::{Attachment, Bond, corners, normal};
 use super::documents::Frames;
-use super::models::Frame;
+use super::models::{Frame, Link};
 use super::motion::{At, SegmentMotion};
 use super::reach::{Bends, Reach};
-use super::report::{CheckReport, Kind};
+use super::report::{CheckReport, Kind, Place};
 use super::residual::{Form, Formed, Relation, prove};
-use super::{CheckError, Work, constraint};
-use crate::path_file::{PathFile, SurfaceEntry};
+use super::work::Work;
+use super::{CheckError, constraint};
+use crate::path_file::{FrameEntry, PathFile, SurfaceEntry};
 use foliate_components::Pose;
+use foliate_components::robot::PartKind;
 use glam::DVec3;
 
 pub(super) fn check(
@@ -41,7 +43,11 @@ pub(super) fn check(
                     leaf.contact(&attachment.name, (&holder.frame, support), (&held.frame, surface));
                 }
             }
-            Some((holder, held, Bond::Rest)) => leaf.rest(&attachment.name, &holder.frame, &held.frame),
+            Some((holder, held, Bond::Rest)) => {
+                leaf.stands(attachment, holder);
+                leaf.says_how(attachment);
+                leaf.rest(&attachment.name, &holder.frame, &held.frame);
+            }
             None => {}
         }
     }
@@ -94,6 +100,10 @@ impl Leaf<'_> {
     }
 
     fn grasp(&mut self, subject: &str, gripper: &Frame, handle: &Frame, mask: [bool; 6], complement: [bool; 6]) {
+        if !mask.iter().chain(&complement).any(|row| *row) {
+            let place = Place { segment: Some(self.motion.index), t: None };
+            self.report.violate(place, Kind::Grasp, format!("{subject}: fixes nothing"), None, None);
+        }
         let motion = self.motion;
         let pose = |at: At| motion.frame(gripper, at).inverse() * motion.frame(handle, at);
         let tolerance = self.tolerance();
@@ -115,6 +125,38 @@ impl Leaf<'_> {
         };
         prove(Kind::Placement, &forms);
         prove(Kind::PlacementConstancy, &frozen(&first, [false; 6], [true; 6]));
+    }
+
+    /// What rests without polygons rests on something that is fixed in the world: what moves carries only what it holds, or
+    /// what lies on one of its surfaces.
+    fn stands(&mut self, attachment: &Attachment, holder: &Link) {
+        let fixed = |part: usize| self.motion.world.parts[part].kind == PartKind::Environment;
+        if holder.frame.body.is_some() && !fixed(holder.part) {
+            let place = Place { segment: Some(self.motion.index), t: None };
+            let subject = format!("{}: which is not fixed in the world", attachment.name);
+            self.report.violate(place, Kind::Placement, subject, None, None);
+        }
+    }
+
+    /// What rests without polygons is held up by a constraint: its height and both its tilts at least.
+    fn says_how(&mut self, attachment: &Attachment) {
+        let motion = self.motion;
+        let object = &motion.world.parts[attachment.part].name;
+        let of_object = |frame: &Option<FrameEntry>| {
+            frame.as_ref().is_some_and(|frame| frame.parts().0.split('/').next() == Some(object))
+        };
+        let entries = &self.file.segments[motion.index].constraints;
+        let says = entries.iter().any(|entry| {
+            let rows = entry.mask.unwrap_or_default();
+            entry.kind == "pose"
+                && of_object(&entry.frame) != of_object(&entry.to)
+                && rows.iter().filter(|r| **r).count() >= 3
+        });
+        if !says {
+            let place = Place { segment: Some(motion.index), t: None };
+            let subject = format!("{}: no constraint says how it rests", attachment.name);
+            self.report.violate(place, Kind::Placement, subject, None, None);
+        }
     }
 
     /// How it rests is said by a constraint; here that it stays.

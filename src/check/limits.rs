@@ -20,6 +20,7 @@ pub(super) fn check(file: &PathFile, world: &World, report: &mut CheckReport) {
         checker.times();
         if let Some(before) = index.checked_sub(1) {
             checker.shared_knot(&file.segments[before]);
+            checker.time_goes_on(&file.segments[before]);
         }
     }
 }
@@ -37,7 +38,9 @@ fn note_differences(file: &PathFile, world: &World, report: &mut CheckReport) {
                 report.note(format!("no limits of {name}: the model's [{low}, {high}] are taken"));
             }
             Some([l, h]) if differ(*l, low) || differ(*h, high) => {
-                report.note(format!("limits of {name} are [{l}, {h}], the model says [{low}, {high}]"));
+                let text = format!("limits of {name} are [{l}, {h}], the model says [{low}, {high}]");
+                let wider = *l < low - SLACK || *h > high + SLACK;
+                if wider { report.weaker(text) } else { report.note(text) }
             }
             _ => {}
         }
@@ -194,11 +197,32 @@ impl Checker<'_> {
         }
     }
 
+    /// Time does not run backwards, and nothing moves in no time.
     fn times(&mut self) {
         let Some(times) = &self.segment.times else { return };
         for (knot, pair) in times.windows(2).enumerate() {
-            if pair[1] < pair[0] {
-                self.violate(knot as f64, Kind::Times, "time runs backwards".into(), pair[1] - pair[0], 0.0);
+            let passed = pair[1] - pair[0];
+            if passed < 0.0 {
+                self.violate(knot as f64, Kind::Times, "time runs backwards".into(), passed, 0.0);
+            } else if passed == 0.0 && self.segment.knots[knot] != self.segment.knots[knot + 1] {
+                self.violate(knot as f64, Kind::Times, "a motion in no time".into(), passed, 0.0);
+            }
+        }
+    }
+
+    /// From segment to segment too: all of them have times or none.
+    fn time_goes_on(&mut self, before: &SegmentEntry) {
+        match (&before.times, &self.segment.times) {
+            (None, None) => {}
+            (Some(before), Some(times)) => {
+                let passed = times.first().zip(before.last()).map_or(0.0, |(now, then)| now - then);
+                if passed < 0.0 {
+                    self.violate(0.0, Kind::Times, "time runs backwards between segments".into(), passed, 0.0);
+                }
+            }
+            _ => {
+                let place = Place { segment: Some(self.index), t: None };
+                self.report.violate(place, Kind::Times, "some segments have times and some have none", None, None);
             }
         }
     }

@@ -4,13 +4,15 @@
 //! would give them.
 
 use super::CheckError;
+use super::report::{CheckReport, Kind, Place};
 use crate::path_file::{PartEntry, PathFile};
-use crate::scene::{PackagePath, read_model};
+use crate::scene::{PackagePath, ReadModel, UpAxis, read_model};
 use foliate_components::Pose;
 use foliate_components::pose::pose_from_array;
 use foliate_components::robot::model::Model;
 use foliate_components::robot::shape::Geometry;
 use foliate_components::robot::{JointIndex, Motion, PartKind, PartPlacement, Robot, RootJoint, Source};
+use glam::DQuat;
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::path::Path;
@@ -50,6 +52,18 @@ pub(super) struct Body {
     pub value: Value,
     /// The model's limits; infinite where it has none.
     pub limits: (f64, f64),
+}
+
+impl Body {
+    /// Where the joint's motion takes its body from the joint frame, for a joint of one coordinate and a knot.
+    pub(super) fn moved_at(&self, world: &World, index: usize, knot: &[f64]) -> Pose {
+        let value = world.scalar(index, |column| knot[column]);
+        match self.motion {
+            Motion::Revolute { axis } => Pose::from_rotation(DQuat::from_axis_angle(axis, value)),
+            Motion::Prismatic { axis } => Pose::from_translation(axis * value),
+            Motion::Planar | Motion::FreeFlyer => Pose::identity(),
+        }
+    }
 }
 
 /// A part of the file.
@@ -108,7 +122,12 @@ pub(super) fn ordered(a: &str, b: &str) -> (String, String) {
 
 impl World {
     /// Reads every model that the file names.
-    pub(super) fn load(file: &PathFile, base: &Path, packages: &PackagePath) -> Result<Self, CheckError> {
+    pub(super) fn load(
+        file: &PathFile,
+        base: &Path,
+        packages: &PackagePath,
+        report: &mut CheckReport,
+    ) -> Result<Self, CheckError> {
         // A proof reads the models themselves.
         let packages = &packages.clone().with_mesh_cache(None);
         let mut parts = Vec::with_capacity(file.parts.len());
@@ -116,8 +135,9 @@ impl World {
             let place = format!("parts[{index}]");
             let urdf = located(&entry.urdf, base);
             let srdf = entry.srdf.as_deref().filter(|s| !s.is_empty()).map(|s| located(s, base));
-            let read = read_model(&urdf, srdf.as_deref(), packages)
+            let read = read_model(&urdf, srdf.as_deref(), up_axis(entry, &place)?, packages)
                 .map_err(|error| CheckError::Model { place: place.clone(), error: Box::new(error) })?;
+            remarks(entry, &read, report);
             parts.push((read.model, placement(entry, &place)?));
         }
         let composed: Vec<_> = parts.iter().map(|(model, placement)| (model, placement.clone())).collect();
@@ -177,6 +197,24 @@ impl World {
         })
     }
 
+    /// Value of a joint of one coordinate, through any chain of leaders.
+    pub(super) fn scalar(&self, index: usize, number: impl Fn(usize) -> f64) -> f64 {
+        let (mut index, mut factor, mut offset) = (index, 1.0, 0.0);
+        for _ in 0..=self.bodies.len() {
+            match &self.bodies[index].value {
+                Value::Columns(columns) => return factor * number(columns[0]) + offset,
+                Value::Still => return offset,
+                Value::Follows { leader, multiplier, offset: shift } => {
+                    offset += factor * shift;
+                    factor *= multiplier;
+                    index = *leader;
+                }
+            }
+        }
+        // Models whose joints follow each other in a circle are refused when they are read.
+        f64::NAN
+    }
+
     pub(super) fn part(&self, name: &str) -> Option<usize> {
         self.parts.iter().position(|p| p.name == name)
     }
@@ -197,6 +235,47 @@ pub(super) fn shown(text: &str) -> String {
 
 fn at(joint: Option<JointIndex>) -> Option<usize> {
     joint.map(JointIndex::at)
+}
+
+fn up_axis(entry: &PartEntry, place: &str) -> Result<UpAxis, CheckError> {
+    let Some(word) = entry.mesh_up_axis.as_deref() else { return Ok(UpAxis::AsWritten) };
+    UpAxis::of_word(word).ok_or_else(|| {
+        let message = format!("`{}` is none of as-written, declared", shown(word));
+        CheckError::malformed(format!("{place}.mesh_up_axis"), message)
+    })
+}
+
+/// What a proof with these models is worth: whether they are those that the path was planned with, and whether they say
+/// enough.
+fn remarks(entry: &PartEntry, read: &ReadModel, report: &mut CheckReport) {
+    let part = shown(&entry.name);
+    for (what, sum) in &read.sha256 {
+        match entry.sha256.get(what) {
+            Some(said) if said.eq_ignore_ascii_case(sum) => {}
+            Some(_) => {
+                let subject = format!("`{}` of {part} is not the file that the path was planned with", shown(what));
+                report.violate(Place::FILE, Kind::Model, subject, None, None);
+            }
+            None => {
+                report.weaker(format!("the file does not say which `{}` of {part} it was planned with", shown(what)))
+            }
+        }
+    }
+    for what in entry.sha256.keys().filter(|what| !read.sha256.contains_key(*what)) {
+        let subject = format!("{part} was planned with `{}`, which is not read now", shown(what));
+        report.violate(Place::FILE, Kind::Model, subject, None, None);
+    }
+    if (entry.kind.as_str(), entry.root.as_str()) == ("object", "planar") {
+        let subject =
+            format!("{part} is an object with a planar root, which nobody moves: its root is freeflyer or fixed");
+        report.violate(Place::FILE, Kind::UnattachedObjectMoved, subject, None, None);
+    }
+    if read.model.links.iter().all(|link| link.shapes.is_empty()) {
+        report.weaker(format!("{part} has no collision shapes: it is never in the way"));
+    }
+    for warning in &read.warnings {
+        report.note(warning.to_string());
+    }
 }
 
 /// The name of a model file as seen from here.

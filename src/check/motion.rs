@@ -191,20 +191,7 @@ impl<'a> SegmentMotion<'a> {
 
     /// Value of a joint of one coordinate, through any chain of leaders.
     pub(super) fn scalar(&self, index: usize, at: At) -> f64 {
-        let (mut index, mut factor, mut offset) = (index, 1.0, 0.0);
-        for _ in 0..=self.world.bodies.len() {
-            match &self.world.bodies[index].value {
-                Value::Columns(columns) => return factor * self.number(columns[0], at) + offset,
-                Value::Still => return offset,
-                Value::Follows { leader, multiplier, offset: shift } => {
-                    offset += factor * shift;
-                    factor *= multiplier;
-                    index = *leader;
-                }
-            }
-        }
-        // Models whose joints follow each other in a circle are refused when they are read.
-        f64::NAN
+        self.world.scalar(index, |column| self.number(column, at))
     }
 
     /// The first numbers of a joint; zeros for one that stands still.

@@ -2,11 +2,12 @@
 //! the world, minus the SRDFs' disabled pairs of the same part, minus the pairs that the file ignores.
 
 use super::CheckError;
+use super::adjacent::{self, ADJACENT};
 use super::attachments::Attachment;
 use super::models::{RigidBody, World, ordered, shown};
-use super::report::CheckReport;
+use super::report::{CheckReport, Kind, LeftOut, Place};
 use crate::path_file::PathFile;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::ops::Range;
 
 /// Most pairs that are tested.
@@ -19,32 +20,56 @@ pub(super) struct Pairs {
     margins: Vec<f64>,
 }
 
+/// What is left out of the test: pairs of links, the smaller name first, with the reason.
+pub(super) type Ignored = HashMap<(String, String), String>;
+
 impl Pairs {
-    pub(super) fn list(file: &PathFile, world: &World, report: &mut CheckReport) -> Result<Self, CheckError> {
-        let ignored = ignored(file, world, report)?;
+    pub(super) fn list(
+        file: &PathFile,
+        world: &World,
+        ignored: &Ignored,
+        report: &mut CheckReport,
+        by_name: bool,
+    ) -> Result<Self, CheckError> {
         let margins = margins(file, world)?;
         let mut pairs = Self { list: Vec::new(), margins: Vec::new() };
+        let mut left_out = BTreeMap::new();
         for (first, one) in world.shapes.iter().enumerate() {
             for (second, other) in world.shapes.iter().enumerate().skip(first + 1) {
-                if one.rigid == other.rigid || (one.world_fixed && other.world_fixed) {
+                let counts = &mut report.counts;
+                if one.rigid == other.rigid {
+                    counts.pairs_of_one_body += 1;
+                    continue;
+                }
+                if one.world_fixed && other.world_fixed {
+                    counts.pairs_of_the_environment += 1;
                     continue;
                 }
                 let links = ordered(&one.link, &other.link);
-                if one.rigid.0 == other.rigid.0 && world.disabled.contains(&links) {
-                    report.counts.pairs_disabled_by_srdf += 1;
-                } else if ignored.contains(&links) {
-                    report.counts.pairs_ignored_by_file += 1;
-                } else if pairs.list.len() == MOST {
-                    return Err(CheckError::malformed("parts", format!("more than {MOST} pairs of shapes")));
-                } else {
-                    pairs.list.push((first, second));
-                    if !margins.is_empty() {
-                        pairs.margins.push(margins.get(&links).copied().unwrap_or(0.0));
+                let disabled = one.rigid.0 == other.rigid.0 && world.disabled.contains(&links);
+                let reason = if disabled { Some("srdf") } else { ignored.get(&links).map(String::as_str) };
+                match reason {
+                    Some("srdf") => counts.pairs_disabled_by_srdf += 1,
+                    Some(ADJACENT) => counts.pairs_adjacent += 1,
+                    Some(_) => counts.pairs_ignored_by_file += 1,
+                    None if pairs.list.len() == MOST => {
+                        return Err(CheckError::malformed("parts", format!("more than {MOST} pairs of shapes")));
                     }
+                    None => {
+                        pairs.list.push((first, second));
+                        if !margins.is_empty() {
+                            pairs.margins.push(margins.get(&links).copied().unwrap_or(0.0));
+                        }
+                    }
+                }
+                if let Some(reason) = reason.filter(|_| by_name) {
+                    left_out.insert(links, reason.to_owned());
                 }
             }
         }
         report.counts.pairs = pairs.list.len();
+        let left_out = left_out.into_iter().map(|((first, second), reason)| LeftOut { first, second, reason });
+        report.left_out = left_out.collect();
         Ok(pairs)
     }
 
@@ -95,17 +120,37 @@ fn touching<'a>(world: &World, attachments: impl Iterator<Item = &'a Attachment>
     found
 }
 
-/// The file's own list. Each reason is told: a file that ignored everything would be free of collisions.
-fn ignored(file: &PathFile, world: &World, report: &mut CheckReport) -> Result<HashSet<(String, String)>, CheckError> {
-    let (mut pairs, mut reasons) = (HashSet::new(), BTreeMap::new());
+/// The file's own list, looked through: neighbours are proved from the models, everything else is believed and told. A file
+/// that ignored everything would be free of collisions.
+pub(super) fn ignored(file: &PathFile, world: &World, report: &mut CheckReport) -> Result<Ignored, CheckError> {
+    let (mut pairs, mut reasons) = (Ignored::new(), BTreeMap::new());
     for (index, [first, second, reason]) in file.ignored_pairs.iter().enumerate() {
         world.link(first, || format!("ignored_pairs[{index}][0]"))?;
         world.link(second, || format!("ignored_pairs[{index}][1]"))?;
-        pairs.insert(ordered(first, second));
-        *reasons.entry(reason.as_str()).or_insert(0_usize) += 1;
+        if reason != ADJACENT {
+            // One reason is enough: a pair that is ignored anyway need not be one of neighbours.
+            pairs.insert(ordered(first, second), reason.clone());
+            *reasons.entry(reason.as_str()).or_insert(0_usize) += 1;
+        }
     }
     for (reason, count) in reasons {
-        report.note(format!("{count} link pairs ignored by the file: {}", shown(reason)));
+        report.weaker(format!("{count} link pairs ignored by the file: {}", shown(reason)));
+    }
+    let claimed: BTreeSet<_> = adjacent::claimed(file).filter(|links| !pairs.contains_key(links)).collect();
+    if claimed.is_empty() {
+        return Ok(pairs);
+    }
+    let neighbours = adjacent::Neighbours::new(world, file);
+    for (first, second) in claimed {
+        // What no shape is on, or what an SRDF disables, is not tested in any case.
+        let needless =
+            world.disabled.contains(&(first.clone(), second.clone())) || !neighbours.have_shapes(&first, &second);
+        if !needless && !neighbours.are(&first, &second) {
+            let subject = format!("{first} and {second} do not touch wherever one joint is, or are not joined by one");
+            report.violate(Place::FILE, Kind::NotAdjacent, subject, None, None);
+            continue;
+        }
+        pairs.insert((first, second), ADJACENT.into());
     }
     Ok(pairs)
 }

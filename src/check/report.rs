@@ -57,6 +57,48 @@ pub enum Kind {
     PathTolerance,
     /// The certificate claims more than was measured.
     Certificate,
+    /// Many small steps of an object or an unheld joint, each within its tolerance, that add up.
+    Drift,
+    /// A model file is not the one that the path was planned with.
+    Model,
+    /// Links that are said to be neighbours and are not.
+    NotAdjacent,
+    /// The file is not about the parts, documents, limits, margins or ignored pairs of its scene.
+    Scene,
+    /// The path does not begin at the scene's start.
+    Start,
+    /// The path does not end at a goal of the scene.
+    Goal,
+    /// Somebody holds or lies on what the scene does not allow, or an object hangs otherwise than the scene has it.
+    Holding,
+    /// What the scene demands of a segment is not in the file, or does not hold.
+    Demand,
+}
+
+/// How a check ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// The path answers its scene, over the continuum.
+    Proved,
+    /// What the file says of itself holds; these are the reasons why that is less than an answer to a scene.
+    Relative(Vec<String>),
+    /// A promise is broken.
+    Refused,
+    /// No promise is known to be broken, and not all is proved within the limits of work, time or resolution.
+    Undecided,
+}
+
+impl Verdict {
+    /// One word, as `--json` has it.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Proved => "proved",
+            Self::Relative(_) => "relative",
+            Self::Refused => "refused",
+            Self::Undecided => "undecided",
+        }
+    }
 }
 
 /// A group of promises, for people.
@@ -77,11 +119,13 @@ pub enum Section {
     Clearance,
     /// The file's own claims.
     Certificate,
+    /// The path answers its scene.
+    Scene,
 }
 
 impl Section {
     /// All sections, in the order in which they are told.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Documents,
         Self::Limits,
         Self::Knots,
@@ -89,6 +133,7 @@ impl Section {
         Self::Residuals,
         Self::Clearance,
         Self::Certificate,
+        Self::Scene,
     ];
 
     /// One word.
@@ -102,6 +147,7 @@ impl Section {
             Self::Residuals => "residuals",
             Self::Clearance => "clearance",
             Self::Certificate => "certificate",
+            Self::Scene => "scene",
         }
     }
 }
@@ -136,6 +182,14 @@ impl Kind {
             Self::Undecided => "undecided",
             Self::PathTolerance => "path-tolerance",
             Self::Certificate => "certificate",
+            Self::Drift => "drift",
+            Self::Model => "model",
+            Self::NotAdjacent => "not-adjacent",
+            Self::Scene => "scene",
+            Self::Start => "start",
+            Self::Goal => "goal",
+            Self::Holding => "holding",
+            Self::Demand => "demand",
         }
     }
 
@@ -143,14 +197,16 @@ impl Kind {
     #[must_use]
     pub fn section(self) -> Section {
         match self {
-            Self::Document => Section::Documents,
+            Self::Document | Self::Model | Self::NotAdjacent => Section::Documents,
             Self::Limit | Self::FollowerLimit | Self::ObjectBounds => Section::Limits,
             Self::SharedKnot | Self::QuaternionNorm | Self::QuaternionSign | Self::EnvironmentMoves | Self::Times => {
                 Section::Knots
             }
-            Self::ObjectOffCarrier | Self::PlacedObjectMoved | Self::UnattachedObjectMoved | Self::JointUnheld => {
-                Section::Carriers
-            }
+            Self::ObjectOffCarrier
+            | Self::PlacedObjectMoved
+            | Self::UnattachedObjectMoved
+            | Self::JointUnheld
+            | Self::Drift => Section::Carriers,
             Self::Grasp
             | Self::GraspConstancy
             | Self::Placement
@@ -159,6 +215,7 @@ impl Kind {
             | Self::UncheckedConstraint => Section::Residuals,
             Self::Collision | Self::Margin | Self::Enclosed | Self::Undecided => Section::Clearance,
             Self::PathTolerance | Self::Certificate => Section::Certificate,
+            Self::Scene | Self::Start | Self::Goal | Self::Holding | Self::Demand => Section::Scene,
         }
     }
 }
@@ -227,11 +284,19 @@ pub struct Counts {
     pub bodies: usize,
     /// Collision shapes.
     pub shapes: usize,
-    /// Pairs of shapes that are tested.
+    /// Pairs of shapes that are tested: along the motion, or once where they do not move against each other.
     pub pairs: usize,
-    /// Pairs that an SRDF disables.
+    /// Pairs of which one is tested along some motion. The others do not move against each other in any segment.
+    pub pairs_moving: usize,
+    /// Not tested: on one link, or on links that fixed joints make one body.
+    pub pairs_of_one_body: usize,
+    /// Not tested: both stand fixed in the world.
+    pub pairs_of_the_environment: usize,
+    /// Not tested: an SRDF disables them.
     pub pairs_disabled_by_srdf: usize,
-    /// Pairs that the file ignores.
+    /// Not tested: neighbours, which touch wherever the joint between them is.
+    pub pairs_adjacent: usize,
+    /// Not tested: the file ignores them.
     pub pairs_ignored_by_file: usize,
     /// Segments.
     pub segments: usize,
@@ -243,6 +308,17 @@ pub struct Counts {
     pub residual_samples: u64,
 }
 
+/// A pair of links of which no shapes are tested against each other.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct LeftOut {
+    /// One link.
+    pub first: String,
+    /// The other.
+    pub second: String,
+    /// Why.
+    pub reason: String,
+}
+
 /// Everything that a check found.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct CheckReport {
@@ -250,10 +326,19 @@ pub struct CheckReport {
     pub violations: Vec<Violation>,
     /// Remarks that break nothing.
     pub notes: Vec<String>,
+    /// Why what is proved is less than an answer to a scene; empty where it is one.
+    pub weaker: Vec<String>,
+    /// The scene that the path was held against, if any: its name.
+    pub scene: Option<String>,
     /// How much was looked at.
     pub counts: Counts,
     /// Smallest distance beyond the margin that was measured.
     pub min_clearance: Option<Extreme>,
+    /// Proven lower bound of the distance beyond the margin over the whole path, where it was asked for
+    /// ([`super::CheckOptions::clearance`]): a tenth, or a tenth of a millimetre, below the smallest that was measured. Metres.
+    pub clearance: Option<f64>,
+    /// Pairs of links that are not tested and why, where they were asked for ([`super::CheckOptions::pairs`]).
+    pub left_out: Vec<LeftOut>,
     /// Largest residual that was measured.
     pub max_residual: Option<Extreme>,
     /// Largest bound of a residual between samples that the proof rests on.
@@ -286,10 +371,29 @@ impl Place {
 }
 
 impl CheckReport {
-    /// Whether nothing is broken.
+    /// Whether nothing is broken, and nothing is left undecided.
     #[must_use]
     pub fn passed(&self) -> bool {
         self.violations.is_empty()
+    }
+
+    /// How the check ended.
+    #[must_use]
+    pub fn verdict(&self) -> Verdict {
+        if self.is_broken() {
+            Verdict::Refused
+        } else if !self.violations.is_empty() {
+            Verdict::Undecided
+        } else if self.weaker.is_empty() {
+            Verdict::Proved
+        } else {
+            Verdict::Relative(self.weaker.clone())
+        }
+    }
+
+    /// Whether a promise is known to be broken.
+    pub(super) fn is_broken(&self) -> bool {
+        self.violations.iter().any(|v| v.kind != Kind::Undecided)
     }
 
     /// Whether something of this kind is broken.
@@ -332,6 +436,17 @@ impl CheckReport {
             && off(new) > off(old)
         {
             known.value = Some(new);
+        }
+    }
+
+    /// The file claims less than the models say. Against a scene that is a remark: the scene is what counts.
+    pub(super) fn weaker(&mut self, text: impl Into<String>) {
+        if self.scene.is_some() {
+            return self.note(text);
+        }
+        let text = text.into();
+        if self.weaker.len() < MOST_NOTES && !self.weaker.contains(&text) {
+            self.weaker.push(text);
         }
     }
 

@@ -6,10 +6,10 @@
 //! decides. So a step from one solution branch of a closed chain to another is refused however well both knots fit: in
 //! between the chain is open, and no bound says otherwise.
 
-use super::Work;
 use super::motion::{At, SegmentMotion};
 use super::reach::Bends;
 use super::report::{CheckReport, Kind, Place};
+use super::work::Work;
 use foliate_components::Pose;
 use glam::{DQuat, DVec3};
 
@@ -151,6 +151,9 @@ pub(super) fn prove<Q: Quantity>(
         let after = prover.sample(At::knot(knot + 1));
         prover.interval(knot, before, after);
         before = after;
+        if prover.work.is_over() {
+            return;
+        }
     }
 }
 
@@ -206,8 +209,6 @@ impl<Q: Quantity> Prover<'_, Q> {
                 return; // reported when it was sampled
             }
             if !self.work.spend(1) {
-                let place = Place::at(self.motion.index, knot as f64 + low);
-                self.report.violate(place, Kind::Undecided, "the work limit is reached", None, None);
                 return;
             }
             if (short && bound - largest <= FINEST * tolerance) || share <= SHORTEST {

@@ -1,7 +1,7 @@
 //! `foliate bench`: many seeds of some scenes, a row each, and the table of the papers.
 
 use super::solve::{Tuning, deadline, no_scheduler};
-use super::{Ending, Refusal, print, print_json, say};
+use super::{Ending, Refusal, interrupt, print, print_json, say};
 use foliate::batch::{Batch, Entry, Row, Seeds, Settings, Spread, Table};
 use foliate::scene::PackagePath;
 use foliate::systems::schedulers;
@@ -23,12 +23,15 @@ pub(crate) struct Arguments {
     /// Seconds after which one solve gives up
     #[arg(long, default_value_t = 60.0, value_name = "S")]
     time_limit: f64,
-    /// New folder for results.csv, table.md and paths/
+    /// Folder for results.csv, table.md and paths/; a new one, unless --resume is given
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Search scheduler; the default is the best over all shipped scenes, a name that does not exist lists all
     #[arg(long, default_value = schedulers::DEFAULT, value_name = "NAME")]
     scheduler: String,
+    /// Go on with a folder in which the same bench was begun: rows that are there are kept
+    #[arg(long)]
+    resume: bool,
     #[command(flatten)]
     pub(crate) tuning: Tuning,
     /// One JSON object instead of text
@@ -47,16 +50,27 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     let entries = load(&arguments.scenes, packages)?;
     let refused = |error: foliate::batch::BatchError| Refusal(error.to_string());
     let batch = Batch::new(entries, settings).map_err(refused)?.scheduler(scheduler.into());
+    let token = interrupt::token();
+    let batch = batch.cancelled_by(token.clone());
     let tell = |row: &Row| {
         if !arguments.json {
             say(&line(row));
         }
     };
-    let rows = batch.run(&arguments.out, tell).map_err(refused)?;
+    let rows = match arguments.resume {
+        true => batch.resume(&arguments.out, tell),
+        false => batch.run(&arguments.out, tell),
+    };
+    let rows = rows.map_err(refused)?;
     let table = batch.table(&rows);
     match arguments.json {
         true => print_json(&object(&table, &rows))?,
         false => print(&format!("\n{}", table.markdown())),
+    }
+    if token.is_cancelled() && rows.len() < batch.solves() {
+        let (done, all) = (rows.len(), batch.solves());
+        say(&format!("interrupted after {done} of {all} solves; --resume goes on\n"));
+        return Ok(Ending::Interrupted);
     }
     Ok(if rows.iter().all(Row::is_solved) { Ending::Done } else { Ending::Failed })
 }

@@ -1,13 +1,13 @@
 //! `foliate inspect`: what was read from a model.
 
-use super::{Ending, Refusal, print, print_json};
+use super::{Ending, Refusal, coverage, print, print_json};
 use foliate::components::Pose;
 use foliate::components::pose::pose_to_array;
 use foliate::components::robot::model::{JointKind, JointModel, Model};
 use foliate::components::robot::shape::Geometry;
-use foliate::components::robot::{PartKind, PartPlacement, Robot, RootJoint};
-use foliate::inspection::always_colliding;
-use foliate::scene::{PackagePath, SceneError, read_model};
+use foliate::components::robot::{Robot, ShapeIndex};
+use foliate::inspection::{Inspection, inspect_pairs};
+use foliate::scene::{PackagePath, SceneError, UpAxis, read_model};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
@@ -20,29 +20,21 @@ pub(crate) struct Arguments {
     /// SRDF: a file, or a package:// URL
     #[arg(long, value_name = "FILE")]
     srdf: Option<String>,
+    /// List every pair of collision shapes that is not tested, with the reason
+    #[arg(long)]
+    pairs: bool,
     /// One JSON object instead of text
     #[arg(long)]
     json: bool,
 }
 
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
-    let read = read_model(&arguments.urdf, arguments.srdf.as_deref(), packages)?;
-    let placement = PartPlacement {
-        name: "model".into(),
-        kind: PartKind::Robot,
-        root: RootJoint::Fixed,
-        world_from_root: Pose::identity(),
-        mimic_follows: true,
-        root_bounds: Vec::new(),
-        joint_bounds: Vec::new(),
-    };
-    let robot = Robot::compose(&[(&read.model, placement)])
-        .map_err(|error| SceneError::new(&arguments.urdf, "<robot>", error.to_string()))?;
-    // The model is a part called `model` here; its shapes are told without that.
-    let short = |name: String| name.strip_prefix("model/").map_or(name.clone(), str::to_owned);
-    let colliding = always_colliding(&robot).map(|all| all.into_iter().map(|(a, b)| (short(a), short(b))).collect());
+    let mut read = read_model(&arguments.urdf, arguments.srdf.as_deref(), UpAxis::AsWritten, packages)?;
+    let robot = read.compose_alone()?;
+    let pairs = inspect_pairs(&robot);
     let found = Found {
-        colliding: &colliding,
+        pairs: pairs.as_ref(),
+        lists_pairs: arguments.pairs,
         model: &read.model,
         robot: &robot,
         warnings: &read.warnings,
@@ -59,8 +51,10 @@ struct Found<'a> {
     model: &'a Model,
     robot: &'a Robot,
     warnings: &'a [SceneError],
-    /// Pairs of shapes that collide wherever the joints are; `None` where that was not looked at.
-    colliding: &'a Option<Vec<(String, String)>>,
+    /// `None` where pairs of shapes were not looked at.
+    pairs: Option<&'a Inspection>,
+    /// Whether every pair that is left out is told.
+    lists_pairs: bool,
     /// Joints by depth-first walk, with their depth.
     tree: Vec<(usize, &'a JointModel)>,
 }
@@ -148,12 +142,10 @@ impl Found<'_> {
             }
         }
         self.documents(&mut out);
-        for (first, second) in self.colliding.iter().flatten() {
-            let _ =
-                writeln!(out, "\nAlways in collision: {first} and {second}; disable the pair in the SRDF or the scene");
-        }
-        let _ = writeln!(out, "\nWarnings: {}", self.warnings.len());
-        for warning in self.warnings {
+        self.coverage(&mut out);
+        let remarks = self.remarks();
+        let _ = writeln!(out, "\nWarnings: {}", remarks.len());
+        for warning in remarks {
             let _ = writeln!(out, "  {warning}");
         }
         out
@@ -171,10 +163,51 @@ impl Found<'_> {
         out.push('\n');
     }
 
+    /// Which pairs of shapes a scene would test.
+    fn coverage(&self, out: &mut String) {
+        let Some(pairs) = self.pairs else {
+            let _ = writeln!(out, "\nPairs of shapes: too many to look at");
+            return;
+        };
+        let _ = writeln!(out, "\nPairs of shapes: {}", coverage::sentence(&pairs.counts));
+        for (first, second) in &pairs.always_colliding {
+            let (first, second) = (self.shape(*first), self.shape(*second));
+            let _ =
+                writeln!(out, "\nAlways in collision: {first} and {second}; disable the pair in the SRDF or the scene");
+        }
+        if self.lists_pairs {
+            let _ = writeln!(out, "\nNot tested:");
+            for pair in &pairs.left_out {
+                let _ = writeln!(out, "  {}", coverage::line(pair, &pairs.apart, |shape| self.shape(shape)));
+            }
+        }
+    }
+
+    /// A shape's name without that of the part, which is `model` here.
+    fn shape(&self, shape: ShapeIndex) -> &str {
+        let name = self.robot.shapes[shape.at()].name.as_str();
+        name.strip_prefix("model/").unwrap_or(name)
+    }
+
+    /// What is remarkable: what the files say, and what the pairs do.
+    fn remarks(&self) -> Vec<String> {
+        let mut remarks: Vec<String> = self.warnings.iter().map(ToString::to_string).collect();
+        if self.robot.shapes.is_empty() {
+            remarks.push("the model has no collision shapes: nothing of it is tested".into());
+        }
+        if let Some(warning) = self.pairs.and_then(|p| coverage::apart_warning(&p.apart, "the neutral configuration")) {
+            remarks.push(warning);
+        }
+        remarks
+    }
+
     fn documents(&self, out: &mut String) {
         let model = self.model;
         if !model.has_srdf {
-            let _ = writeln!(out, "\nNo SRDF was given: neighbouring links are not tested for collision.");
+            let _ = writeln!(
+                out,
+                "\nNo SRDF was given: links that one joint joins and that touch wherever it is are not tested for collision."
+            );
             return;
         }
         let _ = writeln!(out, "\nGrippers: {}", model.grippers.len());
@@ -220,8 +253,10 @@ impl Found<'_> {
             })).collect::<Vec<_>>(),
             "disabled_pairs": model.disabled_pairs,
             "configurations": model.group_states.iter().map(|s| json!({ "name": s.name, "values": s.values })).collect::<Vec<_>>(),
-            "always_colliding": self.colliding,
-            "warnings": self.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
+            "always_colliding": self.pairs.map(|p| p.always_colliding.iter().map(|&(a, b)| [self.shape(a), self.shape(b)]).collect::<Vec<_>>()),
+            "pairs": self.pairs.map(|p| coverage::counts_json(&p.counts)),
+            "pairs_left_out": self.pairs.filter(|_| self.lists_pairs).map(|p| coverage::list_json(&p.left_out, &p.apart, |shape| self.shape(shape))),
+            "warnings": self.remarks(),
         })
     }
 

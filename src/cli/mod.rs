@@ -1,11 +1,14 @@
-//! The commands, one file each. Exit codes: 0 done, 1 no solution or a check that fails, 2 wrong usage or input.
+//! The commands, one file each. Exit codes: 0 done, 1 no solution or a check that fails, 2 wrong usage or input, or output
+//! that could not be written, 3 proved only relative to what a file says of itself, 4 undecided within limits, 130 interrupted.
 
 mod bench;
 mod certify;
 mod check;
+mod coverage;
 mod demo;
 mod graph;
 mod inspect;
+mod interrupt;
 mod models;
 mod scenes;
 mod solve;
@@ -18,6 +21,7 @@ use foliate::scene::{MeshCache, PackagePath, SceneError};
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::OnceLock;
 
 /// Plans manipulation: grasp, carry, regrasp, hand over, put down.
 #[derive(Parser)]
@@ -71,8 +75,12 @@ pub(crate) enum Ending {
     Done,
     /// Exit code 1: no solution within limits, a check that fails, something that is not there.
     Failed,
-    /// Exit code 4: not decided within limits of time, work or resolution.
+    /// Exit code 3: what is proved holds only relative to what a file says of itself.
+    Relative,
+    /// Exit code 4: undecided within the limits of work, time or resolution.
     Undecided,
+    /// Exit code 130: a signal has stopped it.
+    Interrupted,
 }
 
 /// Why a command did not do what it was asked: exit code 2, and what is said on standard error.
@@ -86,7 +94,29 @@ impl From<SceneError> for Refusal {
 
 /// Reads the command line, runs the command, tells how it ended.
 pub(crate) fn main() -> ExitCode {
-    let mut cli = Cli::parse();
+    interrupt::survive_size_limits();
+    let code = match Cli::try_parse() {
+        Ok(cli) => run(cli),
+        Err(told) => {
+            if let Err(error) = told.print() {
+                lose(error);
+            }
+            told.exit_code() as u8
+        }
+    };
+    if let Err(error) = std::io::stdout().flush() {
+        lose(error);
+    }
+    match LOST.get() {
+        Some(error) => {
+            say(&format!("error: standard output: {error}\n"));
+            ExitCode::from(2)
+        }
+        None => ExitCode::from(code),
+    }
+}
+
+fn run(mut cli: Cli) -> u8 {
     if let Some(level) = cli.simd {
         cli.command.force(level);
     }
@@ -104,20 +134,34 @@ pub(crate) fn main() -> ExitCode {
         Command::Scenes(arguments) => scenes::run(arguments),
     };
     match ending {
-        Ok(Ending::Done) => ExitCode::SUCCESS,
-        Ok(Ending::Failed) => ExitCode::from(1),
-        Ok(Ending::Undecided) => ExitCode::from(4),
+        Ok(Ending::Done) => 0,
+        Ok(Ending::Failed) => 1,
+        Ok(Ending::Relative) => 3,
+        Ok(Ending::Undecided) => 4,
+        Ok(Ending::Interrupted) => interrupt::EXIT_CODE,
         Err(Refusal(message)) => {
             say(&format!("error: {message}\n"));
-            ExitCode::from(2)
+            2
         }
     }
 }
 
-/// Writes to standard output. A reader that has gone away is not an error.
+/// Why output was lost, once it was: no command may end as if it had told what it found.
+static LOST: OnceLock<std::io::Error> = OnceLock::new();
+
+/// A reader that has gone away has read what it wanted; the verdict stands, and so does the exit code.
+fn lose(error: std::io::Error) {
+    if error.kind() != std::io::ErrorKind::BrokenPipe {
+        let _the_first_is_told = LOST.set(error);
+    }
+}
+
+/// Writes to standard output. What cannot be written makes the program end with exit code 2, see [`main`].
 pub(crate) fn print(text: &str) {
     let mut out = std::io::stdout().lock();
-    let _gone = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    if let Err(error) = out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        lose(error);
+    }
 }
 
 /// Writes to standard error.

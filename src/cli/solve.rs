@@ -1,9 +1,11 @@
 //! `foliate solve`: plan for a scene, say what was found, write the path.
 
+use super::coverage::LeftOut;
 use super::summary::{self, Loaded};
-use super::{Ending, Refusal, print, print_json, say};
+use super::{Ending, Refusal, interrupt, print, print_json, say};
 use foliate::components::outcome::SearchOutcome;
 use foliate::kernels::lanes::Level;
+use foliate::output;
 use foliate::path_file::{PathContext, save, write_path};
 use foliate::scene::{PackagePath, Scene, load_scene};
 use foliate::systems::events::SearchEvent;
@@ -27,6 +29,12 @@ pub(crate) struct Arguments {
     /// Write the path to this file
     #[arg(long, value_name = "PATH.json")]
     out: Option<PathBuf>,
+    /// Say how close things come, to within a tenth or 0.1 mm, and where on the path
+    #[arg(long)]
+    clearance: bool,
+    /// List every pair of collision shapes that is not tested, with the reason
+    #[arg(long)]
+    pairs: bool,
     /// One JSON object instead of text
     #[arg(long)]
     json: bool,
@@ -125,6 +133,7 @@ impl SearchArguments {
     pub(crate) fn planner(&self, tables: Arc<ProblemTables>) -> Result<Planner, Refusal> {
         let planner = Planner::of_tables(tables).map_err(|e| Refusal(e.to_string()))?;
         let planner = planner.settings(self.tuning.settings(self.seed)).time_limit(self.deadline()?);
+        let planner = planner.cancelled_by(interrupt::token());
         planner.scheduler_named(&self.scheduler).ok_or_else(|| no_scheduler(&self.scheduler))
     }
 }
@@ -143,19 +152,28 @@ pub(crate) fn no_scheduler(name: &str) -> Refusal {
 
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
     let started = Instant::now();
+    if let Some(out) = &arguments.out {
+        writable(out)?;
+    }
     let scene = load_scene(&arguments.scene, packages)?;
     for warning in &scene.warnings {
         say(&format!("warning: {warning}\n"));
     }
     let tables = Arc::new(ProblemTables::new(scene.problem.clone()));
     let load_time = started.elapsed();
+    let left_out = LeftOut::of(&tables);
+    for warning in left_out.warnings(&scene.problem.robot) {
+        say(&format!("warning: {warning}\n"));
+    }
     let planner = arguments.search.planner(tables)?;
     let solution = solve(planner, &arguments.search, !arguments.json)?;
     let (planner, solution) = (solution.0, solution.1);
     if let (Some(out), Some(_)) = (&arguments.out, &solution.path) {
         write(out, &scene, &planner, &solution, &arguments.search)?;
     }
-    let loaded = Loaded { scene: &scene, load_time };
+    let clearance = if arguments.clearance { solution.clearance() } else { None };
+    let left_out = arguments.pairs.then_some(&left_out);
+    let loaded = Loaded { scene: &scene, load_time, clearance: clearance.as_ref(), left_out };
     if arguments.json {
         print_json(&summary::json(&loaded, &arguments.search, &solution))?;
     } else {
@@ -164,13 +182,21 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     ending(&solution.outcome)
 }
 
+/// Refuses a place where no path could be written before anything is searched.
+pub(crate) fn writable(out: &Path) -> Result<(), Refusal> {
+    output::check(out).map_err(|error| Refusal(format!("{}: {error}", out.display())))
+}
+
 /// How a command ends that searched.
 pub(crate) fn ending(outcome: &SearchOutcome) -> Result<Ending, Refusal> {
     match outcome {
         SearchOutcome::Solved => Ok(Ending::Done),
         SearchOutcome::InfeasibleStart(why) => Err(Refusal(format!("infeasible_start: {why}"))),
         SearchOutcome::InfeasibleGoal(why) => Err(Refusal(format!("infeasible_goal: {why}"))),
-        SearchOutcome::Timeout | SearchOutcome::StepLimit | SearchOutcome::Cancelled | SearchOutcome::MemoryLimit => {
+        SearchOutcome::Cancelled => Ok(Ending::Interrupted),
+        SearchOutcome::Timeout | SearchOutcome::StepLimit | SearchOutcome::MemoryLimit => Ok(Ending::Failed),
+        SearchOutcome::Crashed(why) => {
+            say(&format!("error: the search crashed, which is a bug: {}\n", why.escape_debug()));
             Ok(Ending::Failed)
         }
     }

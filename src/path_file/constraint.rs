@@ -131,7 +131,7 @@ pub enum Bound {
 
 /// The entries that say what a constraint demands: one, or two where translation rows and a turned reference have different
 /// axes. Errors stay within `tolerance`, metres and radians.
-pub(super) fn entries(robot: &Robot, demand: &PathConstraint, tolerance: f64) -> Vec<ConstraintEntry> {
+pub(crate) fn entries(robot: &Robot, demand: &PathConstraint, tolerance: f64) -> Vec<ConstraintEntry> {
     let argument = demand.argument.unwrap_or_default();
     let entry =
         |kind: &str| ConstraintEntry { kind: kind.into(), name: demand.name.clone(), tolerance, ..Default::default() };

@@ -5,11 +5,13 @@
 
 mod constraint;
 mod place;
+mod read;
 pub mod save;
 mod write;
 
+pub(crate) use constraint::entries as constraint_entries;
 pub use constraint::{Bound, ConstraintEntry, FrameEntry, PlaneEntry};
-pub use write::{PathContext, write_path};
+pub use write::{FileNames, PartFiles, PathContext, write_path};
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

@@ -1,8 +1,9 @@
 //! Path files on disk.
 
-use super::PathFile;
-use crate::scene::{ModelFile, Origin, Scene};
-use std::io::Write;
+pub use super::read::read;
+use super::{FileNames, PartFiles, PathFile, SceneFileEntry};
+use crate::output;
+use crate::scene::{ModelFile, Origin, PartSource, Scene, SceneFile, SceneOrigin, folder_of, shipped_scenes};
 use std::path::{Path, PathBuf};
 
 /// Why a path file was not written or read.
@@ -17,17 +18,37 @@ pub enum PathFileError {
     Format { path: PathBuf, found: String },
 }
 
-/// Largest path file that is read, bytes: some hundred thousand knots.
-const CAP: u64 = 1 << 28;
-
-/// URDF and SRDF of every part as a path file at `out` has to name them. Models that live only in the program are written
-/// beside it, into `PATH.models/`.
+/// The files of a scene as a path file at `out` has to name them. Models that live only in the program are written beside it,
+/// into `PATH.models/`, unless `out` is a device or a pipe.
 ///
 /// # Errors
 /// A model cannot be written.
-pub fn model_names(scene: &Scene, out: &Path) -> Result<Vec<(String, Option<String>)>, PathFileError> {
+pub fn model_names(scene: &Scene, out: &Path) -> Result<FileNames, PathFileError> {
     let name = |file: &ModelFile| model_name(file, out);
-    scene.parts.iter().map(|part| Ok((name(&part.urdf)?, part.srdf.as_ref().map(name).transpose()?))).collect()
+    let files = |part: &PartSource| -> Result<PartFiles, PathFileError> {
+        Ok(PartFiles {
+            urdf: name(&part.urdf)?,
+            srdf: part.srdf.as_ref().map(name).transpose()?,
+            mesh_up_axis: part.mesh_up_axis,
+            sha256: part.sha256.clone(),
+            joint_values: part.joint_values.clone(),
+        })
+    };
+    let parts = scene.parts.iter().map(files).collect::<Result<_, _>>()?;
+    Ok(FileNames { scene_file: scene.file.as_ref().map(|file| scene_file(file, out)), parts })
+}
+
+fn scene_file(file: &SceneFile, out: &Path) -> SceneFileEntry {
+    let name = match &file.origin {
+        SceneOrigin::Shipped(name) => (*name).to_owned(),
+        SceneOrigin::File(path) => {
+            let name = relative(path, out);
+            // A file of a shipped scene's name is not that scene.
+            let is_shipped = shipped_scenes().iter().any(|scene| scene.name == name);
+            if is_shipped { format!("./{name}") } else { name }
+        }
+    };
+    SceneFileEntry { file: name, sha256: file.sha256.clone() }
 }
 
 fn model_name(file: &ModelFile, out: &Path) -> Result<String, PathFileError> {
@@ -39,9 +60,12 @@ fn model_name(file: &ModelFile, out: &Path) -> Result<String, PathFileError> {
         Origin::Program(content) => {
             let folder = models_folder(out);
             let place = folder.join(Path::new(&file.url).file_name().unwrap_or_default());
-            let failed = |source| PathFileError::Io { path: place.clone(), source };
-            std::fs::create_dir_all(&folder).map_err(failed)?;
-            std::fs::write(&place, content).map_err(failed)?;
+            // Beside a device or a pipe there is no place; the file then says what it would say.
+            if output::is_file(out) {
+                let failed = |source| PathFileError::Io { path: place.clone(), source };
+                std::fs::create_dir_all(&folder).map_err(failed)?;
+                output::write(&place, content.as_bytes()).map_err(failed)?;
+            }
             Ok(relative(&place, out))
         }
     }
@@ -54,7 +78,11 @@ fn models_folder(out: &Path) -> PathBuf {
 
 /// The name of `path` as seen from the folder of `out`; absolute where the two share no folder.
 fn relative(path: &Path, out: &Path) -> String {
-    let whole = |p: &Path| std::path::absolute(p).unwrap_or_else(|_| p.to_owned());
+    // Behind a link, `..` leads elsewhere than it reads: folders are named as they are.
+    let whole = |p: &Path| {
+        let place = folder_of(p).canonicalize().ok().zip(p.file_name()).map(|(folder, name)| folder.join(name));
+        place.or_else(|| std::path::absolute(p).ok()).unwrap_or_else(|| p.to_owned())
+    };
     let (path, out) = (whole(path), whole(out));
     let folder = out.parent().unwrap_or(Path::new("/"));
     let shared = path.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
@@ -64,7 +92,7 @@ fn relative(path: &Path, out: &Path) -> String {
     steps.collect::<Vec<String>>().join("/")
 }
 
-/// Writes a path file: to a temporary name first, so that a reader never sees half of one.
+/// Writes a path file: whole or not at all, see [`crate::output`].
 ///
 /// # Errors
 /// The file cannot be written.
@@ -73,38 +101,5 @@ pub fn save(file: &PathFile, out: &Path) -> Result<(), PathFileError> {
     let json = |source| PathFileError::Json { path: out.to_owned(), place: "the file".into(), source };
     let mut text = serde_json::to_string(file).map_err(json)?;
     text.push('\n');
-    let mut part = out.as_os_str().to_owned();
-    part.push(".part");
-    let part = PathBuf::from(part);
-    let mut handle = std::fs::File::create(&part).map_err(io)?;
-    handle.write_all(text.as_bytes()).and_then(|()| handle.sync_all()).map_err(io)?;
-    std::fs::rename(&part, out).map_err(io)
-}
-
-/// Reads a path file.
-///
-/// # Errors
-/// It cannot be read, is larger than 256 MiB, is not JSON, or is of another format.
-pub fn read(path: &Path) -> Result<PathFile, PathFileError> {
-    let io = |source| PathFileError::Io { path: path.to_owned(), source };
-    let size = std::fs::metadata(path).map_err(io)?.len();
-    if size > CAP {
-        return Err(io(std::io::Error::other(format!("{size} bytes are more than the {CAP} that are read"))));
-    }
-    let text = std::fs::read_to_string(path).map_err(io)?;
-    let json = |source: serde_json::Error| {
-        let place = super::place::json_path(&text, source.line(), source.column());
-        PathFileError::Json { path: path.to_owned(), place, source }
-    };
-    let format: Format = serde_json::from_str(&text).map_err(json)?;
-    if format.format != super::FORMAT {
-        return Err(PathFileError::Format { path: path.to_owned(), found: format.format });
-    }
-    serde_json::from_str(&text).map_err(json)
-}
-
-/// Only the format, so that a file of another one is refused by its name and not by a missing field.
-#[derive(serde::Deserialize)]
-struct Format {
-    format: String,
+    output::write(out, text.as_bytes()).map_err(io)
 }

@@ -2,11 +2,12 @@
 
 use super::constraint::entries;
 use super::{
-    AttachmentEntry, CertificateEntry, Documents, FORMAT, GripperEntry, HandleEntry, PartEntry, PathFile, PoseRow,
-    SegmentEntry, SurfaceEntry,
+    AttachmentEntry, CertificateEntry, Documents, FORMAT, GripperEntry, HandleEntry, PairsEntry, PartEntry, PathFile,
+    PoseRow, SceneFileEntry, SegmentEntry, SurfaceEntry,
 };
-use crate::scene::coordinate_names;
+use crate::scene::{UpAxis, coordinate_names};
 use foliate_components::Pose;
+use foliate_components::coverage::PairCounts;
 use foliate_components::graph::ConstraintGraph;
 use foliate_components::path::{Attachment, ManipulationPath, Segment};
 use foliate_components::pose::pose_to_array;
@@ -21,14 +22,38 @@ pub struct PathContext<'a> {
     pub problem: &'a Problem,
     /// Its constraint graph, for names.
     pub graph: &'a ConstraintGraph,
-    /// URDF and SRDF of each part, as the file is to name them.
-    pub models: &'a [(String, Option<String>)],
+    /// The scene file and the parts' files, as the path file is to name them.
+    pub models: &'a FileNames,
     /// Seed.
     pub seed: u64,
     /// Scheduler.
     pub scheduler: &'a str,
     /// SIMD level.
     pub simd: &'a str,
+}
+
+/// How a path file names the files that its problem was read from, and what decides how they are read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FileNames {
+    /// The scene file, where there is one.
+    pub scene_file: Option<SceneFileEntry>,
+    /// By part.
+    pub parts: Vec<PartFiles>,
+}
+
+/// The files of a part.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PartFiles {
+    /// Its URDF.
+    pub urdf: String,
+    /// Its SRDF.
+    pub srdf: Option<String>,
+    /// What is done with the up axis of COLLADA meshes.
+    pub mesh_up_axis: UpAxis,
+    /// SHA-256 by `urdf`, `srdf` and meshes' names.
+    pub sha256: BTreeMap<String, String>,
+    /// Where joints of an environment stand that do not stand at zero, by name within the part.
+    pub joint_values: Vec<(String, f64)>,
 }
 
 /// The file of a path.
@@ -38,16 +63,25 @@ pub fn write_path(context: &PathContext<'_>, path: &ManipulationPath) -> PathFil
     let robot = &problem.robot;
     let link = |l: LinkIndex| robot.links[l.at()].name.clone();
     let tolerance = path.certificate.path_tolerance;
+    // An environment's joints are no coordinates of the problem: they stand where the scene has them, in every knot.
+    let files = &context.models.parts;
+    let still = || files.iter().flat_map(|part| &part.joint_values);
+    let still_values: Vec<f64> = still().map(|(_, value)| *value).collect();
+    let still_names = robot
+        .parts
+        .iter()
+        .zip(files)
+        .flat_map(|(part, files)| files.joint_values.iter().map(|(joint, _)| format!("{}/{joint}", part.name)));
     let constraints = |s: &Segment| s.constraints.iter().flat_map(|c| entries(robot, c, tolerance)).collect();
     PathFile {
         format: FORMAT.into(),
         scene: problem.name.clone(),
-        scene_file: None,
+        scene_file: context.models.scene_file.clone(),
         seed: context.seed,
         scheduler: context.scheduler.into(),
         simd: context.simd.into(),
-        parts: robot.parts.iter().zip(context.models).map(|(part, models)| part_entry(part, models)).collect(),
-        coordinates: coordinate_names(robot),
+        parts: robot.parts.iter().zip(files).map(|(part, files)| part_entry(part, files)).collect(),
+        coordinates: coordinate_names(robot).into_iter().chain(still_names).collect(),
         limits: limits(robot),
         documents: documents(robot),
         ignored_pairs: problem
@@ -65,7 +99,7 @@ pub fn write_path(context: &PathContext<'_>, path: &ManipulationPath) -> PathFil
                 state: context.graph.state(s.state).name.clone(),
                 attachments: s.attachments.iter().filter_map(|a| attachment_entry(robot, a)).collect(),
                 constraints: constraints(s),
-                knots: s.knots.clone(),
+                knots: s.knots.iter().map(|knot| [knot.as_slice(), &still_values].concat()).collect(),
                 times: None,
             })
             .collect(),
@@ -74,9 +108,14 @@ pub fn write_path(context: &PathContext<'_>, path: &ManipulationPath) -> PathFil
             max_residual: path.certificate.max_residual,
             min_clearance: path.certificate.min_clearance,
             joint_limits: "within".into(),
-            pairs: None,
+            pairs: Some(pairs(&path.certificate.pairs)),
         },
     }
+}
+
+fn pairs(counts: &PairCounts) -> PairsEntry {
+    let &PairCounts { tested, rigid, same_body, environment, srdf, adjacent, ignored, grasped, placed } = counts;
+    PairsEntry { tested, rigid, same_body, environment, srdf, adjacent, ignored, grasped, placed }
 }
 
 fn limits(robot: &Robot) -> BTreeMap<String, [f64; 2]> {
@@ -85,7 +124,7 @@ fn limits(robot: &Robot) -> BTreeMap<String, [f64; 2]> {
     coordinate_names(robot).into_iter().zip(bounds).filter(finite).map(|(n, (&l, &h))| (n, [l, h])).collect()
 }
 
-fn part_entry(part: &Part, (urdf, srdf): &(String, Option<String>)) -> PartEntry {
+fn part_entry(part: &Part, files: &PartFiles) -> PartEntry {
     PartEntry {
         name: part.name.clone(),
         kind: match part.kind {
@@ -94,8 +133,8 @@ fn part_entry(part: &Part, (urdf, srdf): &(String, Option<String>)) -> PartEntry
             PartKind::Environment => "environment",
         }
         .into(),
-        urdf: urdf.clone(),
-        srdf: srdf.clone(),
+        urdf: files.urdf.clone(),
+        srdf: files.srdf.clone(),
         mimic: if part.mimic_follows { "follow" } else { "free" }.into(),
         root: match part.root {
             RootJoint::Fixed => "fixed",
@@ -104,8 +143,8 @@ fn part_entry(part: &Part, (urdf, srdf): &(String, Option<String>)) -> PartEntry
         }
         .into(),
         world_from_root: row(&part.world_from_root),
-        mesh_up_axis: None,
-        sha256: BTreeMap::new(),
+        mesh_up_axis: Some(files.mesh_up_axis.word().into()),
+        sha256: files.sha256.clone(),
     }
 }
 

@@ -48,14 +48,6 @@ pub(crate) fn bytes_into(path: &Path, cap: u64, content: &mut Vec<u8>) -> Result
     Ok(())
 }
 
-/// The text of a regular UTF-8 file of at most `cap` bytes, without a byte order mark.
-///
-/// # Errors
-/// As [`bytes`], and where it is not UTF-8.
-pub(crate) fn text(path: &Path, cap: u64) -> Result<String, SceneError> {
-    decode(bytes(path, cap)?, &path.display().to_string())
-}
-
 /// Bytes as UTF-8 text, without a byte order mark.
 ///
 /// # Errors

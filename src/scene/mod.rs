@@ -5,6 +5,7 @@
 
 mod assemble;
 pub(crate) mod error;
+mod follower_limits;
 pub(crate) mod input;
 mod keys;
 mod mesh;
@@ -16,16 +17,20 @@ mod srdf;
 mod urdf;
 mod xml;
 
-pub use assemble::{PartSource, Scene, coordinate_names};
+pub use assemble::{PartSource, Scene, SceneFile, SceneOrigin, coordinate_names};
 pub use error::SceneError;
 pub use mesh::UpAxis;
 pub use mesh_cache::MeshCache;
 pub use package::{PackagePath, model_cache};
 pub use shipped::{ShippedScene, shipped_scenes};
-pub use source::{ModelFile, Origin};
+pub(crate) use source::folder_of;
+pub use source::{ModelFile, Origin, sha256};
 
+use foliate_components::Pose;
 use foliate_components::robot::model::Model;
+use foliate_components::robot::{ComposeError, PartIndex, PartKind, PartPlacement, Robot, RootJoint};
 use source::SceneBase;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Loads a scene: a shipped one by its name, or a file.
@@ -60,15 +65,54 @@ pub struct ReadModel {
     pub model: Model,
     /// Remarks that did not stop the reading.
     pub warnings: Vec<SceneError>,
+    /// SHA-256 (hexadecimal) of every file that was read: by `urdf`, `srdf`, and each mesh as the URDF writes its name.
+    pub sha256: BTreeMap<String, String>,
+    urdf: source::ModelFile,
 }
 
-/// Reads a URDF and, where there is one, its SRDF. Both are paths or `package://` URLs.
+impl ReadModel {
+    /// The model as a robot of one part, `model`, fixed in the world; its remarks grow by those about joints that their followers
+    /// leave little room.
+    ///
+    /// # Errors
+    /// Followers that leave their leader no room at all, with the line.
+    pub fn compose_alone(&mut self) -> Result<Robot, SceneError> {
+        let placement = PartPlacement {
+            name: "model".into(),
+            kind: PartKind::Robot,
+            root: RootJoint::Fixed,
+            world_from_root: Pose::identity(),
+            mimic_follows: true,
+            root_bounds: Vec::new(),
+            joint_bounds: Vec::new(),
+        };
+        let robot = Robot::compose(&[(&self.model, placement)]).map_err(|error| {
+            match (&error, follower_limits::again(&self.urdf)) {
+                (ComposeError::NoRoom { room, .. }, Some(urdf)) => follower_limits::refusal(&urdf, room),
+                _ => SceneError::new(&self.urdf.url, "<robot>", error.to_string()),
+            }
+        })?;
+        if !robot.narrowed.is_empty()
+            && let Some(urdf) = follower_limits::again(&self.urdf)
+        {
+            self.warnings.extend(follower_limits::remarks(&robot, PartIndex(0), &urdf));
+        }
+        Ok(robot)
+    }
+}
+
+/// Reads a URDF and, where there is one, its SRDF. Both are paths or `package://` URLs. `up_axis` is for COLLADA meshes.
 ///
 /// # Errors
 /// As [`load_scene`].
-pub fn read_model(urdf: &str, srdf: Option<&str>, packages: &PackagePath) -> Result<ReadModel, SceneError> {
+pub fn read_model(
+    urdf: &str,
+    srdf: Option<&str>,
+    up_axis: UpAxis,
+    packages: &PackagePath,
+) -> Result<ReadModel, SceneError> {
     let open = |name: &str| {
-        let base = SceneBase::Directory(std::path::PathBuf::new());
+        let base = SceneBase::Directory(".".into());
         source::open(name, &base, packages).map_err(|error| match error {
             source::OpenError::Name(message, hint) => SceneError::new(name, "file", message).hint(hint),
             source::OpenError::File(error) => error,
@@ -78,18 +122,15 @@ pub fn read_model(urdf: &str, srdf: Option<&str>, packages: &PackagePath) -> Res
     let mut warnings = Vec::new();
     let mut meshes = mesh::Meshes::new(packages);
     let base = urdf.file.base();
-    let mut context = urdf::Context {
-        meshes: &mut meshes,
-        base: &base,
-        up_axis: UpAxis::AsWritten,
-        warnings: &mut warnings,
-        open_meshes: Vec::new(),
-    };
+    let mut context = urdf::Context::new(&mut meshes, &base, up_axis, &mut warnings);
     let mut model = urdf::read(&urdf.label, &urdf.text, &mut context)?;
+    let mut sha256 = context.sha256;
+    sha256.insert("urdf".into(), urdf.file.sha256.clone());
     if let Some(srdf) = srdf {
         let srdf = open(srdf)?;
         srdf::read(&srdf.label, &srdf.text, &mut model, &mut warnings)?;
+        sha256.insert("srdf".into(), srdf.file.sha256);
     }
     warnings.extend(meshes.finish());
-    Ok(ReadModel { model, warnings })
+    Ok(ReadModel { model, warnings, sha256, urdf: urdf.file })
 }

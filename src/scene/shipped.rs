@@ -1,9 +1,9 @@
 //! Scenes that live in the program.
 
-use super::assemble::{Scene, load};
+use super::assemble::{Scene, SceneFile, SceneOrigin, load};
 use super::error::SceneError;
 use super::package::PackagePath;
-use super::source::{Embedded, SceneBase};
+use super::source::{Embedded, SceneBase, sha256};
 
 /// A scene that is shipped in the binary.
 #[derive(Clone, Copy, Debug)]
@@ -264,6 +264,8 @@ impl ShippedScene {
     /// # Errors
     /// Where its models are not found or differ.
     pub fn load(&self, packages: &PackagePath) -> Result<Scene, SceneError> {
-        load(&format!("{}/scene.toml", self.name), self.text, SceneBase::Embedded(self.files), packages)
+        let scene = load(&format!("{}/scene.toml", self.name), self.text, SceneBase::Embedded(self.files), packages)?;
+        let file = SceneFile { origin: SceneOrigin::Shipped(self.name), sha256: sha256(self.text.as_bytes()) };
+        Ok(Scene { file: Some(file), ..scene })
     }
 }

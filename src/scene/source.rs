@@ -109,17 +109,24 @@ impl ModelFile {
     /// Where the model's own relative names lead.
     pub(crate) fn base(&self) -> Base {
         match &self.origin {
-            Origin::File(path) => Base::Directory(path.parent().unwrap_or(Path::new(".")).to_owned()),
+            Origin::File(path) => Base::Directory(folder_of(path).to_owned()),
             Origin::Program(_) => Base::Embedded,
         }
     }
 }
 
-/// Hexadecimal SHA-256.
-pub(crate) fn sha256(content: &[u8]) -> String {
+/// The folder that a file lies in. A bare name's is `.`: the empty path leads nowhere.
+pub(crate) fn folder_of(file: &Path) -> &Path {
+    file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// SHA-256 of a file's bytes, hexadecimal: as in [`ModelFile::sha256`], and in path files.
+#[must_use]
+pub fn sha256(content: &[u8]) -> String {
     hexadecimal(&Sha256::digest(content).into())
 }
 
+/// A sum as 64 hexadecimal digits.
 pub(crate) fn hexadecimal(sum: &[u8; 32]) -> String {
     sum.iter().map(|b| format!("{b:02x}")).collect()
 }

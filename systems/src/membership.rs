@@ -1,5 +1,7 @@
 //! Which state a configuration lies in, on which leaf, and whether it may be a start or a goal.
 
+mod collisions;
+
 use crate::graph::cases::Case;
 use crate::graph::growth::Growth;
 use crate::graph::resting::relative_pose_residual;
@@ -27,8 +29,48 @@ pub struct Feasible {
 /// Checks a start or goal; the error says what is wrong, with values.
 ///
 /// # Errors
-/// Wrong length, numbers that are not finite, coordinates out of bounds, locked joints elsewhere, no state, a collision.
+/// Wrong length, numbers that are not finite, coordinates out of bounds, locked joints elsewhere, no state, a collision: the
+/// first that is found.
 pub fn feasible(model: &PlanningModel, settings: &SearchSettings, q: &[f64]) -> Result<Feasible, String> {
+    let (root, X_WJ) = in_a_state(model, settings, q)?;
+    let scratch = &mut CollisionScratch::at_level(settings.level);
+    match model.first_collision(root.state, &X_WJ, settings.clearance_guard, scratch) {
+        Some(contact) => Err(collisions::tell(model, root.state, &[contact])),
+        None => Ok(root),
+    }
+}
+
+/// As [`feasible`], after the configuration's state has come into being where the graph is lazy; and the error names all pairs
+/// that collide.
+///
+/// # Errors
+/// As [`feasible`].
+pub fn reach_feasible(model: &mut PlanningModel, settings: &SearchSettings, q: &[f64]) -> Result<Feasible, String> {
+    reach(model, settings, q, false)
+}
+
+/// As [`reach_feasible`], of the start: also what locked joints hold together is looked at, here and nowhere else.
+///
+/// # Errors
+/// As [`feasible`].
+pub fn reach_start(model: &mut PlanningModel, settings: &SearchSettings, q: &[f64]) -> Result<Feasible, String> {
+    reach(model, settings, q, true)
+}
+
+fn reach(model: &mut PlanningModel, settings: &SearchSettings, q: &[f64], is_start: bool) -> Result<Feasible, String> {
+    if model.graph.lazy {
+        model.reach(q, settings.membership_tolerance);
+    }
+    let (root, X_WJ) = in_a_state(model, settings, q)?;
+    let mut contacts = model.all_collisions(root.state, &X_WJ, settings.clearance_guard);
+    if is_start {
+        contacts.extend(model.rigid_collisions(root.state, &X_WJ, settings.clearance_guard));
+    }
+    if contacts.is_empty() { Ok(root) } else { Err(collisions::tell(model, root.state, &contacts)) }
+}
+
+/// All that is asked of a start or goal but that nothing collides there; also the poses of the bodies.
+fn in_a_state(model: &PlanningModel, settings: &SearchSettings, q: &[f64]) -> Result<(Feasible, Vec<Pose>), String> {
     let robot = &model.problem.robot;
     if q.len() != robot.space.size() {
         return Err(format!("it has {} numbers instead of {}", q.len(), robot.space.size()));
@@ -52,24 +94,8 @@ pub fn feasible(model: &PlanningModel, settings: &SearchSettings, q: &[f64]) -> 
         .ok_or_else(|| format!("it lies in no state: {}", why_no_state(model, &locked, &X_WJ, tolerance)))?;
     model.rest(state, &mut locked);
     model.kinematics.forward(&locked, &mut X_WJ);
-    if let Some(collision) =
-        model.first_collision(state, &X_WJ, settings.clearance_guard, &mut CollisionScratch::at_level(settings.level))
-    {
-        return Err(format!("{} collide ({})", model.pair_name(collision.pair), in_words(collision.clearance)));
-    }
     let parameters = parameters_of(model, state, &locked, &X_WJ);
-    Ok(Feasible { q: locked, state, parameters })
-}
-
-/// As [`feasible`], after the configuration's state has come into being where the graph is lazy.
-///
-/// # Errors
-/// As [`feasible`].
-pub fn reach_feasible(model: &mut PlanningModel, settings: &SearchSettings, q: &[f64]) -> Result<Feasible, String> {
-    if model.graph.lazy {
-        model.reach(q, settings.membership_tolerance);
-    }
-    feasible(model, settings, q)
+    Ok((Feasible { q: locked, state, parameters }, X_WJ))
 }
 
 /// The state of a configuration `q` with bodies at `X_WJ`: the first, by falling priority, whose manifold it is on. In a lazy
@@ -214,14 +240,6 @@ fn why_no_state(model: &Model, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> Stri
             format!("`{}` of state `{}` is off by {r:.3e}", model.graph.constraint(constraint).name, state.name)
         }
         None => "no state is allowed".into(),
-    }
-}
-
-fn in_words(clearance: f64) -> String {
-    if clearance > 0.0 {
-        format!("{:.2} mm apart", clearance * 1e3)
-    } else {
-        format!("{:.2} mm deep", -clearance * 1e3)
     }
 }
 

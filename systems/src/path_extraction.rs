@@ -1,6 +1,8 @@
 //! From a roadmap in which start and goal hang together to the path between them.
 
 use crate::model::PlanningModel;
+use crate::path_clearance::{pair_counts, path_clearance};
+use crate::settings::SearchSettings;
 use foliate_components::configuration::{Group, quaternion, wrap};
 use foliate_components::graph::{StateId, TransitionId};
 use foliate_components::leaf::{LeafId, LeafIndex};
@@ -15,16 +17,15 @@ use std::f64::consts::TAU;
 #[must_use]
 pub fn extract_path(
     model: &PlanningModel,
+    settings: &SearchSettings,
     roadmap: &Roadmap,
     leaves: &LeafIndex,
-    path_tolerance: f64,
     start: NodeId,
     goal: NodeId,
 ) -> Option<ManipulationPath> {
     let edges = shortest_route(model, roadmap, start, goal)?;
     let mut path = ManipulationPath::default();
-    let mut certificate = Certificate { path_tolerance, max_residual: 0.0, min_clearance: None };
-    let mut min_clearance = f64::INFINITY;
+    let mut certificate = Certificate { path_tolerance: settings.path_tolerance, ..Certificate::default() };
     let mut at = start;
     for edge in edges {
         let row = roadmap.edge(edge);
@@ -35,7 +36,6 @@ pub fn extract_path(
         let next = first.map(|motion| leaves.leaf(motion.leaf).state);
         path.segments.extend(passed_through(model, leaves, path.segments.last(), roadmap.node(left).leaf, next));
         let mut add = |motion: &Motion| {
-            min_clearance = min_clearance.min(motion.clearance);
             let segment = segment(model, leaves, motion, forward);
             let gap = model.carrier_gap(leaves.leaf(motion.leaf), leaves, &segment.knots);
             certificate.max_residual = certificate.max_residual.max(motion.residual).max(gap);
@@ -47,10 +47,11 @@ pub fn extract_path(
             motions.iter().rev().for_each(&mut add);
         }
     }
-    // Without any pair there is no clearance.
-    certificate.min_clearance = Some(min_clearance).filter(|c| c.is_finite());
     path.certificate = certificate;
     unwrap_coordinates(model, &mut path);
+    // Of the path as it is written: what the search knows of its motions is less, and of other pairs and poses.
+    path.certificate.min_clearance = path_clearance(model, &path).map(|found| found.lower);
+    path.certificate.pairs = pair_counts(model, &path);
     Some(path)
 }
 

@@ -13,9 +13,11 @@ use foliate_components::path::{Attachment, ManipulationPath};
 use foliate_components::pose::log_so3;
 use foliate_components::problem::{Goal, GraphOptions, ObjectOptions, Problem, Rule};
 use foliate_components::roadmap::{NodeId, Roadmap};
-use foliate_components::robot::{DisabledPair, GripperIndex, HandleIndex, Robot};
+use foliate_components::robot::{DisabledPair, GripperIndex, HandleIndex, PartIndex, Robot};
 use foliate_components::sample_models::{block, environment, fixed_robot, movable_object, seven_axis_arm, table};
-use foliate_kernels::collision::{CollisionScene, CollisionScratch, PairRule, PairSet, first_collision};
+use foliate_kernels::collision::{
+    CollisionScene, CollisionScratch, PairRule, PairSet, adjacent_links, first_collision,
+};
 use foliate_kernels::kinematics::Kinematics;
 use foliate_kernels::projection::{ConstraintProgram, Scratch, Settings, project};
 use foliate_systems::schedulers::shipped;
@@ -58,8 +60,7 @@ impl Cell {
             (&plank, movable_object("plank")),
         ])
         .unwrap();
-        let adjacent = |(first, second)| DisabledPair { first, second, reason: "adjacent".into() };
-        let ignored = robot.parts.iter().flat_map(|part| robot.neighbouring_links(part)).map(adjacent).collect();
+        let ignored = (0..robot.parts.len() as u32).flat_map(|part| adjacent_links(&robot, PartIndex(part))).collect();
         let hands = ["left", "right"].map(|side| {
             let gripper = robot.gripper(&format!("{side}/hand")).unwrap();
             (gripper, robot.handle(&format!("plank/{side}")).unwrap())

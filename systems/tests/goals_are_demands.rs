@@ -13,9 +13,10 @@ use foliate_components::outcome::SearchOutcome;
 use foliate_components::pose::pose_from_array;
 use foliate_components::problem::{Goal, GraphOptions, NamedConstraint, ObjectOptions, PartialGoal, Problem};
 use foliate_components::roadmap::Roadmap;
-use foliate_components::robot::{DisabledPair, PartIndex, Robot};
+use foliate_components::robot::{PartIndex, Robot};
 use foliate_components::sample_models::{block, environment, fixed_robot, movable_object, seven_axis_arm, table};
 use foliate_components::sample_problems::{boxes_on_a_table, move_one_box, swap_with_crossed_foliations};
+use foliate_kernels::collision::adjacent_links;
 use foliate_systems::conclusion::Roots;
 use foliate_systems::model::PlanningModel;
 use foliate_systems::schedulers::mrrt::Mrrt;
@@ -53,8 +54,8 @@ fn two_arms() -> Problem {
     let bent = [1.2, -0.6, 0.0, 1.4, 0.0, 0.8, 0.0];
     let mut start = [bent, bent].concat();
     start.extend([0.65, 0.0, -0.2 + 0.031, 0.0, 0.0, 0.0, 1.0]);
-    let adjacent = |(first, second)| DisabledPair { first, second, reason: "adjacent".into() };
-    let ignored_pairs = robot.parts.iter().flat_map(|part| robot.neighbouring_links(part)).map(adjacent).collect();
+    let ignored_pairs =
+        (0..robot.parts.len() as u32).flat_map(|part| adjacent_links(&robot, PartIndex(part))).collect();
     Problem { name: "two arms".into(), robot, graph, ignored_pairs, margins: Vec::new(), start, goals: Vec::new() }
 }
 

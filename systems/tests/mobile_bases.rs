@@ -12,8 +12,9 @@ use foliate_components::candidate::CandidateArena;
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::pose::pose_from_array;
 use foliate_components::problem::{Goal, GraphOptions, ObjectOptions, Problem};
-use foliate_components::robot::{DisabledPair, PartKind, PartPlacement, Robot, RootJoint};
+use foliate_components::robot::{PartIndex, PartKind, PartPlacement, Robot, RootJoint};
 use foliate_components::sample_models::{block, environment, movable_object, part, seven_axis_arm, table};
+use foliate_kernels::collision::adjacent_links;
 use foliate_systems::events::EventSink;
 use foliate_systems::model::{Model, ModelError};
 use foliate_systems::schedulers::mrrt::Mrrt;
@@ -56,8 +57,8 @@ fn mobile_arm(root: RootJoint, root_bounds: Vec<(f64, f64)>) -> Problem {
     start[arm_at + 7..].copy_from_slice(&[0.6, -1.3, 0.031, 0.0, 0.0, 0.0, 1.0]);
     let goal = pose_from_array([0.6, 1.3, 0.031, 0.0, 0.0, 0.0, 1.0]).unwrap();
     let goals = vec![Goal::object_poses(vec![(robot.part("box").unwrap(), goal)])];
-    let adjacent = |(first, second)| DisabledPair { first, second, reason: "adjacent".into() };
-    let ignored_pairs = robot.parts.iter().flat_map(|part| robot.neighbouring_links(part)).map(adjacent).collect();
+    let ignored_pairs =
+        (0..robot.parts.len() as u32).flat_map(|part| adjacent_links(&robot, PartIndex(part))).collect();
     Problem { name: "mobile arm".into(), robot, graph, ignored_pairs, margins: Vec::new(), start, goals }
 }
 

@@ -5,8 +5,8 @@
 
 use super::model::{JointKind, JointModel, Model};
 use super::{
-    DisabledPair, Gripper, Handle, Joint, JointIndex, Link, LinkIndex, Motion, Part, PartIndex, Robot, Shape, Source,
-    Surface,
+    DisabledPair, Gripper, Handle, Joint, JointIndex, Link, LinkIndex, Motion, NoRoom, Part, PartIndex, Robot, Shape,
+    Source, Surface,
 };
 use crate::Pose;
 use crate::configuration::ConfigurationSpace;
@@ -64,6 +64,8 @@ pub enum ComposeError {
     DuplicatePart(String),
     #[error("part `{part}`: {message}")]
     InPart { part: String, message: String },
+    #[error("part `{part}`: {room}")]
+    NoRoom { part: String, room: NoRoom },
 }
 
 impl Robot {
@@ -71,7 +73,8 @@ impl Robot {
     ///
     /// # Errors
     /// Duplicate part, link or joint names; a model that is not a tree; a document on an unknown link; a mimic joint whose
-    /// leader is missing, follows itself, or has more than one coordinate.
+    /// leader is missing, follows itself, or has more than one coordinate; a leader that has no value at which all its
+    /// followers keep their own limits.
     pub fn compose(parts: &[(&Model, PartPlacement)]) -> Result<Self, ComposeError> {
         let mut robot = Self::default();
         for (model, placement) in parts {
@@ -81,6 +84,8 @@ impl Robot {
             robot
                 .add_part(model, placement)
                 .map_err(|message| ComposeError::InPart { part: placement.name.clone(), message })?;
+            let part = PartIndex(robot.parts.len() as u32 - 1);
+            robot.narrow_leaders(part).map_err(|room| ComposeError::NoRoom { part: placement.name.clone(), room })?;
         }
         robot.space = ConfigurationSpace::of_joints(&robot.joints);
         Ok(robot)
@@ -384,22 +389,25 @@ impl Walk<'_> {
     fn visit_all(&mut self, root_joint: Option<JointIndex>, root_pose: Pose) {
         let mut stack = vec![(None, self.tree.root, root_joint, root_pose)];
         while let Some((via, link, parent, parent_from_link)) = stack.pop() {
-            let (joint, joint_from_link) = match via {
+            let (joint, joint_from_link) = match via.filter(|&j| self.moves(j)) {
                 Some(j) => self.add_joint(j, parent, parent_from_link),
                 None => (parent, parent_from_link),
             };
-            self.add_link(link, joint, joint_from_link);
+            self.add_link(via, link, joint, joint_from_link);
             for &j in self.tree.children[link].iter().rev() {
                 let child = &self.model.joints[j];
                 let mut pose = joint_from_link * child.parent_from_joint;
-                let mut via = (child.kind != JointKind::Fixed).then_some(j);
                 if let Follow::Constant(value) = self.follows[j] {
-                    via = None;
                     pose *= moved(child, value);
                 }
-                stack.push((via, child.child, joint, pose));
+                stack.push((Some(j), child.child, joint, pose));
             }
         }
+    }
+
+    /// Whether a joint moves its link: it is not fixed, and does not follow one that is.
+    fn moves(&self, joint: usize) -> bool {
+        self.model.joints[joint].kind != JointKind::Fixed && !matches!(self.follows[joint], Follow::Constant(_))
     }
 
     /// Numbers a moving joint; returns it and the pose of its child link in its frame.
@@ -460,7 +468,7 @@ impl Walk<'_> {
         (Some(JointIndex(number as u32)), joint_from_link)
     }
 
-    fn add_link(&mut self, link: usize, joint: Option<JointIndex>, joint_from_link: Pose) {
+    fn add_link(&mut self, via: Option<usize>, link: usize, joint: Option<JointIndex>, joint_from_link: Pose) {
         let described = &self.model.links[link];
         let index = LinkIndex(self.robot.links.len() as u32);
         self.link_index[link] = index;
@@ -473,7 +481,9 @@ impl Walk<'_> {
                 geometry: geometry.clone(),
             });
         }
-        self.robot.links.push(Link { name, part: self.part, joint, joint_from_link, inertial: described.inertial });
+        let parent = via.map(|joint| self.link_index[self.model.joints[joint].parent]);
+        let (part, inertial) = (self.part, described.inertial);
+        self.robot.links.push(Link { name, part, joint, joint_from_link, parent, inertial });
     }
 }
 

@@ -4,13 +4,18 @@
 //! any number of models into one tree, numbers their coordinates and absorbs fixed joints into bodies. The result is
 //! immutable during a search.
 
+pub mod closed_surface;
 mod compose;
+mod follower_limits;
+mod joined_links;
 pub mod mesh_record;
 pub mod model;
 pub mod positions;
 pub mod shape;
 
 pub use compose::{ComposeError, PartKind, PartPlacement, RootJoint};
+pub use follower_limits::{NarrowedLimits, NoRoom};
+pub use joined_links::JoinedLinks;
 
 use crate::Pose;
 use crate::configuration::ConfigurationSpace;
@@ -72,6 +77,8 @@ pub struct Robot {
     pub surfaces: Vec<Surface>,
     /// Pairs of links whose collisions their own part's SRDF disables, with its reason.
     pub disabled_pairs: Vec<DisabledPair>,
+    /// Joints whose range their followers' own limits make smaller; their bounds are the smaller ones already.
+    pub narrowed: Vec<NarrowedLimits>,
     /// The configuration space: the product of the joints' Lie groups.
     pub space: ConfigurationSpace,
 }
@@ -97,7 +104,8 @@ pub struct Part {
     pub links: std::ops::Range<usize>,
     /// Whether joints that mimic others follow them (no coordinate) or are coordinates like any other.
     pub mimic_follows: bool,
-    /// Whether the part came with an SRDF; without one, neighbouring links are not tested for collision.
+    /// Whether the part came with an SRDF; without one, links that one joint joins and that touch wherever it is are not tested
+    /// for collision.
     pub has_srdf: bool,
     /// Named configurations (`group_state`s of the SRDF): joint name without prefix and value.
     pub group_states: Vec<model::GroupState>,
@@ -181,6 +189,7 @@ pub struct Joint {
     /// Where its value comes from.
     pub source: Source,
     /// Bounds on the joint's value, also for followers; infinite where there is none. One entry per configuration number.
+    /// Those of a leader are no wider than its followers' own let it move.
     pub lower: Vec<f64>,
     /// Upper bounds, as `lower`.
     pub upper: Vec<f64>,
@@ -199,6 +208,8 @@ pub struct Link {
     pub joint: Option<JointIndex>,
     /// Pose of the link in that joint's frame, or in the world.
     pub joint_from_link: Pose,
+    /// The link that carries it by a joint of the model, fixed or moving; `None` for the part's root link.
+    pub parent: Option<LinkIndex>,
     /// Mass properties, where the file gives them.
     pub inertial: Option<model::Inertial>,
 }
@@ -272,6 +283,11 @@ pub struct DisabledPair {
     pub reason: String,
 }
 
+impl DisabledPair {
+    /// The reason of pairs that are left out because one joint joins them and they touch wherever it is.
+    pub const ADJACENT: &str = "adjacent";
+}
+
 impl Joint {
     /// Whether all its coordinates lie between equal bounds, so that it never moves.
     #[must_use]
@@ -317,22 +333,10 @@ impl Robot {
         position(&self.surfaces, |s| s.name == name).map(SurfaceIndex)
     }
 
-    /// All pairs of a part's links that sit on two bodies which one moving joint of the part connects: neighbours, which
-    /// usually overlap where they meet.
-    #[must_use]
-    pub fn neighbouring_links(&self, part: &Part) -> Vec<(LinkIndex, LinkIndex)> {
-        let on_body = |body: Option<JointIndex>| {
-            part.links.clone().filter(move |&l| self.links[l].joint == body).map(|l| LinkIndex(l as u32))
-        };
-        let own_root = self.links[part.root_link.at()].joint;
-        let joints = part.joints.clone().map(|j| JointIndex(j as u32));
-        let mut pairs = Vec::new();
-        for joint in joints.filter(|&j| Some(j) != part.root_joint) {
-            for first in on_body(self.joints[joint.at()].parent.or(own_root)) {
-                pairs.extend(on_body(Some(joint)).map(|second| (first, second)));
-            }
-        }
-        pairs
+    /// Parts of a kind of which no collision shape is known: nothing of them is ever tested.
+    pub fn parts_without_shapes(&self, kind: PartKind) -> impl Iterator<Item = &Part> {
+        let has_shapes = |part: &Part| self.shapes.iter().any(|shape| part.links.contains(&shape.link.at()));
+        self.parts.iter().filter(move |part| part.kind == kind && !has_shapes(part))
     }
 
     /// The moving joint and the pose in its frame of `link_from_frame`, a frame given in a link.

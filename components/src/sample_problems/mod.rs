@@ -6,24 +6,24 @@ mod stacks;
 mod stances;
 
 pub use articulated::{open_a_box_and_move_it, open_a_drawer, open_a_drawer_with_a_box_in_it};
-pub use crowds::eight_arms_and_ten_boxes;
+pub use crowds::{crowd, eight_arms_and_ten_boxes};
 pub use stacks::{carry_a_box_with_its_lid, hold_a_lid_by_a_magnet, put_a_lid_on_a_box};
 pub use stances::{make_a_step, move_one_box_with_a_level_hand};
 
 use crate::Pose;
 use crate::pose::pose_to_array;
 use crate::problem::{Goal, GraphOptions, ObjectOptions, Problem, RestingPlane};
-use crate::robot::{ComposeError, DisabledPair, Robot};
+use crate::robot::{ComposeError, DisabledPair, JoinedLinks, Robot};
 use crate::sample_models::{block, environment, fixed_robot, movable_object, seven_axis_arm, table};
 use glam::{DQuat, DVec3};
 
 /// Side of the boxes, metres.
 const SIDE: f64 = 0.06;
 
-/// Pairs of neighbouring links, which overlap where they meet.
+/// Pairs of links that one joint joins: the samples' overlap where they meet.
 fn neighbours(robot: &Robot) -> Vec<DisabledPair> {
-    let adjacent = |(first, second)| DisabledPair { first, second, reason: "adjacent".into() };
-    robot.parts.iter().flat_map(|part| robot.neighbouring_links(part)).map(adjacent).collect()
+    let adjacent = |pair: JoinedLinks| pair.disabled(DisabledPair::ADJACENT);
+    robot.parts.iter().flat_map(|part| robot.joined_links(part)).map(adjacent).collect()
 }
 
 /// The arm's joints where it keeps out of the way; it must be the first part.

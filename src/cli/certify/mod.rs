@@ -147,9 +147,8 @@ fn worse(so_far: Ending, report: &CertifyReport) -> Ending {
     match so_far {
         Ending::Failed => Ending::Failed,
         _ if report.failed() => Ending::Failed,
-        Ending::Undecided => Ending::Undecided,
-        Ending::Done if report.passed() => Ending::Done,
-        Ending::Done => Ending::Undecided,
+        so_far if report.passed() => so_far,
+        _ => Ending::Undecided,
     }
 }
 

@@ -15,13 +15,14 @@ pub use configuration::coordinate_names;
 pub use part::PartSource;
 
 use super::error::{SceneError, quoted};
+use super::follower_limits;
 use super::input;
 use super::keys::{File, Keys};
 use super::mesh::Meshes;
 use super::package::PackagePath;
-use super::source::{Place, SceneBase, hexadecimal, locate, sha256};
+use super::source::{Place, SceneBase, folder_of, hexadecimal, locate, sha256};
 use foliate_components::problem::Problem;
-use foliate_components::robot::Robot;
+use foliate_components::robot::{ComposeError, PartIndex, Robot};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -41,6 +42,26 @@ pub struct Scene {
     pub parts: Vec<PartSource>,
     /// Remarks that did not stop the reading.
     pub warnings: Vec<SceneError>,
+    /// Which scene file it was; none where the scene was read from a text.
+    pub file: Option<SceneFile>,
+}
+
+/// A scene file: where it was, and which one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SceneFile {
+    /// Where it was read.
+    pub origin: SceneOrigin,
+    /// SHA-256 of its bytes, hexadecimal.
+    pub sha256: String,
+}
+
+/// Where a scene file was read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum SceneOrigin {
+    /// From the program, under this name.
+    Shipped(&'static str),
+    /// From disk.
+    File(PathBuf),
 }
 
 /// What is at hand while a scene is read.
@@ -82,9 +103,14 @@ pub(crate) fn load(name: &str, text: &str, base: SceneBase, packages: &PackagePa
     let composed: Vec<_> = parts.iter().map(|p| (&p.model, p.placement.clone())).collect();
     let robot = Robot::compose(&composed).map_err(|error| {
         let at = parts.iter().find(|p| error.to_string().contains(&format!("`{}`", p.placement.name)));
-        at.map_or(&part_items, |p| &p.item).error(error.to_string())
+        match (&error, at.and_then(|part| follower_limits::again(&part.source.urdf))) {
+            (ComposeError::NoRoom { room, .. }, Some(urdf)) => follower_limits::refusal(&urdf, room),
+            _ => at.map_or(&part_items, |p| &p.item).error(error.to_string()),
+        }
     })?;
+    loader.warnings.extend(narrowed(&robot, &parts));
 
+    configuration::refuse_twins(&robot, &items)?;
     check_sums(&mut keys, &mut loader)?;
     let mut ignored_pairs = pairs::of_parts(&parts, &robot)?;
     ignored_pairs.extend(pairs::ignored(&mut keys, &robot)?);
@@ -100,7 +126,17 @@ pub(crate) fn load(name: &str, text: &str, base: SceneBase, packages: &PackagePa
     let problem = Problem { name: scene_name, robot, graph, ignored_pairs, margins, start, goals };
     let parts = parts.into_iter().map(|p| p.source).collect();
     loader.warnings.extend(loader.meshes.finish());
-    Ok(Scene { problem, description, parts, warnings: loader.warnings })
+    Ok(Scene { problem, description, parts, warnings: loader.warnings, file: None })
+}
+
+/// Remarks about joints that their followers leave little room.
+fn narrowed(robot: &Robot, parts: &[part::LoadedPart<'_>]) -> Vec<SceneError> {
+    let is_narrowed = |index: &usize| robot.narrowed.iter().any(|n| robot.joints[n.leader.at()].part.at() == *index);
+    let of_part = |index: usize| {
+        let urdf = follower_limits::again(&parts[index].source.urdf)?;
+        Some(follower_limits::remarks(robot, PartIndex(index as u32), &urdf))
+    };
+    (0..parts.len()).filter(is_narrowed).filter_map(of_part).flatten().collect()
 }
 
 /// `[sha256]`: says when a file differs from the one that the scene was made with.
@@ -136,7 +172,10 @@ impl Loader<'_> {
 
 /// Reads a scene file from disk.
 pub(crate) fn load_path(path: &Path, packages: &PackagePath) -> Result<Scene, SceneError> {
-    let text = input::text(path, input::SCENE_CAP)?;
-    let directory = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    load(&path.display().to_string(), &text, SceneBase::Directory(directory.to_owned()), packages)
+    let content = input::bytes(path, input::SCENE_CAP)?;
+    let file = SceneFile { origin: SceneOrigin::File(path.to_owned()), sha256: sha256(&content) };
+    let name = path.display().to_string();
+    let text = input::decode(content, &name)?;
+    let scene = load(&name, &text, SceneBase::Directory(folder_of(path).to_owned()), packages)?;
+    Ok(Scene { file: Some(file), ..scene })
 }

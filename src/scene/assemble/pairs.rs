@@ -4,24 +4,27 @@ use super::part::LoadedPart;
 use crate::scene::error::{SceneError, did_you_mean, quoted};
 use crate::scene::keys::{Item, Keys};
 use foliate_components::problem::Margin;
-use foliate_components::robot::{DisabledPair, LinkIndex, Part, Robot};
+use foliate_components::robot::{DisabledPair, LinkIndex, Part, PartIndex, Robot};
+use foliate_kernels::collision::adjacent_links;
 use std::collections::{BTreeSet, HashSet};
 
 /// Most pairs that a scene's lists unfold to.
 const PAIRS: usize = 4_000_000;
 
-/// What the parts' own `ignore` asks for: neighbours where a part has no SRDF, unless it says otherwise.
+/// What the parts' own `ignore` asks for: where a part has no SRDF and does not say otherwise, links that one joint joins and
+/// that touch wherever it is.
 pub(super) fn of_parts(parts: &[LoadedPart<'_>], robot: &Robot) -> Result<Vec<DisabledPair>, SceneError> {
     let mut pairs = Vec::new();
-    for (loaded, part) in parts.iter().zip(&robot.parts) {
+    for (index, (loaded, part)) in parts.iter().zip(&robot.parts).enumerate() {
+        let neighbours = || adjacent_links(robot, PartIndex(index as u32));
         match &loaded.ignore {
             None if part.has_srdf => {}
-            None => neighbours(part, robot, &mut pairs),
-            Some(item) if item.is_string() => word(item, part, robot, &mut pairs)?,
+            None => pairs.extend(neighbours()),
+            Some(item) if item.is_string() => pairs.extend(word(item, neighbours)?),
             Some(item) => {
                 for item in item.list()? {
                     match item.is_string() {
-                        true => word(&item, part, robot, &mut pairs)?,
+                        true => pairs.extend(word(&item, neighbours)?),
                         false => own_pair(&item, part, robot, &mut pairs)?,
                     }
                 }
@@ -31,21 +34,15 @@ pub(super) fn of_parts(parts: &[LoadedPart<'_>], robot: &Robot) -> Result<Vec<Di
     Ok(pairs)
 }
 
-fn word(item: &Item<'_>, part: &Part, robot: &Robot, pairs: &mut Vec<DisabledPair>) -> Result<(), SceneError> {
+fn word(item: &Item<'_>, neighbours: impl FnOnce() -> Vec<DisabledPair>) -> Result<Vec<DisabledPair>, SceneError> {
     match item.string()? {
-        "adjacent" => neighbours(part, robot, pairs),
-        "none" => {}
+        "adjacent" => Ok(neighbours()),
+        "none" => Ok(Vec::new()),
         other => {
             let message = format!("`{}` is neither \"adjacent\" nor \"none\" nor a pair of links", quoted(other));
-            return Err(item.error(message).hint(did_you_mean(other, ["adjacent", "none"])));
+            Err(item.error(message).hint(did_you_mean(other, ["adjacent", "none"])))
         }
     }
-    Ok(())
-}
-
-fn neighbours(part: &Part, robot: &Robot, pairs: &mut Vec<DisabledPair>) {
-    let adjacent = |(first, second)| DisabledPair { first, second, reason: "adjacent".into() };
-    pairs.extend(robot.neighbouring_links(part).into_iter().map(adjacent));
 }
 
 /// `["link", "link"]`, without the part's name.

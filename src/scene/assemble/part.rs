@@ -12,8 +12,11 @@ use foliate_components::pose::pose_to_array;
 use foliate_components::robot::model::{GripperModel, HandleModel, JointKind, Model, SurfaceModel};
 use foliate_components::robot::{PartKind, PartPlacement, RootJoint};
 use glam::{DQuat, DVec3};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::PI;
+
+/// Rounding allowed beyond a limit, radians or metres.
+const SLACK: f64 = 1e-9;
 
 /// A part, ready to be composed.
 pub(crate) struct LoadedPart<'f> {
@@ -27,7 +30,7 @@ pub(crate) struct LoadedPart<'f> {
 }
 
 /// The files that a part came from.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PartSource {
     /// The part's name.
     pub name: String,
@@ -35,6 +38,13 @@ pub struct PartSource {
     pub urdf: ModelFile,
     /// Its SRDF, where it has one.
     pub srdf: Option<ModelFile>,
+    /// SHA-256 (hexadecimal) of every file that it was read from: by `urdf`, `srdf`, and each mesh as the URDF writes its name.
+    pub sha256: BTreeMap<String, String>,
+    /// What was done with the up axis of COLLADA meshes.
+    pub mesh_up_axis: UpAxis,
+    /// Where an environment's joints stand that the scene gives values (radians, metres), by name within the part, in the model's
+    /// order. The others stand at zero.
+    pub joint_values: Vec<(String, f64)>,
 }
 
 pub(super) fn read<'f>(item: &Item<'f>, loader: &mut Loader<'_>) -> Result<LoadedPart<'f>, SceneError> {
@@ -42,31 +52,31 @@ pub(super) fn read<'f>(item: &Item<'f>, loader: &mut Loader<'_>) -> Result<Loade
     let name = part_name(&keys.required("name")?)?;
     let kind = kind(&keys.required("kind")?)?;
     let up_axis = match keys.optional("mesh_up_axis") {
-        Some(item) => one_of(&item, &[("as-written", UpAxis::AsWritten), ("declared", UpAxis::Declared)])?,
+        Some(item) => one_of(&item, &UpAxis::WORDS)?,
         None => UpAxis::AsWritten,
     };
     let urdf_file = opened(&keys.required("urdf")?, loader)?;
     let base = urdf_file.file.base();
-    let mut context = urdf::Context {
-        meshes: &mut loader.meshes,
-        base: &base,
-        up_axis,
-        warnings: &mut loader.warnings,
-        open_meshes: Vec::new(),
-    };
+    let mut context = urdf::Context::new(&mut loader.meshes, &base, up_axis, &mut loader.warnings);
     let mut model = urdf::read(&urdf_file.label, &urdf_file.text, &mut context)?;
+    let mut sha256 = context.sha256;
+    sha256.insert("urdf".into(), urdf_file.file.sha256.clone());
     let srdf_file = keys.optional("srdf").map(|item| opened(&item, loader)).transpose()?;
     if let Some(file) = &srdf_file {
         srdf::read(&file.label, &file.text, &mut model, &mut loader.warnings)?;
+        sha256.insert("srdf".into(), file.file.sha256.clone());
     }
     documents(&mut keys, &mut model)?;
     let placement = placement(&mut keys, name, kind, &model)?;
-    if kind == PartKind::Environment {
-        freeze(&mut keys, &mut model, placement.mimic_follows)?;
-    }
+    let joint_values = match kind {
+        PartKind::Environment => freeze(&mut keys, &mut model, placement.mimic_follows)?,
+        PartKind::Robot | PartKind::Object => Vec::new(),
+    };
     let ignore = keys.optional("ignore");
     keys.finish()?;
-    let source = PartSource { name: name.to_owned(), urdf: urdf_file.file, srdf: srdf_file.map(|opened| opened.file) };
+    let srdf = srdf_file.map(|opened| opened.file);
+    let urdf = urdf_file.file;
+    let source = PartSource { name: name.to_owned(), urdf, srdf, sha256, mesh_up_axis: up_axis, joint_values };
     Ok(LoadedPart { model, placement, source, ignore, item: item.clone() })
 }
 
@@ -206,21 +216,37 @@ fn joint_of(item: &Item<'_>, name: &str, model: &Model) -> Result<usize, SceneEr
     found.ok_or_else(|| item.error("no joint of one coordinate has this name").hint(did_you_mean(name, names)))
 }
 
-/// Makes all joints of an environment fixed, at 0 or at the value that `values` gives.
-fn freeze(keys: &mut Keys<'_>, model: &mut Model, mimic_follows: bool) -> Result<(), SceneError> {
-    let mut given = HashMap::new();
-    if let Some(item) = keys.optional("values") {
-        for (name, item) in item.keys()?.entries() {
-            given.insert(joint_of(&item, name, model)?, item.number()?);
+/// What `values` gives to an environment's joints, by number.
+fn values<'f>(
+    keys: &mut Keys<'f>,
+    model: &Model,
+    mimic_follows: bool,
+) -> Result<BTreeMap<usize, (f64, Item<'f>)>, SceneError> {
+    let mut given = BTreeMap::new();
+    let Some(item) = keys.optional("values") else { return Ok(given) };
+    for (name, item) in item.keys()?.entries() {
+        let index = joint_of(&item, name, model)?;
+        if let Some((leader, ..)) = model.joints[index].mimic.as_ref().filter(|_| mimic_follows) {
+            let leader = quoted(leader);
+            let hint = format!("give the value of `{leader}`, or write mimic = \"free\"");
+            return Err(item.error(format!("this joint follows `{leader}`")).hint(hint));
         }
+        given.insert(index, (item.number()?, item));
     }
+    Ok(given)
+}
+
+/// Makes all joints of an environment fixed, at 0 or at the value that `values` gives. Returns these values.
+fn freeze(keys: &mut Keys<'_>, model: &mut Model, mimic_follows: bool) -> Result<Vec<(String, f64)>, SceneError> {
+    let given = values(keys, model, mimic_follows)?;
     let by_name: HashMap<&str, usize> = model.joints.iter().enumerate().map(|(i, j)| (j.name.as_str(), i)).collect();
+    // The joint that one follows, and its own value.
     let value = |index: usize| {
         let (mut at, mut factor, mut offset) = (index, 1.0, 0.0);
         // The URDF reader has refused cycles; the walk is bounded all the same.
         for _ in 0..model.joints.len() {
-            match (&model.joints[at].mimic, given.contains_key(&at)) {
-                (Some((leader, multiplier, shift)), false) if mimic_follows => {
+            match &model.joints[at].mimic {
+                Some((leader, multiplier, shift)) if mimic_follows => {
                     offset += factor * shift;
                     factor *= multiplier;
                     at = by_name.get(leader.as_str()).copied().unwrap_or(at);
@@ -228,10 +254,19 @@ fn freeze(keys: &mut Keys<'_>, model: &mut Model, mimic_follows: bool) -> Result
                 _ => break,
             }
         }
-        factor * given.get(&at).copied().unwrap_or(0.0) + offset
+        (at, factor * given.get(&at).map_or(0.0, |(value, _)| *value) + offset)
     };
-    let values: Vec<f64> = (0..model.joints.len()).map(value).collect();
-    for (joint, value) in model.joints.iter_mut().zip(values) {
+    let values: Vec<(usize, f64)> = (0..model.joints.len()).map(value).collect();
+    for (joint, &(leader, value)) in model.joints.iter().zip(&values) {
+        let (low, high) = joint.limits;
+        if let Some((_, item)) = given.get(&leader).filter(|_| value < low - SLACK || value > high + SLACK) {
+            let message =
+                format!("joint `{}` is then at {value}, outside its limits [{low}, {high}]", quoted(&joint.name));
+            return Err(item.error(message));
+        }
+    }
+    let named = given.iter().map(|(&index, &(value, _))| (model.joints[index].name.clone(), value)).collect();
+    for (joint, (_, value)) in model.joints.iter_mut().zip(values) {
         let moved = match joint.kind {
             JointKind::Revolute | JointKind::Continuous => {
                 Pose::from_rotation(DQuat::from_axis_angle(joint.axis, value))
@@ -242,7 +277,7 @@ fn freeze(keys: &mut Keys<'_>, model: &mut Model, mimic_follows: bool) -> Result
         joint.parent_from_joint *= moved;
         (joint.kind, joint.mimic) = (JointKind::Fixed, None);
     }
-    Ok(())
+    Ok(named)
 }
 
 /// `gripper`, `handle`, `surface`, `masks` and `mask_complements` of a part.

@@ -70,13 +70,33 @@ impl Triangles {
 }
 
 /// What to do with a COLLADA file's `<up_axis>`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum UpAxis {
     /// Take coordinates as the link's, as ROS and pinocchio do.
     #[default]
     AsWritten,
     /// Turn the declared axis to z.
     Declared,
+}
+
+impl UpAxis {
+    /// Both, as scenes and path files write them.
+    pub(crate) const WORDS: [(&'static str, Self); 2] = [("as-written", Self::AsWritten), ("declared", Self::Declared)];
+
+    /// As scenes and path files write it: `as-written` or `declared`.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::AsWritten => "as-written",
+            Self::Declared => "declared",
+        }
+    }
+
+    /// What a word stands for.
+    #[must_use]
+    pub fn of_word(word: &str) -> Option<Self> {
+        Self::WORDS.iter().find(|(w, _)| *w == word).map(|(_, axis)| *axis)
+    }
 }
 
 /// Where the relative names of a model lead.
@@ -91,9 +111,9 @@ pub(crate) enum Base {
 /// The meshes of a scene: each file is read once.
 pub(crate) struct Meshes<'a> {
     packages: &'a PackagePath,
-    read: HashMap<(PathBuf, [u64; 3], UpAxis), Arc<Mesh>>,
+    read: HashMap<(PathBuf, [u64; 3], UpAxis), LoadedMesh>,
     triangles: usize,
-    /// SHA-256 of the files whose bytes were hashed.
+    /// SHA-256 of the files that were read.
     sums: HashMap<PathBuf, [u8; 32]>,
     /// About entries of the cache.
     remarks: Vec<SceneError>,
@@ -101,6 +121,13 @@ pub(crate) struct Meshes<'a> {
     has_kept: bool,
     /// Bytes of the last file, and of the last entry.
     buffers: [Vec<u8>; 2],
+}
+
+/// A mesh, and the SHA-256 of the bytes that it was read from.
+#[derive(Clone)]
+pub(crate) struct LoadedMesh {
+    pub mesh: Arc<Mesh>,
+    pub sha256: [u8; 32],
 }
 
 /// What a model asks for.
@@ -134,51 +161,57 @@ impl<'a> Meshes<'a> {
     }
 
     /// The mesh of that name, scaled.
-    pub fn load(&mut self, request: &MeshRequest<'_>) -> Result<Arc<Mesh>, MeshError> {
+    pub fn load(&mut self, request: &MeshRequest<'_>) -> Result<LoadedMesh, MeshError> {
         let path = self.resolve(request.url, request.base)?;
         let key = (path, request.scale.to_array().map(f64::to_bits), request.up_axis);
         if let Some(mesh) = self.read.get(&key) {
             return Ok(mesh.clone());
         }
-        let mesh = Arc::new(self.open(&key.0, request).map_err(MeshError::File)?);
-        self.triangles += mesh.triangles.len();
+        let (mesh, sha256) = self.open(&key.0, request).map_err(MeshError::File)?;
+        let loaded = LoadedMesh { mesh: Arc::new(mesh), sha256 };
+        self.triangles += loaded.mesh.triangles.len();
         if self.triangles > TRIANGLES_IN_ALL {
             let message = format!("with this mesh the model has more than {TRIANGLES_IN_ALL} triangles");
             return Err(MeshError::Name(message, "simplify the collision meshes".into()));
         }
-        self.read.insert(key, mesh.clone());
-        Ok(mesh)
+        self.read.insert(key, loaded.clone());
+        Ok(loaded)
     }
 
-    /// The mesh of a file, from the cache where it is there; else it is there afterwards.
-    fn open(&mut self, path: &Path, request: &MeshRequest<'_>) -> Result<Mesh, SceneError> {
+    /// The mesh of a file, with what the cache knows of it (or else does afterwards), and the SHA-256 of the file.
+    fn open(&mut self, path: &Path, request: &MeshRequest<'_>) -> Result<(Mesh, [u8; 32]), SceneError> {
         let reader = Reader::of(path)?;
         let [bytes, entry] = &mut self.buffers;
         input::bytes_into(path, reader.cap(), bytes)?;
-        let cache = self.packages.mesh_cache().filter(|_| bytes.len() >= SMALLEST_FILE);
-        let Some(cache) = cache else {
-            return Ok(meant(reader.read(path, std::mem::take(bytes), request.up_axis)?, request));
-        };
-        // Of the bytes that are read now: the file may have changed since it was read for another scale.
+        // A path file says which bytes a proof is about, so that there is one sum of a file.
         let sum: [u8; 32] = Sha256::digest(&*bytes).into();
-        self.sums.insert(path.to_owned(), sum);
-        let key = Key::new(&sum, reader.name(), request.up_axis, request.scale);
-        match cache.find(&key, request.url, entry) {
-            Kept::Mesh(mesh) => return Ok(mesh),
-            Kept::Bad(why) => {
-                let entry = cache.path(&key).display().to_string();
-                let remark = SceneError::new(entry, "kept mesh", format!("is not used: {why}"));
-                self.remarks.push(remark.hint("it is written anew"));
-            }
-            Kept::Nothing => {}
+        if self.sums.insert(path.to_owned(), sum).is_some_and(|before| before != sum) {
+            return Err(SceneError::new(path.display().to_string(), "file", "has changed while the model was read"));
         }
+        let cache = self.packages.mesh_cache().filter(|_| bytes.len() >= SMALLEST_FILE);
         let mut mesh = meant(reader.read(path, std::mem::take(bytes), request.up_axis)?, request);
+        let Some(cache) = cache else { return Ok((mesh, sum)) };
+        let key = Key::new(&sum, reader.name(), request.up_axis, request.scale);
+        let why = match cache.find(&key, entry) {
+            Kept::Record(record) if mesh_record::proves(&mesh, &record) => {
+                mesh.record = Some(record);
+                return Ok((mesh, sum));
+            }
+            Kept::Record(_) => Some("what it says of the mesh does not hold".to_owned()),
+            Kept::Bad(why) => Some(why),
+            Kept::Nothing => None,
+        };
+        if let Some(why) = why {
+            let entry = cache.path(&key).display().to_string();
+            let remark = SceneError::new(entry, "kept mesh", format!("is not used: {why}"));
+            self.remarks.push(remark.hint("it is written anew"));
+        }
         mesh.record = mesh_record::record(&mesh);
-        self.has_kept |= cache.keep(&key, &mesh);
-        Ok(mesh)
+        self.has_kept |= mesh.record.as_ref().is_some_and(|record| cache.keep(&key, record));
+        Ok((mesh, sum))
     }
 
-    /// SHA-256 of a mesh's file, where it was needed.
+    /// SHA-256 of a mesh's file, where it was read.
     pub fn sum(&self, path: &Path) -> Option<[u8; 32]> {
         self.sums.get(path).copied()
     }

@@ -7,7 +7,8 @@ mod joints;
 mod tree;
 
 use super::error::{SceneError, quoted};
-use super::mesh::{Base, MeshError, MeshRequest, Meshes, UpAxis};
+use super::mesh::{Base, LoadedMesh, MeshError, MeshRequest, Meshes, UpAxis};
+use super::source::hexadecimal;
 use super::xml::{Xml, elements};
 use foliate_components::Pose;
 use foliate_components::pose::rotation_from_rpy;
@@ -15,7 +16,7 @@ use foliate_components::robot::model::{Inertial, LinkModel, Model};
 use foliate_components::robot::shape::Geometry;
 use glam::DVec3;
 use roxmltree::Node;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// Most links of one model.
 const LINKS: usize = 20_000;
@@ -31,6 +32,14 @@ pub(crate) struct Context<'a, 'p> {
     pub warnings: &'a mut Vec<SceneError>,
     /// Of meshes that are not closed; one for all of a file goes to the warnings.
     pub open_meshes: Vec<SceneError>,
+    /// SHA-256 of every mesh file that was read, hexadecimal, by the name that the URDF gives it.
+    pub sha256: BTreeMap<String, String>,
+}
+
+impl<'a, 'p> Context<'a, 'p> {
+    pub fn new(meshes: &'a mut Meshes<'p>, base: &'a Base, up_axis: UpAxis, warnings: &'a mut Vec<SceneError>) -> Self {
+        Self { meshes, base, up_axis, warnings, open_meshes: Vec::new(), sha256: BTreeMap::new() }
+    }
 }
 
 /// Reads a model from the text of a URDF file.
@@ -203,7 +212,8 @@ fn mesh(xml: &Xml<'_>, node: Node<'_, '_>, context: &mut Context<'_, '_>) -> Res
     }
     let request = MeshRequest { url, scale, up_axis: context.up_axis, base: context.base };
     match context.meshes.load(&request) {
-        Ok(mesh) => {
+        Ok(LoadedMesh { mesh, sha256 }) => {
+            context.sha256.insert(url.to_owned(), hexadecimal(&sha256));
             if !mesh.closed {
                 let message = format!("the mesh {} is not closed", quoted(url));
                 let remark = SceneError::new(xml.file, super::xml::label(node), message).at(xml.line(node));

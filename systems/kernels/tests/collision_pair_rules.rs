@@ -6,12 +6,13 @@ mod collision_models;
 
 use collision_models::{at, compose, cuboid, joint, link, place, placed, single};
 use foliate_components::Pose;
+use foliate_components::coverage::PairCounts;
 use foliate_components::problem::Margin;
 use foliate_components::robot::model::{JointKind, Model};
 use foliate_components::robot::{DisabledPair, JointIndex, PartKind, Robot, RootJoint};
 use foliate_kernels::collision::{
-    CertificateSettings, CollisionScene, CollisionScratch, MotionVerdict, PairRule, PairSet, certify_motion,
-    first_collision, min_clearance,
+    CertificateSettings, CollisionScene, CollisionScratch, MotionVerdict, PairRule, PairSet, adjacent_links,
+    certify_motion, first_collision, min_clearance,
 };
 use foliate_kernels::kinematics::{Carriage, Kinematics};
 use glam::DVec3;
@@ -36,35 +37,99 @@ fn names(robot: &Robot, scene: &CollisionScene) -> Vec<String> {
 }
 
 #[test]
-fn disabled_ignored_and_neighbouring_links_are_left_alone() {
+fn disabled_and_ignored_links_are_left_alone_and_counted() {
     let (with, without) = (chain(true), chain(false));
     let robot = compose(&[
         (&with, placed("p", PartKind::Robot, RootJoint::Fixed, Pose::IDENTITY)),
         (&without, placed("q", PartKind::Robot, RootJoint::Fixed, at(0.0, 2.0, 0.0))),
     ]);
     let scene = CollisionScene::new(&robot, &PairRule::default());
-    let names_of = |scene: &CollisionScene| names(&robot, scene);
     let own = |part: &str| -> Vec<String> {
         let both = |n: &&String| n.split(' ').all(|w| w.starts_with(part));
-        names_of(&scene).iter().filter(both).cloned().collect()
+        names(&robot, &scene).iter().filter(both).cloned().collect()
     };
-    // With an SRDF neighbours stay and its pairs go; without one it is the other way round.
+    // Neighbours stay, and what an SRDF disables goes.
     assert_eq!(own("p/"), ["p/a p/b", "p/b p/c"]);
-    assert_eq!(own("q/"), ["q/a q/c"]);
+    assert_eq!(own("q/"), ["q/a q/b", "q/a q/c", "q/b q/c"]);
     // Between parts: everything but what is fixed on both sides.
-    assert_eq!(names_of(&scene).len(), 3 + 8);
+    assert_eq!(scene.pairs().len(), 5 + 8);
+    let counts = PairCounts { tested: 13, environment: 1, srdf: 1, ..PairCounts::default() };
+    assert_eq!(scene.counts(), counts);
     let pair = |a: &str, b: &str| (robot.link(a).unwrap(), robot.link(b).unwrap());
-    let (first, second) = pair("q/c", "p/c");
-    let ignored = [DisabledPair { first, second, reason: "scene".into() }];
-    let fewer = CollisionScene::new(&robot, &PairRule { ignored: &ignored, ..PairRule::default() });
-    assert_eq!(fewer.pairs().len(), 10);
-    let all = CollisionScene::new(&robot, &PairRule { ignore_neighbours_without_srdf: false, ..PairRule::default() });
-    assert_eq!(all.pairs().len(), 13);
+    let ignored = [("q/c", "p/c", "scene"), ("q/b", "q/a", DisabledPair::ADJACENT), ("p/c", "p/a", "scene")];
+    let ignored = ignored.map(|(a, b, reason)| {
+        let (first, second) = pair(a, b);
+        DisabledPair { first, second, reason: reason.into() }
+    });
     // A locked first joint fixes link b to the world: nothing between it and the other base remains to be watched.
     let locked = [robot.joint("p/ab").unwrap()];
-    let scene = CollisionScene::new(&robot, &PairRule { locked: &locked, ..PairRule::default() });
+    let rule = PairRule { ignored: &ignored, locked: &locked, ..PairRule::default() };
+    let scene = CollisionScene::new(&robot, &rule);
     let fixed: Vec<String> = scene.fixed_pairs().map(|id| names(&robot, &scene)[id.at()].clone()).collect();
     assert_eq!(fixed, ["p/a p/b", "p/b q/a"]);
+    // Where an SRDF disables what the scene ignores too, it is the SRDF's.
+    let counts = PairCounts { tested: 9, rigid: 2, environment: 1, srdf: 1, adjacent: 1, ignored: 1, ..counts };
+    assert_eq!(scene.counts(), counts);
+    // By name they are as many.
+    let mut listed = PairCounts { tested: 9, rigid: 2, ..PairCounts::default() };
+    scene.left_out(&robot, &rule).iter().for_each(|pair| listed.leave_out(pair.why, 1));
+    assert_eq!(listed, counts);
+    let every = counts.looked_at() + counts.decided() + counts.environment + counts.same_body;
+    assert_eq!(every as usize, robot.shapes.len() * (robot.shapes.len() - 1) / 2);
+}
+
+/// A floor with a wall fixed to it, a carriage that runs along the floor at a height, and a hand that turns on the carriage.
+fn cell(height: f64, hand: f64, limits: (f64, f64)) -> Model {
+    let mut rail = joint("rail", JointKind::Prismatic, 0, 2, at(0.0, 0.0, 0.05 + height + 0.1), DVec3::X);
+    rail.limits = (-1.2, 1.2);
+    let mut wrist = joint("wrist", JointKind::Revolute, 3, 4, Pose::IDENTITY, DVec3::Z);
+    wrist.limits = limits;
+    Model {
+        links: vec![
+            link("floor", vec![(Pose::IDENTITY, cuboid(3.0, 1.0, 0.1))]),
+            link("wall", vec![(Pose::IDENTITY, cuboid(0.1, 1.0, 0.7))]),
+            link("carriage", vec![(Pose::IDENTITY, cuboid(0.3, 0.3, 0.2))]),
+            link("mount", Vec::new()),
+            link("hand", vec![(at(hand, 0.0, 0.0), cuboid(0.1, 0.1, 0.1))]),
+        ],
+        joints: vec![
+            joint("wall_mount", JointKind::Fixed, 0, 1, at(0.5, 0.0, 0.4), DVec3::Z),
+            rail,
+            joint("flange", JointKind::Fixed, 2, 3, at(0.0, 0.0, 0.1), DVec3::Z),
+            wrist,
+        ],
+        ..Model::default()
+    }
+}
+
+#[test]
+fn neighbours_are_joined_by_one_joint_and_touch_wherever_it_is() {
+    let adjacent = |model: &Model| -> Vec<String> {
+        let robot = compose(&[(model, placed("p", PartKind::Robot, RootJoint::Fixed, Pose::IDENTITY))]);
+        let name = |l: foliate_components::robot::LinkIndex| robot.links[l.at()].name["p/".len()..].to_owned();
+        let pairs = adjacent_links(&robot, robot.part("p").unwrap());
+        assert!(pairs.iter().all(|p| p.reason == DisabledPair::ADJACENT));
+        pairs.iter().map(|p| format!("{} {}", name(p.first), name(p.second))).collect()
+    };
+    let turn = (-3.0, 3.0);
+    // The carriage slides on the floor; the wall, which is fixed to the floor, is in its way.
+    assert_eq!(adjacent(&cell(0.0, 0.0, turn)), ["floor carriage", "carriage hand"]);
+    assert_eq!(adjacent(&cell(-0.01, 0.0, turn)), ["floor carriage", "carriage hand"]);
+    // It hovers: nothing touches, and nothing is left out.
+    assert_eq!(adjacent(&cell(0.01, 0.0, turn)), ["carriage hand"]);
+    // A hand that reaches beside the carriage on half of its turn.
+    let mut half = cell(0.0, 0.24, turn);
+    half.joints[3].parent_from_joint = at(0.06, 0.0, 0.0);
+    assert_eq!(adjacent(&half), ["floor carriage"]);
+    half.joints[3].limits = (2.5, 3.5);
+    assert_eq!(adjacent(&half), ["floor carriage", "carriage hand"]);
+    half.joints[3].kind = JointKind::Continuous;
+    half.joints[3].limits = (f64::NEG_INFINITY, f64::INFINITY);
+    assert_eq!(adjacent(&half), ["floor carriage"]);
+    // A carriage that leaves the floor at the end of its rail.
+    let mut long = cell(0.0, 0.0, turn);
+    long.joints[1].limits = (-1.2, 2.0);
+    assert_eq!(adjacent(&long), ["carriage hand"]);
 }
 
 struct Shelf {

@@ -5,12 +5,12 @@ use super::distance::Solid;
 use super::inner::Inner;
 use super::outer::Outer;
 use super::pair_rule::{PairRule, Rules};
+use super::solids::Solids;
 use foliate_components::Pose;
 use foliate_components::configuration::ConfigurationSpace;
-use foliate_components::robot::shape::{Geometry, Mesh};
+use foliate_components::coverage::{LeftOut, PairCounts};
 use foliate_components::robot::{JointIndex, LinkIndex, Motion, Robot, ShapeIndex, Source};
 use glam::{DQuat, DVec3};
-use std::sync::Arc;
 
 /// Index of a pair in [`CollisionScene::pairs`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -33,6 +33,7 @@ pub struct CollisionScene {
     pub(super) pairs: Vec<Pair>,
     pub(super) joints: Vec<SceneJoint>,
     pub(super) space: ConfigurationSpace,
+    counts: PairCounts,
 }
 
 /// A collision shape as queries want it.
@@ -126,6 +127,7 @@ impl CollisionScene {
             pairs: Vec::new(),
             joints: (0..robot.joints.len()).map(|j| SceneJoint::new(robot, j, rule.locked)).collect(),
             space: robot.space.clone(),
+            counts: PairCounts::default(),
         };
         scene.gather_clusters(robot.joints.len());
         scene.list_pairs(&Rules::new(robot, rule));
@@ -159,6 +161,12 @@ impl CollisionScene {
     /// Pairs that are held together by locked joints alone: to be tested once, at load.
     pub fn fixed_pairs(&self) -> impl Iterator<Item = PairId> + '_ {
         self.groups.iter().filter(|g| g.fixed).flat_map(|g| (g.start..g.end).map(PairId))
+    }
+
+    /// How many pairs of shapes are tested, and how many are left out, by reason; `grasped` and `placed` are what a path says.
+    #[must_use]
+    pub fn counts(&self) -> PairCounts {
+        self.counts
     }
 
     /// Number of bodies: the length of the pose slices that queries expect.
@@ -198,23 +206,27 @@ impl CollisionScene {
         let class = rigid_classes(&self.joints);
         let class_of = |body: Option<JointIndex>| body.and_then(|b| class[b.at()]);
         for first in 0..self.clusters.len() {
+            let count = self.clusters[first].solids.len() as u64;
+            self.counts.leave_out(LeftOut::SameBody, count * (count - 1) / 2);
             for second in first + 1..self.clusters.len() {
                 let (a, b) = (&self.clusters[first], &self.clusters[second]);
-                if a.body.is_none() && b.body.is_none() {
-                    continue;
-                }
                 let start = self.pairs.len() as u32;
                 for (&i, &j) in a.solids.iter().flat_map(|i| b.solids.iter().map(move |j| (i, j))) {
                     let (one, other) = (self.solids[i as usize].link, self.solids[j as usize].link);
-                    if rules.tested(one, other) {
-                        let margin = rules.margin(one, other);
-                        self.pairs.push(Pair { first: ShapeIndex(i), second: ShapeIndex(j), margin });
+                    match rules.left_out(one, other) {
+                        Some(why) => self.counts.leave_out(why, 1),
+                        None => {
+                            let margin = rules.margin(one, other);
+                            self.pairs.push(Pair { first: ShapeIndex(i), second: ShapeIndex(j), margin });
+                        }
                     }
                 }
                 let end = self.pairs.len() as u32;
                 if end > start {
                     let fixed = class_of(a.body) == class_of(b.body);
                     self.groups.push(Group { first: first as u32, second: second as u32, start, end, fixed });
+                    let count = if fixed { &mut self.counts.rigid } else { &mut self.counts.tested };
+                    *count += u64::from(end - start);
                 }
             }
         }
@@ -245,42 +257,6 @@ fn ball_of_all(solids: &[SceneSolid], members: &[u32]) -> Ball {
         points.max_by(|a, b| a.distance_squared(from).total_cmp(&b.distance_squared(from))).unwrap_or(from)
     };
     Ball::around(center, farthest)
-}
-
-/// Solids of shapes; a mesh that many share has one tree.
-#[derive(Default)]
-struct Solids {
-    meshes: Vec<(Arc<Mesh>, Solid)>,
-}
-
-impl Solids {
-    fn of(&mut self, geometry: &Geometry) -> Solid {
-        let Geometry::Mesh(mesh) = geometry else { return Solid::of(geometry) };
-        if let Some((_, solid)) = self.meshes.iter().find(|(known, _)| Arc::ptr_eq(known, mesh)) {
-            return solid.clone();
-        }
-        let solid = Solid::of(geometry);
-        self.meshes.push((mesh.clone(), solid.clone()));
-        solid
-    }
-}
-
-impl SceneSolid {
-    fn new(robot: &Robot, shape: &foliate_components::robot::Shape, solid: Solid) -> Self {
-        let X_JS = shape.joint_from_shape;
-        let ball = Ball::of(&solid);
-        Self {
-            body: robot.links[shape.link.at()].joint,
-            link: shape.link,
-            X_JS,
-            ball: Ball { center: X_JS.transform_point(ball.center), radius: ball.radius },
-            capsule: Capsule::of(&solid).moved(&X_JS),
-            outer: Outer::of(&solid, &X_JS),
-            inner: Inner::of(&solid, &X_JS),
-            solid,
-            cluster: 0,
-        }
-    }
 }
 
 impl SceneJoint {

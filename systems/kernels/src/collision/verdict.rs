@@ -6,7 +6,7 @@ use super::hull::hull_distance;
 use super::inner::overlap;
 use super::mesh_tree::MeshTree;
 use super::pairs::{ActiveGroup, PairSet};
-use super::scene::{CollisionScene, Pair, PairId, SceneSolid};
+use super::scene::{CollisionScene, Group, Pair, PairId, SceneSolid};
 use super::scratch::{CollisionScratch, place_balls};
 use foliate_components::Pose;
 use glam::DVec3;
@@ -51,27 +51,59 @@ fn first_in_group(
     if apart(&balls[group.first as usize], &balls[group.second as usize], active.margin + guard) {
         return None;
     }
-    (group.start as usize..group.end as usize).find_map(|index| {
-        let needed = margins[index] + guard;
-        let id = PairId(index as u32);
-        if rough_clearance(scene, id, X_WJ, needed) >= needed.max(0.0) {
-            return None;
-        }
-        let X = body_poses(scene, id, X_WJ);
-        if needed >= 0.0
-            && let Some(contact) = sure_contact(scene, id, X)
-        {
-            return Some(contact);
-        }
-        let ask = Ask { relative: 0.01, ..Ask::exact(needed) };
-        let clearance = exact_clearance(scene, id, X, ask, &mut DVec3::ZERO.clone());
-        // Compared so that NaN collides.
-        let clear = clearance >= needed;
-        if !clear {
-            return Some(Contact { pair: id, clearance });
-        }
-        contained_at(scene, id, X).then_some(Contact { pair: id, clearance: f64::NEG_INFINITY })
-    })
+    (group.start..group.end).find_map(|index| contact_of(scene, X_WJ, margins, PairId(index), guard))
+}
+
+/// The contact of a pair, where it is not at least its margin + `guard` apart.
+fn contact_of(scene: &CollisionScene, X_WJ: &[Pose], margins: &[f64], id: PairId, guard: f64) -> Option<Contact> {
+    let needed = margins[id.at()] + guard;
+    if rough_clearance(scene, id, X_WJ, needed) >= needed.max(0.0) {
+        return None;
+    }
+    let X = body_poses(scene, id, X_WJ);
+    if needed >= 0.0
+        && let Some(contact) = sure_contact(scene, id, X)
+    {
+        return Some(contact);
+    }
+    let ask = Ask { relative: 0.01, ..Ask::exact(needed) };
+    let clearance = exact_clearance(scene, id, X, ask, &mut DVec3::ZERO.clone());
+    // Compared so that NaN collides.
+    let clear = clearance >= needed;
+    if !clear {
+        return Some(Contact { pair: id, clearance });
+    }
+    contained_at(scene, id, X).then_some(Contact { pair: id, clearance: f64::NEG_INFINITY })
+}
+
+/// All pairs of `pairs` that [`first_collision`] could name, in the order of the scene's pairs.
+///
+/// # Panics
+/// If `X_WJ` is shorter than the number of bodies.
+#[must_use]
+pub fn all_collisions(scene: &CollisionScene, X_WJ: &[Pose], pairs: &PairSet, guard: f64) -> Vec<Contact> {
+    contacts(scene, X_WJ, &pairs.margins, guard, |group| !group.fixed)
+}
+
+/// Likewise of the pairs that locked joints hold together ([`CollisionScene::fixed_pairs`]), which no other verdict looks at: if
+/// they keep apart once they do so always. `pairs` says which margins they keep.
+///
+/// # Panics
+/// If `X_WJ` is shorter than the number of bodies.
+#[must_use]
+pub fn rigid_collisions(scene: &CollisionScene, X_WJ: &[Pose], pairs: &PairSet, guard: f64) -> Vec<Contact> {
+    contacts(scene, X_WJ, &pairs.margins, guard, |group| group.fixed)
+}
+
+fn contacts(
+    scene: &CollisionScene,
+    X_WJ: &[Pose],
+    margins: &[f64],
+    guard: f64,
+    of: impl Fn(&Group) -> bool,
+) -> Vec<Contact> {
+    let ids = scene.groups.iter().filter(|group| of(group)).flat_map(|group| group.start..group.end);
+    ids.filter_map(|index| contact_of(scene, X_WJ, margins, PairId(index), guard)).collect()
 }
 
 /// The pair of `pairs` with the least clearance, to within a micrometre; `None` without pairs. Where several overlap it is
@@ -206,6 +238,21 @@ fn holds_some_of(outer: &SceneSolid, X_WO: &Pose, inner: &SceneSolid, X_WI: &Pos
         Solid::Convex(convex) => holds(mesh, convex.core.center()),
         Solid::Mesh(other) => other.witnesses.iter().any(|&p| holds(mesh, p)),
     }
+}
+
+/// Whether two solids touch, to within the micrometre that distances are exact to, or one holds some of the other; from the poses
+/// of their bodies. True in doubt.
+pub(super) fn touch(a: &SceneSolid, X_WI: &Pose, b: &SceneSolid, X_WJ: &Pose) -> bool {
+    const EXACT: f64 = 1e-6;
+    let balls = [(a, X_WI), (b, X_WJ)].map(|(s, X)| Ball { center: X.transform_point(s.ball.center), ..s.ball });
+    if apart(&balls[0], &balls[1], EXACT) {
+        return false;
+    }
+    let poses = (X_WI * a.X_JS, X_WJ * b.X_JS);
+    let distance = clearance(&a.solid, &poses.0, &b.solid, &poses.1, Ask::exact(EXACT), &mut DVec3::ZERO.clone());
+    // Compared so that NaN touches.
+    let clear = distance >= EXACT;
+    !clear || holds_some_of(a, X_WI, b, X_WJ) || holds_some_of(b, X_WJ, a, X_WI)
 }
 
 /// Whether two balls are at least `needed` apart; false in doubt.
