@@ -31,7 +31,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let options = CertifyOptions { clearance: true, rates, ..CertifyOptions::default() };
         let report = certifier.certify(&motion, &options, &mut scratch)?;
         match (report.verdict, &report.contact, &report.clearance) {
-            (Verdict::Free, _, Some(clearance)) => println!("{turn}: free, at least {:.1} mm", clearance.at_least * 1e3),
+            (Verdict::Free, _, Some(clearance)) => {
+                println!("{turn}: free, at least {:.1} mm", clearance.at_least * 1e3)
+            }
             (Verdict::Contact, Some(contact), _) => {
                 println!("{turn}: {} meet at {:.6} s", contact.pair.links.join(" and "), contact.at);
             }

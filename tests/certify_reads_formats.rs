@@ -23,13 +23,7 @@ fn robot() -> Problem {
     let flyer = link("hull", &ball(0.1), [0.0; 3]);
     let start = "[start]\nrobot = [0.0, 0.0, 0.0]\nload = { xyz = [0.0, 5.0, 0.0] }\n[[goal]]\n\
                  configuration = { \"robot/shoulder\" = 0.5 }\n";
-    scene(
-        &[
-            ("robot", "robot", "root = \"planar\"", robot),
-            ("load", "object", "root = \"freeflyer\"", flyer),
-        ],
-        start,
-    )
+    scene(&[("robot", "robot", "root = \"planar\"", robot), ("load", "object", "root = \"freeflyer\"", flyer)], start)
 }
 
 fn try_read(text: impl Into<Vec<u8>>, options: &ReadOptions) -> Result<Motion, String> {
@@ -103,9 +97,13 @@ fn messages_of_ros() {
         let text = points(time);
         let wrapped = [
             text.clone(),
-            format!(r#"{{"joint_trajectory": {text}, "multi_dof_joint_trajectory": {{"joint_names": [], "points": []}}}}"#),
-            format!(r#"{{"model_id": "x", "trajectory": [{{"joint_trajectory": {text}}}], "trajectory_start":
-                {{"joint_state": {{"name": ["left_finger", "shoulder"], "position": [0.25, 9]}}}}}}"#),
+            format!(
+                r#"{{"joint_trajectory": {text}, "multi_dof_joint_trajectory": {{"joint_names": [], "points": []}}}}"#
+            ),
+            format!(
+                r#"{{"model_id": "x", "trajectory": [{{"joint_trajectory": {text}}}], "trajectory_start":
+                {{"joint_state": {{"name": ["left_finger", "shoulder"], "position": [0.25, 9]}}}}}}"#
+            ),
             format!(r#"{{"motion_plan_response": {{"trajectory": {{"joint_trajectory": {text}}}}}}}"#),
         ];
         for text in wrapped {
@@ -138,7 +136,8 @@ fn trajectories_in_a_row_are_joined() {
 
 #[test]
 fn bases_that_drive() {
-    let turned = |angle: f64| format!(r#"{{"x": 0, "y": 0, "z": {}, "w": {}}}"#, (angle / 2.0).sin(), (angle / 2.0).cos());
+    let turned =
+        |angle: f64| format!(r#"{{"x": 0, "y": 0, "z": {}, "w": {}}}"#, (angle / 2.0).sin(), (angle / 2.0).cos());
     let point = |x: f64, angle: f64, time: f64| {
         format!(
             r#"{{"transforms": [{{"translation": {{"x": {x}, "y": 0, "z": 0}}, "rotation": {}}}], "time_from_start": {time}}}"#,
@@ -236,8 +235,10 @@ fn archives_of_numpy() {
         }
         zip.finish().unwrap().into_inner()
     };
-    let names: Vec<u8> =
-        ["shoulder", "turn"].iter().flat_map(|n| format!("{n:\0<8}").chars().flat_map(|c| (c as u32).to_le_bytes()).collect::<Vec<_>>()).collect();
+    let names: Vec<u8> = ["shoulder", "turn"]
+        .iter()
+        .flat_map(|n| format!("{n:\0<8}").chars().flat_map(|c| (c as u32).to_le_bytes()).collect::<Vec<_>>())
+        .collect();
     let positions = ("positions.npy", npy(1, "<f8", false, "(2, 2)", &bytes(&[0.0, 0.0, 1.0, 2.0])));
     let times = ("times.npy", npy(1, "<f8", false, "(2,)", &bytes(&[0.0, 4.0])));
     let velocities = ("velocities.npy", npy(1, "<f8", false, "(2, 2)", &bytes(&[0.0; 4])));
@@ -296,7 +297,10 @@ fn errors_say_where_and_what_to_do() {
         ("{\"joint_names\": [\"shoulder\"]}", "holds no trajectory with points"),
         ("{\"joint_names\": [\"shoulder\"], \"points\": [{\"positions\": [1, 2]}]}", "points[0]: has 2 positions"),
         ("{\"joint_names\": [\"shoulder\"], \"points\": [{\"positions\": [1e400]}]}", "file:1: JSON"),
-        ("{\"joint_names\": [\"shoulder\"], \"points\": [{\"positions\": [1], \"accelerations\": [1]}]}", "no velocities"),
+        (
+            "{\"joint_names\": [\"shoulder\"], \"points\": [{\"positions\": [1], \"accelerations\": [1]}]}",
+            "no velocities",
+        ),
         ("{\"points\": ", "file:1: JSON"),
     ] {
         let error = refusal(text);

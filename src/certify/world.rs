@@ -18,7 +18,9 @@ use std::collections::HashSet;
 pub enum CertifyError {
     #[error("{0}")]
     Name(#[from] UnknownName),
-    #[error("`{0}` cannot be carried: its root does not move freely in the scene; only parts with `root = \"freeflyer\"` can be attached")]
+    #[error(
+        "`{0}` cannot be carried: its root does not move freely in the scene; only parts with `root = \"freeflyer\"` can be attached"
+    )]
     NotFree(String),
     #[error("`{object}` cannot be carried by `{link}`, which moves with it")]
     CarriesItself { object: String, link: String },
