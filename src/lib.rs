@@ -2,9 +2,11 @@
 #![forbid(unsafe_code)]
 
 pub mod batch;
+pub mod certify;
 pub mod check;
 pub mod diagram;
 pub mod inspection;
+pub mod memory;
 pub mod output;
 pub mod path_file;
 pub mod planner;

@@ -1,5 +1,6 @@
 //! The facade: a problem in, a certified path or a reason out.
 
+use crate::memory::MemoryLimit;
 use foliate_components::graph::{ConstraintGraph, StateId, TransitionId};
 use foliate_components::outcome::{
     BlockingParts, GoalStatistics, Prior, SearchOutcome, StateStatistics, TransitionStatistics,
@@ -28,6 +29,7 @@ pub struct Planner {
     settings: SearchSettings,
     scheduler: Arc<dyn Scheduler>,
     time_limit: Option<Duration>,
+    memory_limit: Option<MemoryLimit>,
     token: CancelToken,
     events: EventSink,
     graph_time: Duration,
@@ -172,6 +174,7 @@ impl Planner {
             settings: SearchSettings::default(),
             scheduler: schedulers::default_scheduler().into(),
             time_limit: None,
+            memory_limit: None,
             token: CancelToken::default(),
             events: EventSink::default(),
             graph_time: Duration::ZERO,
@@ -213,6 +216,14 @@ impl Planner {
         self
     }
 
+    /// Ends with [`SearchOutcome::MemoryLimit`] where the search would need more, or the process has more: see [`MemoryLimit`].
+    /// Without this only [`SearchSettings::max_bytes`] bounds a search.
+    #[must_use]
+    pub fn memory_limit(mut self, limit: MemoryLimit) -> Self {
+        self.memory_limit = Some(limit);
+        self
+    }
+
     /// Lets solves be cancelled by a token that others may hold too.
     #[must_use]
     pub fn cancelled_by(mut self, token: CancelToken) -> Self {
@@ -244,8 +255,11 @@ impl Planner {
     #[must_use]
     pub fn search(&self) -> Search {
         let deadline = self.time_limit.and_then(|limit| Instant::now().checked_add(limit));
-        let stop = StopSignal { deadline, token: self.token.clone() };
-        Search::new(&self.model, self.scheduler.as_ref(), self.settings.clone(), stop, self.events.clone())
+        let memory = self.memory_limit.map(MemoryLimit::guard);
+        let stop = StopSignal { deadline, token: self.token.clone(), memory };
+        let mut settings = self.settings.clone();
+        settings.max_bytes = self.memory_limit.map_or(u64::MAX, |limit| limit.counted(1)).min(settings.max_bytes);
+        Search::new(&self.model, self.scheduler.as_ref(), settings, stop, self.events.clone())
     }
 
     /// Solves on the rayon pool in which it is called (the global one outside of any).

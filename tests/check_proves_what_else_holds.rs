@@ -25,7 +25,8 @@ fn alone(parts: Vec<Value>, coordinates: Vec<String>, segments: Vec<Value>) -> V
     path["limits"] = json!({});
     path["documents"] = json!({ "grippers": {}, "handles": {}, "surfaces": {} });
     path["segments"] = Value::Array(segments);
-    path["certificate"]["min_clearance"] = json!(0.0);
+    // Most of these have no pair of shapes to test.
+    path["certificate"]["min_clearance"] = json!(null);
     path
 }
 
@@ -529,7 +530,17 @@ mod objects {
         path["segments"] = json!([segment(json!([]), vec![knot(0.0, -0.6, start), knot(0.0, -0.3, start)])]);
         assert_only(&folder, &path, &["margin"]);
         path["segments"][0]["attachments"] = json!([{ "object": "cube", "on": "table/top", "carrier": true }]);
+        // Nothing says how it rests: it might hang on the table's side.
+        assert_only(&folder, &path, &["placement"]);
+        path["segments"][0]["constraints"] = json!([{
+            "kind": "pose", "frame": on("cube/cube", at(0.0, 0.0, -0.02)), "to": on("world", at(0.0, 0.0, 0.48)),
+            "mask": [false, false, true, true, true, false], "value": IDENTITY, "tolerance": 2e-4,
+        }]);
         assert_only(&folder, &path, &[]);
+        // What moves carries nothing without a hold on it.
+        let mut glued = path.clone();
+        glued["segments"][0]["attachments"][0]["on"] = json!("arm/lower");
+        assert!(folder.kinds(&glued).contains(&"placement"));
         let mut slid = path.clone();
         slid["segments"][0]["knots"][1][2] = json!(start[0] + 1e-3);
         assert_only(&folder, &slid, &["placed-object-moved"]);

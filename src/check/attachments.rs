@@ -5,7 +5,6 @@ use super::CheckError;
 use super::documents::Frames;
 use super::models::{Frame, Link, World, shown};
 use crate::path_file::{AttachmentEntry, PathFile, SurfaceEntry};
-use foliate_components::robot::PartKind;
 use glam::DVec3;
 use std::collections::HashSet;
 
@@ -157,11 +156,6 @@ impl Resolver<'_> {
 
     fn rest(&self, part: usize, on: &str) -> Result<(Link, Link, Bond), CheckError> {
         let holder = self.world.link(on, || format!("{}.on", self.place))?;
-        let stands = holder.frame.body.is_none() || self.world.parts[holder.part].kind == PartKind::Environment;
-        if !stands {
-            let message = format!("`{}` is not fixed in the world: what it carries is held, or lies on it", shown(on));
-            return self.refuse(".on", message);
-        }
         let Some(root) = self.world.links.get(&self.world.parts[part].root_link) else {
             return self.refuse(".object", "has no root link");
         };

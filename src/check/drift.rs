@@ -87,8 +87,13 @@ impl Drift {
                 self.resting[joint] = None;
                 continue;
             }
-            let origin = *self.resting[joint].get_or_insert_with(|| motion.scalar(joint, At::knot(0)));
-            let moved = (motion.scalar(joint, At::knot(motion.last())) - origin).abs();
+            let [first, last] = [0, motion.last()].map(|knot| motion.scalar(joint, At::knot(knot)));
+            if (last - first).abs() > tolerance {
+                self.resting[joint] = None; // told of the segment itself
+                continue;
+            }
+            let origin = *self.resting[joint].get_or_insert(first);
+            let moved = (last - origin).abs();
             // Compared so that NaN drifts.
             let still = moved <= tolerance;
             if !still {

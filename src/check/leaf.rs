@@ -6,7 +6,7 @@
 
 use super::attachments::{Attachment, Bond, corners, normal};
 use super::documents::Frames;
-use super::models::Frame;
+use super::models::{Frame, Link};
 use super::motion::{At, SegmentMotion};
 use super::reach::{Bends, Reach};
 use super::report::{CheckReport, Kind, Place};
@@ -15,6 +15,7 @@ use super::work::Work;
 use super::{CheckError, constraint};
 use crate::path_file::{FrameEntry, PathFile, SurfaceEntry};
 use foliate_components::Pose;
+use foliate_components::robot::PartKind;
 use glam::DVec3;
 
 pub(super) fn check(
@@ -43,6 +44,7 @@ pub(super) fn check(
                 }
             }
             Some((holder, held, Bond::Rest)) => {
+                leaf.stands(attachment, holder);
                 leaf.says_how(attachment);
                 leaf.rest(&attachment.name, &holder.frame, &held.frame);
             }
@@ -123,6 +125,17 @@ impl Leaf<'_> {
         };
         prove(Kind::Placement, &forms);
         prove(Kind::PlacementConstancy, &frozen(&first, [false; 6], [true; 6]));
+    }
+
+    /// What rests without polygons rests on something that is fixed in the world: what moves carries only what it holds, or
+    /// what lies on one of its surfaces.
+    fn stands(&mut self, attachment: &Attachment, holder: &Link) {
+        let fixed = |part: usize| self.motion.world.parts[part].kind == PartKind::Environment;
+        if holder.frame.body.is_some() && !fixed(holder.part) {
+            let place = Place { segment: Some(self.motion.index), t: None };
+            let subject = format!("{}: which is not fixed in the world", attachment.name);
+            self.report.violate(place, Kind::Placement, subject, None, None);
+        }
     }
 
     /// What rests without polygons is held up by a constraint: its height and both its tilts at least.

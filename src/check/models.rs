@@ -265,6 +265,11 @@ fn remarks(entry: &PartEntry, read: &ReadModel, report: &mut CheckReport) {
         let subject = format!("{part} was planned with `{}`, which is not read now", shown(what));
         report.violate(Place::FILE, Kind::Model, subject, None, None);
     }
+    if (entry.kind.as_str(), entry.root.as_str()) == ("object", "planar") {
+        let subject =
+            format!("{part} is an object with a planar root, which nobody moves: its root is freeflyer or fixed");
+        report.violate(Place::FILE, Kind::UnattachedObjectMoved, subject, None, None);
+    }
     if read.model.links.iter().all(|link| link.shapes.is_empty()) {
         report.weaker(format!("{part} has no collision shapes: it is never in the way"));
     }
@@ -301,10 +306,6 @@ fn placement(entry: &PartEntry, place: &str) -> Result<PartPlacement, CheckError
     };
     if kind == PartKind::Environment && root != RootJoint::Fixed {
         return Err(CheckError::malformed(format!("{place}.root"), "an environment never moves: its root is fixed"));
-    }
-    if kind == PartKind::Object && root == RootJoint::Planar {
-        let message = "an object does not move in a plane by itself: its root is freeflyer or fixed";
-        return Err(CheckError::malformed(format!("{place}.root"), message));
     }
     let pose = pose_from_array(entry.world_from_root);
     let pose = pose.ok_or_else(|| CheckError::malformed(format!("{place}.world_from_root"), "is no pose"))?;

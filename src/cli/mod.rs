@@ -2,6 +2,7 @@
 //! that could not be written, 3 proved only relative to what a file says of itself, 4 undecided within limits, 130 interrupted.
 
 mod bench;
+mod certify;
 mod check;
 mod coverage;
 mod demo;
@@ -45,6 +46,7 @@ struct Cli {
 enum Command {
     Demo(demo::Arguments),
     Solve(solve::Arguments),
+    Certify(certify::Arguments),
     Check(check::Arguments),
     Graph(graph::Arguments),
     Bench(bench::Arguments),
@@ -60,6 +62,7 @@ impl Command {
             Self::Demo(arguments) => arguments.search.tuning.level = level,
             Self::Solve(arguments) => arguments.search.tuning.level = level,
             Self::Bench(arguments) => arguments.tuning.level = level,
+            Self::Certify(arguments) => arguments.level = level,
             // These do not search.
             Self::Check(_) | Self::Graph(_) | Self::Inspect(_) | Self::Models(_) | Self::Scenes(_) => {}
         }
@@ -122,6 +125,7 @@ fn run(mut cli: Cli) -> u8 {
     let ending = match &cli.command {
         Command::Demo(arguments) => demo::run(arguments, &packages),
         Command::Solve(arguments) => solve::run(arguments, &packages),
+        Command::Certify(arguments) => certify::run(arguments, &packages),
         Command::Check(arguments) => check::run(arguments, &packages),
         Command::Bench(arguments) => bench::run(arguments, &packages),
         Command::Graph(arguments) => graph::run(arguments, &packages),

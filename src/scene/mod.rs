@@ -4,9 +4,9 @@
 //! every refusal is a [`SceneError`] with file, line and element.
 
 mod assemble;
-mod error;
+pub(crate) mod error;
 mod follower_limits;
-mod input;
+pub(crate) mod input;
 mod keys;
 mod mesh;
 mod mesh_cache;

@@ -1,6 +1,7 @@
 //! Set Commit, and the end of Connect: the only place where roadmap entities are born. Serial, in candidate order.
 
 use crate::connection::{Connection, Connections, Obstacle};
+use crate::memory::Compiled;
 use crate::model::PlanningModel;
 use crate::neighbours::Neighbours;
 use crate::passages::{Passage, Passages};
@@ -150,6 +151,7 @@ fn count(world: &mut World, candidate: &Candidate, kept: bool, complete: bool) {
     let entity = world.resource::<EntityTable>().transitions[transition.at()];
     let Some(mut statistics) = world.get_mut::<TransitionStatistics>(entity) else { return };
     statistics.attempts += 1;
+    let is_first = statistics.attempts == 1;
     match (kept, complete) {
         (true, true) => statistics.reached += 1,
         (true, false) => statistics.partial += 1,
@@ -157,6 +159,11 @@ fn count(world: &mut World, candidate: &Candidate, kept: bool, complete: bool) {
     }
     if let Some(reason) = candidate.rejected {
         statistics.count_rejection(reason, candidate.blocked_by);
+    }
+    if is_first {
+        world.resource_scope(|world, mut compiled: Mut<'_, Compiled>| {
+            compiled.note(world.resource::<PlanningModel>(), transition);
+        });
     }
 }
 

@@ -2,15 +2,16 @@
 
 use crate::events::{EventSink, SearchEvent, StopSignal};
 use crate::goals::GoalSampler;
+use crate::memory::{self, Compiled};
 use crate::model::PlanningModel;
 use crate::passages::Passages;
 use crate::schedule::StepCounter;
+use crate::sequences::leaf_graph::LeafGraph;
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Query, Res, ResMut, Resource};
 use foliate_components::candidate::Candidate;
-use foliate_components::graph::TransitionId;
 use foliate_components::leaf::LeafIndex;
-use foliate_components::outcome::{SearchOutcome, TransitionStatistics};
+use foliate_components::outcome::SearchOutcome;
 use foliate_components::roadmap::{NodeId, Roadmap};
 
 /// The roots of the trees that are to meet.
@@ -46,7 +47,8 @@ pub fn conclude(
     roadmap: Res<'_, Roadmap>,
     passages: Res<'_, Passages>,
     goals: Res<'_, GoalSampler>,
-    transitions: Query<'_, '_, (&TransitionId, &TransitionStatistics)>,
+    compiled: Res<'_, Compiled>,
+    joins: Option<Res<'_, LeafGraph>>,
     mut ending: ResMut<'_, Ending>,
 ) {
     let solved = roots.reached_goal(&roadmap).is_some();
@@ -54,12 +56,14 @@ pub fn conclude(
     // if it solves the problem, because another run would have found another.
     ending.0 = if stop.token.is_cancelled() {
         Some(SearchOutcome::Cancelled)
+    } else if stop.is_out_of_memory() {
+        Some(SearchOutcome::MemoryLimit)
     } else if stop.is_raised() {
         Some(SearchOutcome::Timeout)
     } else if solved {
         Some(SearchOutcome::Solved)
     } else if roadmap.nodes().len() >= settings.max_nodes
-        || roadmap.bytes() + passages.bytes() + grown(&model, transitions) >= settings.max_bytes
+        || memory::taken(&model, &roadmap, &passages, &compiled, joins.as_deref()) >= settings.max_bytes
     {
         Some(SearchOutcome::MemoryLimit)
     } else if let Some(why) = no_goal(&roots, &goals, &model, &settings) {
@@ -69,18 +73,6 @@ pub fn conclude(
     } else {
         None
     };
-}
-
-/// About how many bytes the search has made a lazy graph and its tables grow by.
-pub(crate) fn grown<'a>(
-    model: &PlanningModel,
-    transitions: impl IntoIterator<Item = (&'a TransitionId, &'a TransitionStatistics)>,
-) -> u64 {
-    if !model.graph.lazy {
-        return 0;
-    }
-    let tried = transitions.into_iter().filter(|(_, statistics)| statistics.attempts > 0);
-    model.graph.bytes() + tried.map(|(&id, _)| model.bytes_to_try(id)).sum::<u64>()
 }
 
 /// Why there is no goal and none will be found.

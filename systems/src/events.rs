@@ -98,6 +98,31 @@ impl CancelToken {
     }
 }
 
+/// The host's own watch over the memory of its process: whether there is too much of it. What it has said once it goes on to say.
+#[derive(Clone)]
+pub struct MemoryGuard(Arc<dyn Fn() -> bool + Send + Sync>);
+
+impl MemoryGuard {
+    /// `is_exceeded` is asked often, from any thread, before each candidate in every stage. As with a deadline, it may only turn an
+    /// answer into none.
+    #[must_use]
+    pub fn new(is_exceeded: impl Fn() -> bool + Send + Sync + 'static) -> Self {
+        let said = AtomicBool::new(false);
+        Self(Arc::new(move || {
+            if !said.load(Ordering::Relaxed) && is_exceeded() {
+                said.store(true, Ordering::Relaxed);
+            }
+            said.load(Ordering::Relaxed)
+        }))
+    }
+}
+
+impl std::fmt::Debug for MemoryGuard {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("MemoryGuard")
+    }
+}
+
 /// The deadline and the token; every stage looks at both before each candidate.
 #[derive(Clone, Debug, Default, Resource)]
 pub struct StopSignal {
@@ -105,12 +130,20 @@ pub struct StopSignal {
     pub deadline: Option<Instant>,
     /// The host's token.
     pub token: CancelToken,
+    /// The host's watch over memory.
+    pub memory: Option<MemoryGuard>,
 }
 
 impl StopSignal {
     /// Whether to stop. A clock may only turn an answer into none, never choose among answers.
     #[must_use]
     pub fn is_raised(&self) -> bool {
-        self.token.is_cancelled() || self.deadline.is_some_and(|d| Instant::now() >= d)
+        self.token.is_cancelled() || self.deadline.is_some_and(|d| Instant::now() >= d) || self.is_out_of_memory()
+    }
+
+    /// Whether the host's watch over memory says so.
+    #[must_use]
+    pub fn is_out_of_memory(&self) -> bool {
+        self.memory.as_ref().is_some_and(|guard| (guard.0)())
     }
 }

@@ -22,6 +22,7 @@ pub mod graph;
 pub mod guidance;
 pub mod in_order;
 pub mod membership;
+pub mod memory;
 pub mod model;
 pub mod neighbours;
 mod parallel;

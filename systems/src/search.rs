@@ -1,13 +1,14 @@
 //! A search as a host embeds it: a world, a schedule, and the loop that steps it.
 
 use crate::commit::{self, NewNodes};
-use crate::conclusion::{self, Ending, Roots};
+use crate::conclusion::{Ending, Roots};
 use crate::connection::Connections;
 use crate::errands::{Errands, Watch};
 use crate::events::{EventSink, StopSignal};
 use crate::foreseen::Foreseen;
 use crate::goals::{GoalSampler, plant};
 use crate::membership::{self, Feasible};
+use crate::memory::{self, Compiled};
 use crate::model::PlanningModel;
 use crate::neighbours::Neighbours;
 use crate::passages::Passages;
@@ -157,12 +158,10 @@ impl Search {
         self.world.resource::<Roadmap>()
     }
 
-    /// About how much memory it takes: the roadmap, and what it has made a lazy graph and its tables grow by.
+    /// About how much memory it takes beyond the model that it was given, see [`crate::memory`].
     #[must_use]
     pub fn bytes(&self) -> u64 {
-        let transitions = self.world.try_query::<(&TransitionId, &TransitionStatistics)>();
-        let grown = transitions.map_or(0, |mut query| conclusion::grown(self.model(), query.iter(&self.world)));
-        self.roadmap().bytes() + self.world.resource::<Passages>().bytes() + grown
+        memory::taken_in(&self.world)
     }
 
     /// Work done so far.
@@ -214,6 +213,7 @@ fn empty_world(model: &PlanningModel, settings: SearchSettings, stop: StopSignal
     world.init_resource::<NewNodes>();
     world.init_resource::<Connections>();
     world.init_resource::<Passages>();
+    world.init_resource::<Compiled>();
     world.init_resource::<Errands>();
     world.init_resource::<Foreseen>();
     world.init_resource::<ReachedLeaves>();

@@ -19,12 +19,23 @@ const ASIDE: f64 = 0.8;
 /// # Errors
 /// None in practice: the models are fixed.
 pub fn eight_arms_and_ten_boxes() -> Result<Problem, ComposeError> {
-    let (arm, board, cube) = (seven_axis_arm(), table(DVec3::new(4.4, 1.0, 0.05)), block(DVec3::splat(SIDE)));
-    let arms: Vec<_> = (0..8).map(|number| (&arm, fixed_robot(&format!("arm{number}"), mount(number)))).collect();
-    let names: Vec<String> = (0..10).map(|number| format!("box{number}")).collect();
-    let boxes = names.iter().map(|name| (&cube, movable_object(name)));
+    let problem = crowd(8, 10)?;
+    Ok(Problem { name: "eight arms and ten boxes".into(), ..problem })
+}
+
+/// As [`eight_arms_and_ten_boxes`], with an even number of arms along a table that is long enough, and an even number of
+/// boxes, at most 100.
+///
+/// # Errors
+/// None in practice: the models are fixed.
+pub fn crowd(arms: u32, boxes: u32) -> Result<Problem, ComposeError> {
+    let length = 0.55 * f64::from(arms).max(8.0);
+    let (arm, board, cube) = (seven_axis_arm(), table(DVec3::new(length, 1.0, 0.05)), block(DVec3::splat(SIDE)));
+    let fixed: Vec<_> = (0..arms).map(|n| (&arm, fixed_robot(&format!("arm{n}"), mount(n, arms)))).collect();
+    let names: Vec<String> = (0..boxes).map(|number| format!("box{number}")).collect();
+    let movable = names.iter().map(|name| (&cube, movable_object(name)));
     let board = (&board, environment("table", Pose::identity()));
-    let parts: Vec<_> = arms.into_iter().chain([board]).chain(boxes).collect();
+    let parts: Vec<_> = fixed.into_iter().chain([board]).chain(movable).collect();
     let robot = Robot::compose(&parts)?;
     let objects = names.iter().filter_map(|name| {
         Some(ObjectOptions {
@@ -35,17 +46,20 @@ pub fn eight_arms_and_ten_boxes() -> Result<Problem, ComposeError> {
         })
     });
     let graph = GraphOptions {
-        grippers: (0..8).filter_map(|number| robot.gripper(&format!("arm{number}/hand"))).collect(),
+        grippers: (0..arms).filter_map(|number| robot.gripper(&format!("arm{number}/hand"))).collect(),
         objects: objects.collect(),
         supports: robot.surface("table/top").into_iter().collect(),
         placement_margin: 1e-3,
         preplacement_distance: 0.05,
         ..GraphOptions::default()
     };
-    let (start, goal) = (configuration(DVec3::ZERO), configuration(DVec3::new(0.2, 0.0, 0.0)));
+    let start = configuration(arms, boxes, DVec3::ZERO);
+    // Along the row where there is room, else between the two rows.
+    let moved = if boxes > 10 { DVec3::new(0.0, 0.2, 0.0) } else { DVec3::new(0.2, 0.0, 0.0) };
+    let goal = configuration(arms, boxes, moved);
     let ignored_pairs = neighbours(&robot);
     Ok(Problem {
-        name: "eight arms and ten boxes".into(),
+        name: format!("{arms} arms and {boxes} boxes"),
         robot,
         graph,
         ignored_pairs,
@@ -56,19 +70,23 @@ pub fn eight_arms_and_ten_boxes() -> Result<Problem, ComposeError> {
 }
 
 /// Where an arm stands; it looks across the table.
-fn mount(number: u32) -> Pose {
+fn mount(number: u32, arms: u32) -> Pose {
     let side = if number.is_multiple_of(2) { -1.0 } else { 1.0 };
-    let along = (f64::from(number / 2) - 1.5) * APART;
+    let along = (f64::from(number / 2) - 0.5 * f64::from(arms / 2 - 1)) * APART;
     Pose::from_parts(DVec3::new(along, side * ASIDE, 0.3), DQuat::from_rotation_z(-side * FRAC_PI_2))
 }
 
 /// All arms bent, and the boxes in two rows, the first of them moved.
-fn configuration(first_moved: DVec3) -> Vec<f64> {
+fn configuration(arms: u32, boxes: u32, first_moved: DVec3) -> Vec<f64> {
     let bent = [0.0, -0.6, 0.0, 1.4, 0.0, 0.8, 0.0];
-    let mut q: Vec<f64> = bent.into_iter().cycle().take(8 * bent.len()).collect();
-    for number in 0..10 {
+    let mut q: Vec<f64> = bent.into_iter().cycle().take(arms as usize * bent.len()).collect();
+    // Roots may be up to 2 m from the origin.
+    let columns = f64::from(boxes / 2);
+    let spacing = (3.4 / columns).min(0.35);
+    let first = -(0.05 + 0.5 * spacing * (columns - 1.0));
+    for number in 0..boxes {
         let (row, column) = (f64::from(number % 2), f64::from(number / 2));
-        let at = DVec3::new(-0.75 + 0.35 * column, -0.2 + 0.4 * row, 0.5 * SIDE + 1e-3);
+        let at = DVec3::new(first + spacing * column, -0.2 + 0.4 * row, 0.5 * SIDE + 1e-3);
         q.extend(standing(if number == 0 { at + first_moved } else { at }));
     }
     q

@@ -6,7 +6,7 @@ mod stacks;
 mod stances;
 
 pub use articulated::{open_a_box_and_move_it, open_a_drawer, open_a_drawer_with_a_box_in_it};
-pub use crowds::eight_arms_and_ten_boxes;
+pub use crowds::{crowd, eight_arms_and_ten_boxes};
 pub use stacks::{carry_a_box_with_its_lid, hold_a_lid_by_a_magnet, put_a_lid_on_a_box};
 pub use stances::{make_a_step, move_one_box_with_a_level_hand};
 

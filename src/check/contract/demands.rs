@@ -2,14 +2,14 @@
 //! problem's own, planes that objects stand on, joints that rest.
 //!
 //! Demands are told in the words of path files, so that the file's own constraints can be recognised: these are proved
-//! anyway. What cannot be recognised row by row (parameters, which are free from leaf to leaf) is proved here.
+//! anyway. What cannot be recognised (parameters of a centre of mass, which are free from leaf to leaf) is proved here.
 
 use super::Contract;
 use super::parts::same_pose;
 use crate::check::articulation::held_beyond;
 use crate::check::documents::Frames;
 use crate::check::leaf::Leaf;
-use crate::check::motion::{At, SegmentMotion};
+use crate::check::motion::SegmentMotion;
 use crate::check::reach::Reach;
 use crate::check::report::{CheckReport, Kind, Place};
 use crate::check::work::Work;
@@ -18,13 +18,15 @@ use crate::path_file::{ConstraintEntry, FrameEntry, PathFile, constraint_entries
 use foliate_components::Pose;
 use foliate_components::constraint::{Constraint, Frame, Locked, LockedValue, Reference, RelativePose, Row};
 use foliate_components::path::PathConstraint;
-use foliate_components::pose::pose_from_array;
+use foliate_components::pose::{log_so3, pose_from_array};
 use foliate_components::problem::{JointRest, NamedConstraint};
 use foliate_components::robot::Robot;
 use glam::DVec3;
 
 /// Rounding of numbers that are read from the same ones.
 const SAME: f64 = 1e-9;
+/// How far the zero rows of a leaf's value may be from zero, metres and radians: the accuracy of projections.
+const NEAR: f64 = 1e-6;
 /// A motion is within the path tolerance of its leaf, and so is its first knot.
 const FROM_THE_FIRST_KNOT: f64 = 2.1;
 
@@ -168,7 +170,7 @@ fn hold(
     if let Some(constraint) = named.constraint.without_parameters() {
         entries.extend(told(robot, &named.name, constraint, None, tolerance));
     }
-    if let Some((constraint, argument)) = parameters(&named.constraint, &leaf, frames, robot)? {
+    if let Some((constraint, argument)) = frozen_centre(&named.constraint, &leaf, frames, robot)? {
         entries.extend(told(robot, &named.name, constraint, Some(argument), FROM_THE_FIRST_KNOT * tolerance));
     }
     for entry in &entries {
@@ -188,54 +190,27 @@ fn told(
     constraint_entries(robot, &demand, tolerance)
 }
 
-/// The parameter rows of a constraint, and where the first knot has them; none where there are none.
-fn parameters(
+/// The parameter rows of a centre of mass, and where the first knot has it; none for other constraints.
+fn frozen_centre(
     constraint: &Constraint,
     leaf: &Leaf<'_>,
     frames: &Frames,
     robot: &Robot,
 ) -> Result<Option<(Constraint, Pose)>, CheckError> {
-    if !constraint.foliates() {
+    let Constraint::CentreOfMass(balanced) = constraint else { return Ok(None) };
+    let mut frozen = balanced.clone();
+    frozen.rows.retain(|plane| plane.row == Row::Parameter);
+    if frozen.rows.is_empty() {
         return Ok(None);
     }
-    let only = |row: Option<Row>| row.filter(|row| *row == Row::Parameter);
-    Ok(match constraint {
-        Constraint::RelativePose(pose) => {
-            let place = |frame: &Frame| frame_at_first(robot, frame, leaf, frames);
-            let first = place(&pose.a)?.inverse() * place(&pose.b)?;
-            let rows = pose.rows.map(only);
-            let frozen = RelativePose { rows, reference: Reference::Argument(0), ..*pose };
-            Some((Constraint::RelativePose(frozen), first))
-        }
-        Constraint::Locked(locked) => {
-            let name = &robot.joints[locked.joint.at()].name;
-            let body = leaf.motion.world.bodies.iter().position(|body| body.name == *name);
-            let first = body.map_or(f64::NAN, |body| leaf.motion.scalar(body, At::knot(0)));
-            Some((constraint.clone(), Pose::from_translation(DVec3::X * first)))
-        }
-        Constraint::CentreOfMass(balanced) => {
-            let mut frozen = balanced.clone();
-            frozen.rows.retain(|plane| plane.row == Row::Parameter);
-            frozen.reference = Reference::Argument(0);
-            let constraint = Constraint::CentreOfMass(frozen);
-            let entries = told(robot, "", constraint.clone(), Some(Pose::identity()), 0.0);
-            let first = match entries.first() {
-                Some(entry) => balance::first_centre(leaf, entry, frames)?,
-                None => DVec3::ZERO,
-            };
-            Some((constraint, Pose::from_translation(first)))
-        }
-        _ => None,
-    })
-}
-
-fn frame_at_first(robot: &Robot, frame: &Frame, leaf: &Leaf<'_>, frames: &Frames) -> Result<Pose, CheckError> {
-    let found = match frame.joint {
-        None => return Ok(frame.joint_from_frame),
-        Some(joint) => frames.named(leaf.motion.world, &robot.joints[joint.at()].name, || "scene".into())?,
+    frozen.reference = Reference::Argument(0);
+    let constraint = Constraint::CentreOfMass(frozen);
+    let entries = told(robot, "", constraint.clone(), Some(Pose::identity()), 0.0);
+    let first = match entries.first() {
+        Some(entry) => balance::first_centre(leaf, entry, frames)?,
+        None => DVec3::ZERO,
     };
-    let bodily = crate::check::models::Frame { body: found.body, body_from_frame: frame.joint_from_frame };
-    Ok(leaf.motion.frame(&bodily, At::knot(0)))
+    Ok(Some((constraint, Pose::from_translation(first))))
 }
 
 /// Whether the constraints of a segment say what a scene demands.
@@ -248,13 +223,37 @@ pub(super) fn said(robot: &Robot, named: &NamedConstraint, file: &PathFile, segm
         let exactly = wanted.iter().all(|entry| given.iter().any(|other| strict(other) && same_entry(entry, other)));
         return if exactly { Said::Exactly } else { Said::No };
     }
-    // The shape of the entries depends on the leaf's value: turned or not.
-    let turned = Pose::from_rotation(glam::DQuat::from_rotation_x(0.1));
-    let loosely = [Pose::identity(), turned].into_iter().any(|argument| {
+    let alike_are = |argument: Pose| {
         let wanted = told(robot, &named.name, named.constraint.clone(), Some(argument), tolerance);
         wanted.iter().all(|entry| given.iter().any(|other| strict(other) && alike(entry, other)))
-    });
-    if loosely { Said::Loosely } else { Said::No }
+    };
+    let exactly = |argument: Pose| {
+        let wanted = told(robot, &named.name, named.constraint.clone(), Some(argument), tolerance);
+        wanted.iter().all(|entry| given.iter().any(|other| strict(other) && same_entry(entry, other)))
+    };
+    // Where the leaf has the parameters is free, and the file says it: some value of its own makes its entries.
+    let said = match &named.constraint {
+        Constraint::RelativePose(pose) => {
+            let values = given.iter().filter_map(|entry| entry.value.and_then(pose_from_array));
+            values.filter(|value| fits(pose, value)).any(exactly)
+        }
+        Constraint::Locked(_) => {
+            let values = given.iter().filter_map(|entry| entry.position);
+            values.map(|value| Pose::from_translation(DVec3::X * value)).any(exactly)
+        }
+        _ => return if alike_are(Pose::identity()) { Said::Loosely } else { Said::No },
+    };
+    if said { Said::Exactly } else { Said::No }
+}
+
+/// Whether a value for the parameters has the zero rows at zero and keeps the bounded ones.
+fn fits(constraint: &RelativePose, value: &Pose) -> bool {
+    let errors = [value.translation.to_array(), log_so3(value.rotation).to_array()].concat();
+    errors.iter().zip(&constraint.rows).all(|(error, row)| match row {
+        Some(Row::Zero) => error.abs() <= NEAR,
+        Some(Row::Inequality) => *error >= -NEAR,
+        Some(Row::Parameter) | None => true,
+    })
 }
 
 /// The same kind about the same frames and rows, whatever the value.

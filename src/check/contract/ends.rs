@@ -12,6 +12,7 @@ use foliate_components::Pose;
 use foliate_components::pose::pose_from_array;
 use foliate_components::problem::{Goal, PartialGoal};
 use foliate_components::robot::{Motion, Source};
+use std::f64::consts::TAU;
 
 /// How far the ends may be from the scene's, metres and radians: the accuracy of projections.
 const NEAR: f64 = 1e-5;
@@ -79,7 +80,15 @@ impl Contract<'_> {
         for joint in &self.problem.robot.joints {
             let Source::Coordinates { q, .. } = joint.source else { continue };
             let linear = if joint.motion == Motion::FreeFlyer { 3 } else { joint.motion.configuration_size() };
-            (q..q + linear).for_each(|i| see((found[i] - wanted[i]).abs(), &self.names[i]));
+            for i in q..q + linear {
+                let turns =
+                    matches!(joint.motion, Motion::Revolute { .. }) || (joint.motion == Motion::Planar && i == q + 2);
+                let endless = !joint.lower[i - q].is_finite() && !joint.upper[i - q].is_finite();
+                let off = found[i] - wanted[i];
+                // Angles without limits are unwrapped numbers: full turns make no difference.
+                let off = if turns && endless { off - TAU * (off / TAU).round() } else { off };
+                see(off.abs(), &self.names[i]);
+            }
             if joint.motion == Motion::FreeFlyer {
                 see(quaternions_off(&found[q + 3..q + 7], &wanted[q + 3..q + 7]), &joint.name);
             }

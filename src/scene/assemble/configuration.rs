@@ -26,6 +26,21 @@ pub fn coordinate_names(robot: &Robot) -> Vec<String> {
     names
 }
 
+/// Refuses parts of which two coordinates, or two joints, have one name: a joint `x` beside a root that moves in x.
+pub(super) fn refuse_twins(robot: &Robot, items: &[Item<'_>]) -> Result<(), SceneError> {
+    let joints = robot.joints.iter().map(|joint| joint.name.clone());
+    for names in [coordinate_names(robot), joints.collect()] {
+        let mut seen = HashSet::new();
+        let Some(twin) = names.iter().find(|name| !seen.insert(name.as_str())) else { continue };
+        let part =
+            robot.parts.iter().position(|p| twin.strip_prefix(&p.name).is_some_and(|rest| rest.starts_with('/')));
+        let Some(item) = part.and_then(|part| items.get(part)) else { continue };
+        let message = format!("a joint and the root are both called `{}`", quoted(twin));
+        return Err(item.error(message).hint("give the joint another name in the URDF, or the part a fixed root"));
+    }
+    Ok(())
+}
+
 fn axes(motion: Motion) -> &'static [&'static str] {
     match motion {
         Motion::Revolute { .. } | Motion::Prismatic { .. } => &[],

@@ -110,6 +110,7 @@ pub(crate) fn load(name: &str, text: &str, base: SceneBase, packages: &PackagePa
     })?;
     loader.warnings.extend(narrowed(&robot, &parts));
 
+    configuration::refuse_twins(&robot, &items)?;
     check_sums(&mut keys, &mut loader)?;
     let mut ignored_pairs = pairs::of_parts(&parts, &robot)?;
     ignored_pairs.extend(pairs::ignored(&mut keys, &robot)?);

@@ -24,7 +24,7 @@ impl Model {
     /// which the state decides; margins are lifted from what touches at either end of the transition.
     #[must_use]
     pub fn pairs(&self, transition: TransitionId, state: StateId, carriages: &[Carriage]) -> &PairSet {
-        let tied = |pairs: PairSet| pairs.tied(self.ties(state));
+        let tied = |pairs: PairSet| Box::new(pairs.tied(self.ties(state)));
         let shared =
             || self.states[state.at()].pairs.get_or_init(|| tied(PairSet::new(&self.collision, carriages, &[])));
         if self.problem.margins.is_empty() {
@@ -33,7 +33,7 @@ impl Model {
         let ends = self.graph.transition(transition);
         // Motions that only enter the target come after the last leg; they stand still, and margins do not matter.
         let Some(leg) = ends.legs.iter().position(|leg| leg.state == state) else { return shared() };
-        self.transitions[transition.at()].legs[leg].pairs.get_or_init(|| {
+        self.leg_tables(transition)[leg].pairs.get_or_init(|| {
             let touching = self.touching_along(transition);
             tied(PairSet::new(&self.collision, carriages, &touching))
         })
@@ -126,7 +126,7 @@ impl Model {
 
     /// Every pair, with the margins of a state: lifted from what touches there.
     fn verdict_pairs(&self, state: StateId) -> &PairSet {
-        let verdict = || PairSet::new(&self.collision, &[], &self.touching(state));
+        let verdict = || Box::new(PairSet::new(&self.collision, &[], &self.touching(state)));
         match self.problem.margins.is_empty() {
             true => &self.all_pairs,
             false => self.states[state.at()].verdict.get_or_init(verdict),
@@ -179,7 +179,7 @@ impl Model {
     /// Every pair, with the margins that hold at the waypoints of a transition: lifted from what touches at either end.
     #[must_use]
     pub fn waypoint_pairs(&self, transition: TransitionId) -> &PairSet {
-        let verdict = || PairSet::new(&self.collision, &[], &self.touching_along(transition));
+        let verdict = || Box::new(PairSet::new(&self.collision, &[], &self.touching_along(transition)));
         match self.problem.margins.is_empty() {
             true => &self.all_pairs,
             false => self.transitions[transition.at()].verdict.get_or_init(verdict),

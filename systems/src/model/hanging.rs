@@ -20,7 +20,8 @@ impl Model {
     pub fn carriers(&self, state: StateId) -> &Carriers {
         self.states[state.at()].carriers.get_or_init(|| {
             let manifold = &self.graph.state(state).manifold;
-            Carriers::of_manifold(&self.problem.robot, &self.graph, manifold, |constraint| self.grasp(constraint))
+            let grasp = |constraint| self.grasp(constraint);
+            Box::new(Carriers::of_manifold(&self.problem.robot, &self.graph, manifold, grasp))
         })
     }
 

@@ -18,7 +18,7 @@ use crate::graph::resting::{Resting, RestingPlace};
 use bevy_ecs::prelude::Resource;
 use foliate_components::constraint::{Constraint, Grasp, Locked, LockedValue};
 use foliate_components::coverage::LeftOutPair;
-use foliate_components::graph::{ConstraintGraph, ConstraintId, ConstraintKind, StateId, Transition, TransitionId};
+use foliate_components::graph::{ConstraintGraph, ConstraintId, ConstraintKind, StateId, TransitionId};
 use foliate_components::problem::{JointRest, Problem};
 use foliate_components::roadmap::{NodeId, Roadmap};
 use foliate_components::robot::{JointIndex, Robot, Source};
@@ -109,29 +109,30 @@ pub struct ProblemTables {
     seeds: Vec<(JointIndex, OnceLock<Option<SeedTable>>)>,
 }
 
-/// What is compiled of a state.
+/// What is compiled of a state. Of most states of a large graph nothing ever is: what is not there takes a word.
 #[derive(Debug, Default)]
 struct StateTables {
-    interior: OnceLock<Compiled>,
-    carriers: OnceLock<Carriers>,
-    pairs: OnceLock<PairSet>,
+    interior: OnceLock<Box<Compiled>>,
+    carriers: OnceLock<Box<Carriers>>,
+    pairs: OnceLock<Box<PairSet>>,
     /// Every pair, with the margins of the state, where there are margins.
-    verdict: OnceLock<PairSet>,
+    verdict: OnceLock<Box<PairSet>>,
 }
 
 /// What is compiled of a transition.
 #[derive(Debug, Default)]
 struct TransitionTables {
-    legs: Vec<LegTables>,
+    /// Empty until one of them is asked for.
+    legs: OnceLock<Box<[LegTables]>>,
     /// Every pair, with the margins of the transition, where there are margins.
-    verdict: OnceLock<PairSet>,
+    verdict: OnceLock<Box<PairSet>>,
 }
 
 #[derive(Debug, Default)]
 struct LegTables {
-    program: OnceLock<Compiled>,
+    program: OnceLock<Box<Compiled>>,
     /// Pairs of its motions, where there are margins.
-    pairs: OnceLock<PairSet>,
+    pairs: OnceLock<Box<PairSet>>,
 }
 
 type Compiled = Result<LegProgram, CompileError>;
@@ -257,11 +258,7 @@ impl Model {
         };
         self.grasps.extend(self.graph.constraints[self.grasps.len()..].iter().map(|c| grasp(c.kind)));
         self.states.resize_with(self.graph.states.len(), Arc::default);
-        let tables = |t: &Transition| {
-            let legs = t.legs.iter().map(|_| LegTables::default()).collect();
-            Arc::new(TransitionTables { legs, verdict: OnceLock::new() })
-        };
-        self.transitions.extend(self.graph.transitions[self.transitions.len()..].iter().map(tables));
+        self.transitions.resize_with(self.graph.transitions.len(), Arc::default);
     }
 
     /// See [`PlanningModel::expand`].
@@ -277,13 +274,20 @@ impl Model {
         state
     }
 
-    /// At most about so many bytes do the programs and pair sets take that are compiled when a transition is first tried
-    /// (measured on eight arms and ten boxes: 100 bytes per velocity coordinate and leg, 30 per pair of shapes). What was tried decides,
-    /// not what this process has compiled, so that budgets do not depend on other searches.
+    /// At most about so many bytes do the programs take that are compiled when a transition is first tried (measured on sixteen arms
+    /// and 60 boxes: 60 to 100 bytes per velocity coordinate and leg), and where there are margins the pair sets. What was tried
+    /// decides, not what this process has compiled, so that budgets do not depend on other searches.
     #[must_use]
     pub fn bytes_to_try(&self, transition: TransitionId) -> u64 {
         let legs = self.graph.transition(transition).legs.len();
-        (legs * 100 * self.problem.robot.space.dimension() + 30 * self.collision.pairs().len()) as u64
+        let pair_sets = if self.problem.margins.is_empty() { 0 } else { legs as u64 + 1 };
+        (legs * 100 * self.problem.robot.space.dimension()) as u64 + pair_sets * self.bytes_of_pairs()
+    }
+
+    /// About so many bytes does a pair set take: what is compiled of a state when something first moves in it.
+    #[must_use]
+    pub fn bytes_of_pairs(&self) -> u64 {
+        30 * self.collision.pairs().len() as u64
     }
 
     /// What the graph grows from, where it is lazy.
@@ -315,10 +319,13 @@ impl Model {
     /// # Errors
     /// What a graph that was built by hand may ask for and no program can say.
     pub fn leg_program(&self, transition: TransitionId, leg: usize) -> Result<&LegProgram, &CompileError> {
-        self.transitions[transition.at()].legs[leg]
-            .program
-            .get_or_init(|| LegProgram::of_leg(self, transition, leg))
-            .as_ref()
+        let program = &self.leg_tables(transition)[leg].program;
+        program.get_or_init(|| Box::new(LegProgram::of_leg(self, transition, leg))).as_ref().as_ref()
+    }
+
+    fn leg_tables(&self, transition: TransitionId) -> &[LegTables] {
+        let legs = self.graph.transition(transition).legs.len();
+        self.transitions[transition.at()].legs.get_or_init(|| (0..legs).map(|_| LegTables::default()).collect())
     }
 
     /// The program of motions within a state.
@@ -326,7 +333,8 @@ impl Model {
     /// # Errors
     /// As [`Self::leg_program`].
     pub fn interior_program(&self, state: StateId) -> Result<&LegProgram, &CompileError> {
-        self.states[state.at()].interior.get_or_init(|| LegProgram::of_state(self, state)).as_ref()
+        let interior = &self.states[state.at()].interior;
+        interior.get_or_init(|| Box::new(LegProgram::of_state(self, state))).as_ref().as_ref()
     }
 
     /// A constraint of the problem's own, or a joint's rest, as kernels know it; parameter rows name slot 0.

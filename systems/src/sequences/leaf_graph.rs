@@ -61,6 +61,8 @@ pub struct LeafGraph {
     straight: Vec<(f64, f64)>,
     /// Whether anything was added or has failed since that was last asked.
     has_changed: bool,
+    /// Distances that are kept: their number grows with the square of the anchors of a leaf.
+    lengths: u64,
 }
 
 impl LeafGraph {
@@ -118,8 +120,18 @@ impl LeafGraph {
         if self.straight.len() <= state.at() {
             self.straight.resize(state.at() + 1, (0.0, 0.0));
         }
+        self.lengths += here.len() as u64;
         self.anchors.push(Anchor { node, leaf, state, place: here.len(), lengths, failures: 0, passage: None });
         here.push((self.anchors.len() - 1) as u32);
+    }
+
+    /// About how much memory it takes, bytes.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        let anchors = self.anchors.len() * (size_of::<Anchor>() + size_of::<u32>());
+        // A tree keeps its entries in nodes that are two thirds full.
+        let efforts = self.efforts.len() * size_of::<(Join, f64)>() * 3 / 2;
+        (anchors + efforts) as u64 + self.lengths * size_of::<f64>() as u64
     }
 
     /// The nodes of a join.

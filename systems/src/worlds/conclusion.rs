@@ -25,6 +25,8 @@ pub fn conclude(
     // A world that was stopped in the middle of a step might have been the one to answer.
     ending.0 = if stop.token.is_cancelled() {
         Some(SearchOutcome::Cancelled)
+    } else if stop.is_out_of_memory() {
+        Some(SearchOutcome::MemoryLimit)
     } else if stop.is_raised() {
         Some(SearchOutcome::Timeout)
     } else if worlds.winner().is_some() {
