@@ -4,6 +4,7 @@ use super::summary::{self, Loaded};
 use super::{Ending, Refusal, interrupt, print, print_json, say};
 use foliate::components::outcome::SearchOutcome;
 use foliate::kernels::lanes::Level;
+use foliate::memory::MemoryLimit;
 use foliate::output;
 use foliate::path_file::{PathContext, save, write_path};
 use foliate::scene::{PackagePath, Scene, load_scene};
@@ -64,6 +65,9 @@ pub(crate) struct Tuning {
     /// What `--simd` says, or the best that this machine has.
     #[arg(skip)]
     pub level: Level,
+    /// What `--memory-limit` says, or its default.
+    #[arg(skip)]
+    pub memory: Option<MemoryLimit>,
     /// Motions that stay in their state are tried with their weight times this
     #[arg(long, default_value_t = SearchSettings::default().loop_weight, value_name = "W", value_parser = weight)]
     pub loop_weight: f64,
@@ -127,6 +131,10 @@ impl SearchArguments {
         let planner = Planner::of_tables(tables).map_err(|e| Refusal(e.to_string()))?;
         let planner = planner.settings(self.tuning.settings(self.seed)).time_limit(self.deadline()?);
         let planner = planner.cancelled_by(interrupt::token());
+        let planner = match self.tuning.memory {
+            Some(limit) => planner.memory_limit(limit),
+            None => planner,
+        };
         planner.scheduler_named(&self.scheduler).ok_or_else(|| no_scheduler(&self.scheduler))
     }
 }
