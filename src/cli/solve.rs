@@ -14,9 +14,11 @@ use foliate::systems::schedulers;
 use foliate::systems::settings::{SearchSettings, Selection};
 use foliate::{Planner, Solution};
 use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::json;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
 
 /// Plans a path for a scene and writes it
@@ -156,13 +158,17 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     if let Some(out) = &arguments.out {
         writable(out)?;
     }
-    let scene = load_scene(&arguments.scene, packages)?;
+    let limit = arguments.search.deadline()?;
+    let Some(scene) = load_within(&arguments.scene, packages, limit)? else {
+        return out_of_time(arguments, started.elapsed());
+    };
     for warning in &scene.warnings {
         say(&format!("warning: {warning}\n"));
     }
     let tables = Arc::new(ProblemTables::new(scene.problem.clone()));
     let load_time = started.elapsed();
-    let planner = arguments.search.planner(tables)?;
+    // The limit is that of everything, reading included.
+    let planner = arguments.search.planner(tables)?.time_limit(limit.saturating_sub(load_time));
     let solution = solve(planner, &arguments.search, !arguments.json)?;
     let (planner, solution) = (solution.0, solution.1);
     if let (Some(out), Some(_)) = (&arguments.out, &solution.path) {
@@ -175,6 +181,33 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
         print(&summary::text(&loaded, &solution));
     }
     ending(&solution.outcome)
+}
+
+/// Loads a scene; none where that takes longer than it may. Reading a file cannot be interrupted: it is done beside.
+fn load_within(name: &str, packages: &PackagePath, limit: Duration) -> Result<Option<Scene>, Refusal> {
+    let (sender, receiver) = std::sync::mpsc::channel();
+    let (name, packages) = (name.to_owned(), packages.clone());
+    std::thread::spawn(move || {
+        let _gone = sender.send(load_scene(&name, &packages));
+    });
+    match receiver.recv_timeout(limit) {
+        Ok(scene) => Ok(Some(scene?)),
+        Err(RecvTimeoutError::Timeout) => Ok(None),
+        Err(RecvTimeoutError::Disconnected) => Err(Refusal("reading the scene ended without an answer".into())),
+    }
+}
+
+/// The limit ran out while the scene was read.
+fn out_of_time(arguments: &Arguments, time: Duration) -> Result<Ending, Refusal> {
+    let (name, ms) = (&arguments.scene, time.as_secs_f64() * 1e3);
+    match arguments.json {
+        true => print_json(&json!({
+            "scene": name, "outcome": SearchOutcome::Timeout.name(), "load_ms": ms,
+            "reason": "the time limit was reached while the scene was read",
+        }))?,
+        false => print(&format!("{name}: timeout after {ms:.0} ms, while the scene was read\n")),
+    }
+    Ok(Ending::Failed)
 }
 
 /// Refuses a place where no path could be written before anything is searched.
