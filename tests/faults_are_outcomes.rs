@@ -262,7 +262,9 @@ fn the_nth_file_may_fail_in_any_way() {
     let mut names: Vec<_> = std::fs::read_dir(&demo).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     names.retain(|name| !name.to_string_lossy().ends_with(".md"));
     names.sort();
-    names.iter().for_each(|name| drop(std::fs::copy(demo.join(name), folder.join(name)).unwrap()));
+    for name in &names {
+        std::fs::copy(demo.join(name), folder.join(name)).unwrap();
+    }
     let scene = folder.join("scene.toml");
     let solve = || {
         let scene = load_scene(scene.to_str().unwrap(), &PackagePath::default()).map_err(|error| error.to_string())?;

@@ -13,7 +13,7 @@ use foliate::certify::{Certifier, CertifyOptions};
 use foliate::check::{CheckOptions, SceneChoice, check};
 use foliate::kernels::collision::CollisionScratch;
 use foliate::path_file::{PathContext, save, write_path};
-use foliate::scene::{MeshCache, PackagePath, load_scene, load_scene_text, read_model};
+use foliate::scene::{MeshCache, PackagePath, UpAxis, load_scene, load_scene_text, read_model};
 use mutate::fuzz;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -67,7 +67,9 @@ fn urdf() {
     let folder = Folder::new("urdf");
     let mut good = files("scenes/demo", "urdf", 64 << 10);
     good.extend(files("tests/bad_input", "urdf", 8 << 10));
-    fuzz("urdf", &good, |bad| drop(read_model(&folder.write("bad.urdf", bad), None, &PackagePath::default())));
+    fuzz("urdf", &good, |bad| {
+        drop(read_model(&folder.write("bad.urdf", bad), None, UpAxis::AsWritten, &PackagePath::default()))
+    });
 }
 
 #[test]
@@ -77,7 +79,7 @@ fn srdf() {
     let mut good = files("scenes/demo", "srdf", 64 << 10);
     good.extend(files("tests/bad_input", "srdf", 8 << 10));
     fuzz("srdf", &good, |bad| {
-        drop(read_model(&urdf, Some(&folder.write("bad.srdf", bad)), &PackagePath::default()));
+        drop(read_model(&urdf, Some(&folder.write("bad.srdf", bad)), UpAxis::AsWritten, &PackagePath::default()));
     });
 }
 
@@ -87,7 +89,7 @@ fn mesh(kind: &str, good: &[Vec<u8>]) {
     let urdf = folder.write("mesh.urdf", &meshed(&name));
     fuzz(kind, good, |bad| {
         folder.write(&name, bad);
-        drop(read_model(&urdf, None, &PackagePath::default()));
+        drop(read_model(&urdf, None, UpAxis::AsWritten, &PackagePath::default()));
     });
 }
 
@@ -226,7 +228,7 @@ fn cache() {
     let urdf = folder.write("mesh.urdf", &meshed("grid.obj"));
     let directory = folder.0.join("kept");
     let packages = PackagePath::default().with_mesh_cache(MeshCache::in_directory(&directory));
-    let read = || read_model(&urdf, None, &packages).expect("the grid is a mesh").model;
+    let read = || read_model(&urdf, None, UpAxis::AsWritten, &packages).expect("the grid is a mesh").model;
     let good = format!("{:?}", read());
     let entry = std::fs::read_dir(&directory).unwrap().map(|entry| entry.unwrap().path()).next().expect("it is kept");
     let bytes = std::fs::read(&entry).unwrap();

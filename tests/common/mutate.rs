@@ -9,7 +9,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
 /// Inputs of a short run.
-const SHORT: u64 = 300;
+const SHORT: u64 = 1500;
 /// Longest input, bytes.
 const LONGEST: usize = 64 << 10;
 /// Processor time that any input may take.
