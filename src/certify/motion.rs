@@ -168,7 +168,8 @@ impl Motion {
             let start = a.time.unwrap_or(index as f64);
             let duration = if points.len() == 1 { 1.0 } else { b.time.map_or(1.0, |end| end - start) };
             let ends = Ends { a, b, from: &from, to: &to, duration, straight };
-            let mut curves = ends.curves(interpolation).map_err(|(message, hint)| PointError::new(index, message, hint))?;
+            let mut curves =
+                ends.curves(interpolation).map_err(|(message, hint)| PointError::new(index, message, hint))?;
             let mut turning = Vec::with_capacity(roots.len());
             for root in &roots {
                 root.columns.iter().for_each(|&c| curves[c] = Curve::Quaternion);

@@ -141,7 +141,9 @@ impl JointNames {
         }
         let shown = quoted(name);
         match self.ambiguous.get(name) {
-            Some(meant) => Err((format!("several joints are called `{shown}`"), format!("name one: {}", meant.join(", ")))),
+            Some(meant) => {
+                Err((format!("several joints are called `{shown}`"), format!("name one: {}", meant.join(", "))))
+            }
             None => {
                 let hint = did_you_mean(name, self.full.iter().map(String::as_str));
                 Err((format!("the scene has no joint `{shown}`"), hint))

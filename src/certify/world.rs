@@ -17,7 +17,9 @@ use foliate_kernels::kinematics::{Carriage, Kinematics};
 pub enum CertifyError {
     #[error("{0}")]
     Name(#[from] UnknownName),
-    #[error("`{0}` cannot be carried: its root does not move freely in the scene; only parts with `root = \"freeflyer\"` can be attached")]
+    #[error(
+        "`{0}` cannot be carried: its root does not move freely in the scene; only parts with `root = \"freeflyer\"` can be attached"
+    )]
     NotFree(String),
     #[error("`{object}` cannot be carried by `{link}`, which moves with it")]
     CarriesItself { object: String, link: String },
@@ -69,11 +71,7 @@ impl Certifier {
             }
         }
         // No joint is locked: whatever the motion moves, moves.
-        let rule = PairRule {
-            ignored: &ignored,
-            margins: &problem.margins,
-            locked: &[],
-        };
+        let rule = PairRule { ignored: &ignored, margins: &problem.margins, locked: &[] };
         let scene = CollisionScene::new(robot, &rule);
         let counts = count(robot, &scene, touching);
         Ok(Self {

@@ -206,9 +206,9 @@ impl Reader<'_> {
     ) -> Result<(Vec<usize>, Vec<usize>), SceneError> {
         let (mut coordinates, mut kept, mut followers) = (Vec::new(), Vec::new(), Vec::new());
         for (column, name) in joints.iter().enumerate() {
-            let found = names.find(name).map_err(|(message, hint)| {
-                SceneError::new(self.file, format!("joint {column}"), message).hint(hint)
-            })?;
+            let found = names
+                .find(name)
+                .map_err(|(message, hint)| SceneError::new(self.file, format!("joint {column}"), message).hint(hint))?;
             match found {
                 Meaning::Coordinate(i) if coordinates.contains(&i) => {
                     let message = format!("`{}` is named a second time", quoted(name));
