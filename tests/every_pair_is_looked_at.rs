@@ -3,7 +3,7 @@
 //! is no number.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on says so")]
 
-use foliate::check::{CheckOptions, check_file};
+use foliate::check::{CheckOptions, CheckReport, check};
 use foliate::components::outcome::SearchOutcome;
 use foliate::path_file::{PathContext, PathFile, save, write_path};
 use foliate::scene::{PackagePath, Scene, load_scene};
@@ -61,14 +61,21 @@ impl Folder {
         file
     }
 
-    fn check(&self) -> foliate::check::CheckReport {
-        check_file(&self.0.join("path.json"), &PackagePath::only(&[]), &CheckOptions::default()).unwrap()
+    /// Proves a path with its own smallest clearance, against the scene beside it.
+    fn check(&self, file: &PathFile) -> CheckReport {
+        let options = CheckOptions { clearance: true, ..CheckOptions::default() };
+        check(file, &self.0, &PackagePath::only(&[]), &options).unwrap()
     }
 }
 
 fn solve(scene: &Scene, seed: u64) -> Solution {
     let settings = SearchSettings { seed, max_steps: 300, ..SearchSettings::default() };
-    Planner::new(scene.problem.clone()).unwrap().settings(settings).solve()
+    let mut solution = Planner::new(scene.problem.clone()).unwrap().settings(settings).solve();
+    // What the search itself proves is less, and true.
+    let proved = solution.path.as_ref().and_then(|path| path.certificate.min_clearance);
+    let found = solution.measure_clearance().map(|clearance| clearance.lower);
+    assert!(found >= proved && proved.is_none_or(|proved| proved > 0.0), "{proved:?} proved, {found:?} found");
+    solution
 }
 
 fn start_refused(scene: &Scene) -> String {
@@ -131,7 +138,7 @@ fn what_is_fixed_to_a_neighbour_is_in_the_way() {
     assert!(clearance.nearest.is_some_and(|n| n.clearance >= clearance.lower && n.clearance <= 0.111));
     let file = folder.write(&scene, &before);
     assert_eq!(file.certificate.pairs.as_ref().map(|p| (p.tested, p.same_body)), Some((2, 1)));
-    assert!(folder.check().passed());
+    assert!(folder.check(&file).passed());
 }
 
 /// A slider with a block on it, and two fingers that overlap by 20 mm where they stand at zero.
@@ -167,8 +174,7 @@ fn what_locked_joints_hold_together_is_tested_once_at_the_start() {
     let certificate = solution.path.as_ref().unwrap().certificate;
     assert_eq!((certificate.pairs.rigid, certificate.pairs.tested), (1, 2));
     assert!(certificate.min_clearance.is_some_and(|c| c <= 0.007 && c > 0.0062), "{certificate:?}");
-    folder.write(&scene, &solution);
-    assert!(folder.check().passed());
+    assert!(folder.check(&folder.write(&scene, &solution)).passed());
     // What the scene ignores is not tested.
     let ignored = format!("ignore = [[\"r/fa\", \"r/fb\"]]\n{part}[locked]\n\"r/a\" = 0.0\n[start]\n{SLIDES}");
     let pairs = solve(&folder.scene(&ignored), 1).path.unwrap().certificate.pairs;
@@ -244,8 +250,7 @@ fn claims_hold_beyond_the_margins_and_for_what_does_not_move() {
         for seed in 1..=20 {
             let solution = solve(&scene, seed);
             let claim = solution.path.as_ref().unwrap().certificate.min_clearance.unwrap();
-            folder.write(&scene, &solution);
-            let report = folder.check();
+            let report = folder.check(&folder.write(&scene, &solution));
             assert!(report.passed(), "seed {seed}: {report:?}");
             let measured = report.min_clearance.unwrap().value;
             assert!(claim <= measured + 1e-9, "seed {seed}: {claim} claimed, {measured} measured");
@@ -294,7 +299,7 @@ fn what_is_left_out_is_told_by_name() {
         "pairs of shapes: 1 tested; not tested: 1 ignored by the scene, 1 one rigid body",
         "cell/wall_0 and cell/carriage_0: ignored by the scene, and does not touch there",
         "cell/floor_0 and cell/wall_0: one rigid body",
-        "closest: cell/floor_0 and cell/carriage_0, 150.0",
+        "closest: cell/floor_0 and cell/carriage_0, 150.00 mm beyond their margin",
     ] {
         assert!(out.contains(line), "`{line}` is not in:\n{out}");
     }
@@ -343,8 +348,9 @@ fn a_leader_keeps_to_where_its_followers_keep_their_limits() {
     );
     let scene = half.scene(&text(0.025));
     let solution = solve(&scene, 1);
-    assert_eq!(half.write(&scene, &solution).limits["r/lead"], [0.0, 0.025]);
-    assert!(half.check().passed());
+    let file = half.write(&scene, &solution);
+    assert_eq!(file.limits["r/lead"], [0.0, 0.025]);
+    assert!(half.check(&file).passed());
     // One value: a warning with the line of the leader, and both ranges.
     let one = Folder::new("one", &[("r.urdf", &leader(&[(-1.0, 0.0, 0.04)]))]);
     let warning = one.scene(&text(0.0)).warnings[0].to_string();
@@ -357,11 +363,11 @@ fn a_leader_keeps_to_where_its_followers_keep_their_limits() {
     // None: an error with the line of the follower.
     let none = Folder::new("none", &[("r.urdf", &leader(&[(1.0, 0.0, 0.04), (1.0, 0.05, 0.06)]))]);
     let error = none.refused(&text(0.0));
-    for words in ["r.urdf:8: <joint name=\"j1\">", "[0, 0.04]", "[0.05, 0.06]"] {
+    for words in ["r.urdf:9: <joint name=\"j1\">", "[0, 0.04]", "[0.05, 0.06]"] {
         assert!(error.contains(words), "`{words}` is not in {error}");
     }
     let (code, _, err) = foliate(&none.0, &["inspect", "r.urdf"]);
-    assert!(code == Some(2) && err.contains("r.urdf:8"), "{err}");
+    assert!(code == Some(2) && err.contains("r.urdf:9"), "{err}");
     // Who does not follow has limits of its own.
     let free = none.scene(
         &text(0.03)
