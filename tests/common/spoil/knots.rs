@@ -28,7 +28,7 @@ pub fn joints(answer: &Answer) -> Vec<(usize, [f64; 2])> {
     };
     let locked = &answer.model.problem.graph.locked;
     let names: Vec<&str> =
-        locked.iter().map(|l| answer.model.problem.robot.joints[l.joint.at()].name.as_str()).collect();
+        locked.iter().map(|(joint, _)| answer.model.problem.robot.joints[joint.at()].name.as_str()).collect();
     let free = |(_, name): &(usize, &String)| !names.contains(&name.as_str());
     file.coordinates.iter().enumerate().filter(free).filter_map(of).collect()
 }
