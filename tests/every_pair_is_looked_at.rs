@@ -1,7 +1,7 @@
 //! Promise: a certificate says what it looked at, and looked at all of it. Nothing is free but what one joint joins and touches
 //! wherever it is; what locked joints hold together is tested once; what nobody moves counts too; a certificate over nothing
 //! is no number.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on says so")]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on says so")]
 
 use foliate::check::{CheckOptions, CheckReport, check};
 use foliate::components::outcome::SearchOutcome;
