@@ -8,8 +8,8 @@ use foliate::certify::{Attachment, Certifier, CertifyOptions, Interpolation, Mot
 use foliate::components::Pose;
 use foliate::components::problem::Problem;
 use foliate::kernels::collision::{Ask, CollisionScratch, PairId, pair_clearance};
-use foliate::kernels::kinematics::Kinematics;
 use foliate::kernels::collision::{CollisionScene, PairRule};
+use foliate::kernels::kinematics::Kinematics;
 use glam::DVec3;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -60,7 +60,9 @@ fn a_slider_meets_a_wall_when_it_does() {
 
 #[test]
 fn an_arm_meets_a_ball_when_it_does_and_margins_count() {
-    let swing = |problem: &Problem| motion(problem, &["robot/turn"], &[point(1.0, &[0.0]), point(3.0, &[2.0])], Interpolation::Auto);
+    let swing = |problem: &Problem| {
+        motion(problem, &["robot/turn"], &[point(1.0, &[0.0]), point(3.0, &[2.0])], Interpolation::Auto)
+    };
     let problem = arm("");
     assert_contact(&problem, &swing(&problem), 2.0 - 2.0 * 0.05_f64.asin());
     let margin = "margins = [{ pair = [\"robot/arm\", \"post/post\"], distance = 0.02 }]\n";
@@ -73,7 +75,12 @@ fn an_arm_meets_a_ball_when_it_does_and_margins_count() {
 #[test]
 fn the_depth_of_a_contact_is_that_of_the_deepest_place() {
     let problem = slider();
-    let there = motion(&problem, &["slide"], &[point(0.0, &[0.0]), point(1.0, &[0.93]), point(2.0, &[0.0])], Interpolation::Auto);
+    let there = motion(
+        &problem,
+        &["slide"],
+        &[point(0.0, &[0.0]), point(1.0, &[0.93]), point(2.0, &[0.0])],
+        Interpolation::Auto,
+    );
     let contact = certify(&problem, &there, &CertifyOptions::default()).contact.unwrap();
     let depth = contact.depth.unwrap();
     assert!((depth - 0.03).abs() < 1e-3 && depth <= 0.03 + 1e-9, "{depth}");
@@ -142,11 +149,8 @@ fn what_is_carried_collides_too() {
     let drive = motion(&problem, &["x", "z"], &points, Interpolation::Auto);
     // The hand alone is above the post: its lower side at 0.95, the post's top at 0.67.
     assert_eq!(certify(&problem, &drive, &CertifyOptions::default()).verdict, Verdict::Free);
-    let attach = |time: f64, link: Option<&str>| Attachment {
-        object: "load".into(),
-        link: link.map(str::to_owned),
-        time,
-    };
+    let attach =
+        |time: f64, link: Option<&str>| Attachment { object: "load".into(), link: link.map(str::to_owned), time };
     // The load hangs below it, its lower side at 0.7: free as well.
     let options = |attachments: Vec<Attachment>| CertifyOptions { attachments, ..CertifyOptions::default() };
     let carried = certify(&problem, &drive, &options(vec![attach(f64::NEG_INFINITY, Some("hand"))]));
@@ -304,7 +308,10 @@ fn samples_never_disagree() {
                     // A measured value, and no more than a tenth or a tenth of a millimetre above what is proved.
                     let at = motion.place(clearance.at.unwrap());
                     let there = sampler.distance(&motion, at);
-                    assert!(there <= measured + 2e-6 && there >= clearance.at_least, "round {round}: {there} {clearance:?}");
+                    assert!(
+                        there <= measured + 2e-6 && there >= clearance.at_least,
+                        "round {round}: {there} {clearance:?}"
+                    );
                     let allowed = (0.1 * measured).max(1e-4) + 1e-9;
                     assert!(clearance.at_least >= measured - allowed, "round {round}: {clearance:?} {least}");
                 }

@@ -181,7 +181,13 @@ impl<'a> Window<'a> {
     }
 
     /// A pair has come to a stand: where it is in contact just ahead, or where to go on.
-    fn push_on(&mut self, pair: PairId, (place, end): (f64, f64), speed: f64, budget: &mut Budget<'_>) -> Result<Met, f64> {
+    fn push_on(
+        &mut self,
+        pair: PairId,
+        (place, end): (f64, f64),
+        speed: f64,
+        budget: &mut Budget<'_>,
+    ) -> Result<Met, f64> {
         let mut by = RESOLUTION;
         let mut free = place;
         let mut ahead = place;

@@ -44,9 +44,7 @@ impl Placed<'_> {
         match self.geometry {
             Geometry::Sphere { radius } => radius - p.length(),
             Geometry::Box { half_extents } => (*half_extents - p.abs()).min_element(),
-            Geometry::Cylinder { radius, half_length } => {
-                (radius - p.truncate().length()).min(half_length - p.z.abs())
-            }
+            Geometry::Cylinder { radius, half_length } => (radius - p.truncate().length()).min(half_length - p.z.abs()),
             Geometry::Capsule { radius, half_length } => {
                 radius - p.distance(DVec3::Z * p.z.clamp(-half_length, *half_length))
             }

@@ -59,7 +59,12 @@ impl Drives {
 }
 
 impl Drive {
-    fn of(robot: &Robot, joint: &foliate_components::robot::Joint, motion: &Motion, turns: &[super::motion::Turn]) -> Self {
+    fn of(
+        robot: &Robot,
+        joint: &foliate_components::robot::Joint,
+        motion: &Motion,
+        turns: &[super::motion::Turn],
+    ) -> Self {
         let kind = match joint.motion {
             JointMotion::Revolute { .. } => Kind::Revolute,
             JointMotion::Prismatic { .. } => Kind::Prismatic,

@@ -135,9 +135,8 @@ fn derivative(
 ) -> (Option<Peak>, Option<LimitViolation>) {
     let slope = |p: Polynomial| if order == 1 { p.derivative() } else { p.derivative().derivative() };
     let signed = |sign: f64| {
-        axis.curves(motion).map(move |(start, duration, p)| {
-            (start, duration, slope(p).scaled(sign / duration.powi(order), 0.0))
-        })
+        axis.curves(motion)
+            .map(move |(start, duration, p)| (start, duration, slope(p).scaled(sign / duration.powi(order), 0.0)))
     };
     let mut peak: Option<Peak> = None;
     let mut broken: Option<LimitViolation> = None;

@@ -2,7 +2,9 @@
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot go on says so")]
 #![allow(dead_code, reason = "each test uses its part")]
 
-use foliate::certify::{Certifier, CertifyOptions, CertifyReport, Interpolation, Motion, Point, Turns, find_coordinate};
+use foliate::certify::{
+    Certifier, CertifyOptions, CertifyReport, Interpolation, Motion, Point, Turns, find_coordinate,
+};
 use foliate::components::problem::Problem;
 use foliate::kernels::collision::CollisionScratch;
 use foliate::scene::{PackagePath, load_scene_text};

@@ -42,7 +42,8 @@ type Failure = (String, &'static str);
 
 fn parse(content: &[u8]) -> Result<Array<'_>, Failure> {
     let short = || (String::from("ends before its header does"), "the file was cut off");
-    let rest = content.strip_prefix(b"\x93NUMPY").ok_or((String::from("is no NumPy array"), "it begins with \\x93NUMPY"))?;
+    let rest =
+        content.strip_prefix(b"\x93NUMPY").ok_or((String::from("is no NumPy array"), "it begins with \\x93NUMPY"))?;
     let (version, rest) = rest.split_at_checked(2).ok_or_else(short)?;
     let width = match version[0] {
         1 => 2,
@@ -74,7 +75,8 @@ fn parse(content: &[u8]) -> Result<Array<'_>, Failure> {
 /// What stands behind a key of the header.
 fn value<'a>(header: &'a str, key: &str) -> Result<&'a str, Failure> {
     let missing = || (format!("has a header without `{key}`"), "");
-    let behind = ['\'', '"'].into_iter().find_map(|q| header.split_once(&format!("{q}{key}{q}"))).ok_or_else(missing)?.1;
+    let behind =
+        ['\'', '"'].into_iter().find_map(|q| header.split_once(&format!("{q}{key}{q}"))).ok_or_else(missing)?.1;
     Ok(behind.trim_start().strip_prefix(':').ok_or_else(missing)?.trim_start())
 }
 
@@ -82,7 +84,8 @@ fn kind(text: &str) -> Result<Kind, Failure> {
     let quote = text.chars().next().filter(|c| *c == '\'' || *c == '"');
     let inner = quote.and_then(|q| text[1..].split(q).next()).unwrap_or(text);
     let refuse = || {
-        let hint = "floats of 4 or 8 bytes are read, and text for names: array.astype(float), or names without dtype=object";
+        let hint =
+            "floats of 4 or 8 bytes are read, and text for names: array.astype(float), or names without dtype=object";
         (format!("has elements of type `{}`", quoted(inner)), hint)
     };
     let mut letters = inner.chars();
@@ -276,9 +279,10 @@ mod archive {
                 let mut bytes = Vec::new();
                 let read = entry.take(self.left + 1).read_to_end(&mut bytes);
                 read.map_err(|e| fail(format!("cannot be unpacked: {e}")))?;
-                self.left = self.left.checked_sub(bytes.len() as u64).ok_or_else(|| {
-                    fail(format!("unpacks to more than {CAP} bytes")).hint("cut the motion up")
-                })?;
+                self.left = self
+                    .left
+                    .checked_sub(bytes.len() as u64)
+                    .ok_or_else(|| fail(format!("unpacks to more than {CAP} bytes")).hint("cut the motion up"))?;
                 let made = make(&bytes).map_err(|(message, hint)| fail(message).hint(hint))?;
                 return Ok(Some((name, made)));
             }

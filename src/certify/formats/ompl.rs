@@ -15,7 +15,8 @@ pub(super) fn read(file: &str, text: &str) -> Result<Table, SceneError> {
         if line.trim().is_empty() {
             continue;
         }
-        let fail = |message: String| SceneError::new(file, format!("state[{}]", table.points.len()), message).at(number);
+        let fail =
+            |message: String| SceneError::new(file, format!("state[{}]", table.points.len()), message).at(number);
         if table.points.len() == POINTS {
             return Err(fail(format!("more than {POINTS} states")));
         }
@@ -23,7 +24,8 @@ pub(super) fn read(file: &str, text: &str) -> Result<Table, SceneError> {
         for word in line.split_whitespace() {
             let value = word.parse::<f64>().ok().filter(|x| x.is_finite());
             let value = value.ok_or_else(|| {
-                fail(format!("`{}` is no finite number", quoted(word))).hint("a path matrix has numbers and blanks only")
+                fail(format!("`{}` is no finite number", quoted(word)))
+                    .hint("a path matrix has numbers and blanks only")
             })?;
             if positions.len() == COLUMNS {
                 return Err(fail(format!("more than {COLUMNS} numbers")));

@@ -10,9 +10,8 @@ use std::collections::BTreeMap;
 const SAME: f64 = 1e-3;
 
 pub(super) fn read(file: &str, text: &str) -> Result<Table, SceneError> {
-    let path: PathFile = serde_json::from_str(text).map_err(|e| {
-        SceneError::new(file, "path", format!("cannot be read: {e}")).at(u32::try_from(e.line()).ok())
-    })?;
+    let path: PathFile = serde_json::from_str(text)
+        .map_err(|e| SceneError::new(file, "path", format!("cannot be read: {e}")).at(u32::try_from(e.line()).ok()))?;
     if path.format != FORMAT {
         return Err(SceneError::new(file, "format", format!("is not `{FORMAT}`")));
     }
@@ -36,7 +35,9 @@ pub(super) fn read(file: &str, text: &str) -> Result<Table, SceneError> {
             }
         }
     }
-    table.notes.push(String::from("path file: its knots as they stand; its constraints are what `foliate check` proves"));
+    table
+        .notes
+        .push(String::from("path file: its knots as they stand; its constraints are what `foliate check` proves"));
     table.joints = Some(path.coordinates);
     Ok(table)
 }

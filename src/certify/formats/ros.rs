@@ -22,7 +22,12 @@ struct Message {
     joint_trajectory: Option<Joints>,
     multi_dof_joint_trajectory: Option<Roots>,
     trajectory_start: Option<State>,
-    #[serde(alias = "robot_trajectory", alias = "planned_trajectory", alias = "solution", alias = "motion_plan_response")]
+    #[serde(
+        alias = "robot_trajectory",
+        alias = "planned_trajectory",
+        alias = "solution",
+        alias = "motion_plan_response"
+    )]
     trajectory: Option<Messages>,
 }
 
@@ -163,9 +168,8 @@ impl<'de> Deserialize<'de> for Messages {
 }
 
 pub(super) fn read(file: &str, text: &str, robot: &Robot) -> Result<Table, SceneError> {
-    let message: Message = serde_json::from_str(text).map_err(|e| {
-        SceneError::new(file, "JSON", e.to_string()).at(u32::try_from(e.line()).ok())
-    })?;
+    let message: Message = serde_json::from_str(text)
+        .map_err(|e| SceneError::new(file, "JSON", e.to_string()).at(u32::try_from(e.line()).ok()))?;
     let mut reader = Reader { file, robot, table: Table { element: "points", ..Table::default() } };
     reader.message(message)?;
     if reader.table.points.is_empty() {
@@ -191,7 +195,9 @@ impl Reader<'_> {
             let JointState { name, position } = state.joint_state;
             self.table.start.extend(name.into_iter().zip(position));
             if !state.attached_collision_objects.is_empty() {
-                self.table.notes.push(String::from("attached objects of the file are not read: name them with --attach"));
+                self.table
+                    .notes
+                    .push(String::from("attached objects of the file are not read: name them with --attach"));
             }
         }
         let joints = match (message.joint_names, message.points) {
@@ -286,8 +292,12 @@ impl Reader<'_> {
         for ((transform, &planar), yaw) in root.transforms.iter().zip(planar).zip(yaws) {
             let (t, r) = (transform.translation, transform.rotation);
             let length = (r.x * r.x + r.y * r.y + r.z * r.z + r.w * r.w).sqrt();
-            if !((length - 1.0).abs() < 1e-3) {
-                return Err(self.fail(element(), format!("a rotation has length {length}")).hint("quaternions have length 1"));
+            // Compared so that NaN is refused.
+            let is_one = (length - 1.0).abs() < 1e-3;
+            if !is_one {
+                return Err(self
+                    .fail(element(), format!("a rotation has length {length}"))
+                    .hint("quaternions have length 1"));
             }
             let turned = DQuat::from_xyzw(r.x, r.y, r.z, r.w).normalize();
             if planar {
@@ -327,7 +337,9 @@ impl Reader<'_> {
             return Ok((name.to_owned(), (**only).clone()));
         }
         let hint = did_you_mean(name, moving.iter().map(|p| p.name.as_str()));
-        Err(self.fail("multi_dof_joint_trajectory.joint_names", format!("no part has a root `{}`", quoted(name))).hint(hint))
+        Err(self
+            .fail("multi_dof_joint_trajectory.joint_names", format!("no part has a root `{}`", quoted(name)))
+            .hint(hint))
     }
 
     fn is_planar(&self, part: &Part) -> bool {
