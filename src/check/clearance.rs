@@ -284,7 +284,7 @@ mod tests {
             models: &models,
             seed: 1,
             scheduler: "mrrt",
-            simd: foliate_kernels::lanes::Level::detected().name(),
+            simd: "none",
         };
         write_path(&context, &planner.solve().path.unwrap())
     }
