@@ -1,5 +1,6 @@
 //! `foliate solve`: plan for a scene, say what was found, write the path.
 
+use super::coverage::LeftOut;
 use super::summary::{self, Loaded};
 use super::{Ending, Refusal, interrupt, print, print_json, say};
 use foliate::components::outcome::SearchOutcome;
@@ -31,6 +32,12 @@ pub(crate) struct Arguments {
     /// Write the path to this file
     #[arg(long, value_name = "PATH.json")]
     out: Option<PathBuf>,
+    /// Say how close things come, to within a tenth or 0.1 mm, and where on the path
+    #[arg(long)]
+    clearance: bool,
+    /// List every pair of collision shapes that is not tested, with the reason
+    #[arg(long)]
+    pairs: bool,
     /// One JSON object instead of text
     #[arg(long)]
     json: bool,
@@ -167,6 +174,10 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     }
     let tables = Arc::new(ProblemTables::new(scene.problem.clone()));
     let load_time = started.elapsed();
+    let left_out = LeftOut::of(&tables);
+    for warning in left_out.warnings(&scene.problem.robot) {
+        say(&format!("warning: {warning}\n"));
+    }
     // The limit is that of everything, reading included.
     let planner = arguments.search.planner(tables)?.time_limit(limit.saturating_sub(load_time));
     let solution = solve(planner, &arguments.search, !arguments.json)?;
@@ -174,7 +185,9 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     if let (Some(out), Some(_)) = (&arguments.out, &solution.path) {
         write(out, &scene, &planner, &solution, &arguments.search)?;
     }
-    let loaded = Loaded { scene: &scene, load_time };
+    let clearance = if arguments.clearance { solution.clearance() } else { None };
+    let left_out = arguments.pairs.then_some(&left_out);
+    let loaded = Loaded { scene: &scene, load_time, clearance: clearance.as_ref(), left_out };
     if arguments.json {
         print_json(&summary::json(&loaded, &arguments.search, &solution))?;
     } else {

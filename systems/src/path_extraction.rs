@@ -50,7 +50,7 @@ pub fn extract_path(
     path.certificate = certificate;
     unwrap_coordinates(model, &mut path);
     // Of the path as it is written: what the search knows of its motions is less, and of other pairs and poses.
-    path.certificate.min_clearance = path_clearance(model, settings, &path).map(|found| found.lower);
+    path.certificate.min_clearance = path_clearance(model, &path).map(|found| found.lower);
     path.certificate.pairs = pair_counts(model, &path);
     Some(path)
 }

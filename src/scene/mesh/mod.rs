@@ -178,7 +178,7 @@ impl<'a> Meshes<'a> {
         Ok(loaded)
     }
 
-    /// The mesh of a file, from the cache where it is there (else it is there afterwards), and the SHA-256 of the file.
+    /// The mesh of a file, with what the cache knows of it (or else does afterwards), and the SHA-256 of the file.
     fn open(&mut self, path: &Path, request: &MeshRequest<'_>) -> Result<(Mesh, [u8; 32]), SceneError> {
         let reader = Reader::of(path)?;
         let [bytes, entry] = &mut self.buffers;
@@ -189,23 +189,25 @@ impl<'a> Meshes<'a> {
             return Err(SceneError::new(path.display().to_string(), "file", "has changed while the model was read"));
         }
         let cache = self.packages.mesh_cache().filter(|_| bytes.len() >= SMALLEST_FILE);
-        let Some(cache) = cache else {
-            let mesh = meant(reader.read(path, std::mem::take(bytes), request.up_axis)?, request);
-            return Ok((mesh, sum));
-        };
-        let key = Key::new(&sum, reader.name(), request.up_axis, request.scale);
-        match cache.find(&key, request.url, entry) {
-            Kept::Mesh(mesh) => return Ok((mesh, sum)),
-            Kept::Bad(why) => {
-                let entry = cache.path(&key).display().to_string();
-                let remark = SceneError::new(entry, "kept mesh", format!("is not used: {why}"));
-                self.remarks.push(remark.hint("it is written anew"));
-            }
-            Kept::Nothing => {}
-        }
         let mut mesh = meant(reader.read(path, std::mem::take(bytes), request.up_axis)?, request);
+        let Some(cache) = cache else { return Ok((mesh, sum)) };
+        let key = Key::new(&sum, reader.name(), request.up_axis, request.scale);
+        let why = match cache.find(&key, entry) {
+            Kept::Record(record) if mesh_record::proves(&mesh, &record) => {
+                mesh.record = Some(record);
+                return Ok((mesh, sum));
+            }
+            Kept::Record(_) => Some("what it says of the mesh does not hold".to_owned()),
+            Kept::Bad(why) => Some(why),
+            Kept::Nothing => None,
+        };
+        if let Some(why) = why {
+            let entry = cache.path(&key).display().to_string();
+            let remark = SceneError::new(entry, "kept mesh", format!("is not used: {why}"));
+            self.remarks.push(remark.hint("it is written anew"));
+        }
         mesh.record = mesh_record::record(&mesh);
-        self.has_kept |= cache.keep(&key, &mesh);
+        self.has_kept |= mesh.record.as_ref().is_some_and(|record| cache.keep(&key, record));
         Ok((mesh, sum))
     }
 
