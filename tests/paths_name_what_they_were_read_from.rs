@@ -66,7 +66,7 @@ impl Folder {
 
     /// What a scene's error says.
     fn refused(&self, part: &str) -> String {
-        load(&self.scene(0.0, part)).err().expect("a refusal").to_string()
+        load(&self.scene(0.0, part)).expect_err("a refusal").to_string()
     }
 }
 
@@ -117,11 +117,10 @@ fn an_environments_joints_stand_in_the_file_where_the_scene_has_them() {
     let folder = Folder::new();
     let out = folder.0.join("out/path.json");
     // Shut, the leaf is in the way of everything at y = 0; open, nothing is.
-    let open =
-        load(&folder.scene(0.0, "name = \"door\"\nurdf = \"door.urdf\"\nvalues = { hinge = 1.5707963 }")).unwrap();
+    let open = load(&folder.scene(0.0, "name = \"door\"\nurdf = \"door.urdf\"\nvalues = { hinge = 1.5 }")).unwrap();
     let file = planned(&open, &out);
     assert_eq!(file.coordinates, ["g/jx", "g/jy", "g/jz", "door/hinge"]);
-    assert!(file.segments.iter().flat_map(|s| &s.knots).all(|knot| knot[3] == 1.570_796_3));
+    assert!(file.segments.iter().flat_map(|s| &s.knots).all(|knot| knot[3] == 1.5));
     assert!(proved(&straight(&file), &folder.0.join("out")).passed());
     // The other way round: the open leaf stands where nothing stands when it is shut.
     let along = load(&folder.scene(-0.8, "name = \"door\"\nurdf = \"door.urdf\"\nvalues = { hinge = -1.0 }")).unwrap();

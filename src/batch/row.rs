@@ -155,7 +155,7 @@ impl Row {
         else {
             return None;
         };
-        let time = |cell: &String| Some(Duration::try_from_secs_f64(cell.parse::<f64>().ok()? * 1e-3).ok()?);
+        let time = |cell: &String| Duration::try_from_secs_f64(cell.parse::<f64>().ok()? * 1e-3).ok();
         let work = || {
             Some(Work {
                 steps: steps.parse().ok()?,

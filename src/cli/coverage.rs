@@ -1,8 +1,35 @@
 //! Which pairs of shapes were looked at, in words and for machines.
 
-use foliate::components::coverage::{LeftOut, LeftOutPair, PairCounts};
+use foliate::components::coverage::{self, LeftOutPair, PairCounts};
 use foliate::components::robot::{PartKind, Robot, ShapeIndex};
+use foliate::inspection;
+use foliate::systems::model::ProblemTables;
 use serde_json::{Value, json};
+
+/// The pairs that a problem leaves out.
+pub(crate) struct LeftOut {
+    /// All of them.
+    pub pairs: Vec<LeftOutPair>,
+    /// Those that somebody decided to leave out although they do not touch at the start.
+    pub apart: Vec<LeftOutPair>,
+}
+
+impl LeftOut {
+    pub(crate) fn of(tables: &ProblemTables) -> Self {
+        let (pairs, problem) = (tables.left_out(), &tables.problem);
+        let is_whole = problem.start.len() == problem.robot.space.size();
+        let apart = match is_whole && problem.start.iter().all(|x| x.is_finite()) {
+            true => inspection::apart(&problem.robot, &tables.collision, &pairs, &problem.start),
+            false => Vec::new(),
+        };
+        Self { pairs, apart }
+    }
+
+    /// What a user should know before believing a certificate.
+    pub(crate) fn warnings(&self, robot: &Robot) -> Vec<String> {
+        without_shapes(robot).into_iter().chain(apart_warning(&self.apart, "the start")).collect()
+    }
+}
 
 /// How many pairs were tested, and how many were not, by reason.
 pub(crate) fn sentence(counts: &PairCounts) -> String {
@@ -19,11 +46,11 @@ pub(crate) fn sentence(counts: &PairCounts) -> String {
         tested.push_str(&format!(" (without their margins where they touch: {})", without.join(", ")));
     }
     let reasons = [
-        (counts.srdf, LeftOut::Srdf),
-        (counts.adjacent, LeftOut::Adjacent),
-        (counts.ignored, LeftOut::Ignored),
-        (counts.same_body, LeftOut::SameBody),
-        (counts.environment, LeftOut::Environment),
+        (counts.srdf, coverage::LeftOut::Srdf),
+        (counts.adjacent, coverage::LeftOut::Adjacent),
+        (counts.ignored, coverage::LeftOut::Ignored),
+        (counts.same_body, coverage::LeftOut::SameBody),
+        (counts.environment, coverage::LeftOut::Environment),
     ];
     let left: Vec<_> =
         reasons.iter().filter(|(n, _)| *n > 0).map(|(n, why)| format!("{n} {}", why.describe())).collect();
@@ -32,7 +59,7 @@ pub(crate) fn sentence(counts: &PairCounts) -> String {
 
 /// The warning about pairs that are left out although they do not touch somewhere.
 pub(crate) fn apart_warning(apart: &[LeftOutPair], place: &str) -> Option<String> {
-    let reasons = [LeftOut::Srdf, LeftOut::Adjacent, LeftOut::Ignored];
+    let reasons = [coverage::LeftOut::Srdf, coverage::LeftOut::Adjacent, coverage::LeftOut::Ignored];
     let counts = reasons.map(|why| (apart.iter().filter(|pair| pair.why == why).count(), why.describe()));
     let counts: Vec<_> = counts.iter().filter(|(n, _)| *n > 0).map(|(n, why)| format!("{n} {why}")).collect();
     (!apart.is_empty()).then(|| {
@@ -51,7 +78,7 @@ pub(crate) fn line<'a>(pair: &LeftOutPair, apart: &[LeftOutPair], name: impl Fn(
 }
 
 /// Remarks about parts of which nothing is ever tested.
-pub(crate) fn without_shapes(robot: &Robot) -> Vec<String> {
+fn without_shapes(robot: &Robot) -> Vec<String> {
     let kinds = [(PartKind::Robot, "robot"), (PartKind::Object, "object")];
     let of_kind = |(kind, word): (PartKind, &'static str)| {
         robot
@@ -83,11 +110,11 @@ pub(crate) fn list_json<'a>(
 ) -> Vec<Value> {
     let entry = |pair: &LeftOutPair| {
         let why = match pair.why {
-            LeftOut::SameBody => "same_body",
-            LeftOut::Environment => "environment",
-            LeftOut::Srdf => "srdf",
-            LeftOut::Adjacent => "adjacent",
-            LeftOut::Ignored => "ignored",
+            coverage::LeftOut::SameBody => "same_body",
+            coverage::LeftOut::Environment => "environment",
+            coverage::LeftOut::Srdf => "srdf",
+            coverage::LeftOut::Adjacent => "adjacent",
+            coverage::LeftOut::Ignored => "ignored",
         };
         json!({ "first": name(pair.first), "second": name(pair.second), "why": why, "apart": apart.contains(pair) })
     };

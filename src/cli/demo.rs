@@ -1,7 +1,7 @@
 //! `foliate demo`: the embedded scene, explained.
 
 use super::solve::{self, SearchArguments};
-use super::{Ending, Refusal, print, story};
+use super::{Ending, Refusal, print, story, summary};
 use foliate::scene::{PackagePath, load_scene};
 use foliate::systems::model::ProblemTables;
 use std::path::PathBuf;
@@ -33,7 +33,8 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
         model.graph.states.len(),
         model.graph.transitions.len()
     ));
-    let (planner, solution) = solve::solve(planner, &arguments.search, true)?;
+    let (planner, mut solution) = solve::solve(planner, &arguments.search, true)?;
+    let _measured = solution.measure_clearance();
     let report = &solution.report;
     let Some(path) = &solution.path else {
         print(&format!("No answer: {} after {} candidates.\n", solution.outcome.name(), report.candidates));
@@ -43,7 +44,7 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     print(&format!(
         "Solved in {:.0} ms: {} extensions were tried, {} configurations on {} leaves were reached.\n\n\
          What the robot does ({} motions):\n{}\n\
-         Proven between the samples too, along every motion: joint limits are kept, nothing comes closer than {:.0} µm,\n\
+         Proven between the samples too, along every motion: joint limits are kept, nothing comes closer than {},\n\
          and no constraint is off by more than {:.1e} (m, rad).\n\n\
          The same seed gives the same answer on any number of threads. Try another: foliate demo --seed 2\n",
         report.time().as_secs_f64() * 1e3,
@@ -52,7 +53,7 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
         report.leaves,
         path.segments.len(),
         story::tell(&solution.model, path),
-        certificate.min_clearance.unwrap_or_default() * 1e6,
+        summary::distance(certificate.min_clearance.unwrap_or_default()),
         certificate.max_residual,
     ));
     if let Some(out) = &arguments.out {

@@ -1,9 +1,12 @@
 //! What a search has found, for people and for machines.
 
+use super::coverage::{self, LeftOut};
 use super::solve::SearchArguments;
 use super::story;
 use foliate::components::outcome::{Rejection, SearchOutcome};
+use foliate::components::robot::ShapeIndex;
 use foliate::scene::Scene;
+use foliate::systems::path_clearance::PathClearance;
 use foliate::systems::worlds::WorldCount;
 use foliate::{FunnelRow, GoalReport, Solution, StateRow};
 use serde_json::{Value, json};
@@ -15,6 +18,19 @@ pub(crate) struct Loaded<'a> {
     pub scene: &'a Scene,
     /// Reading, graph building and tables.
     pub load_time: Duration,
+    /// How close things come along the path, where that is asked.
+    pub clearance: Option<&'a PathClearance>,
+    /// The pairs that are left out, where they are asked for.
+    pub left_out: Option<&'a LeftOut>,
+}
+
+/// A distance as people read it.
+pub(crate) fn distance(metres: f64) -> String {
+    match metres.abs() {
+        m if m >= 1.0 => format!("{metres:.2} m"),
+        m if m >= 1e-3 => format!("{:.2} mm", metres * 1e3),
+        _ => format!("{:.1} µm", metres * 1e6),
+    }
 }
 
 /// The summary for people.
@@ -57,20 +73,65 @@ pub(crate) fn text(loaded: &Loaded<'_>, solution: &Solution) -> String {
             report.path_length.unwrap_or_default()
         );
         let c = &path.certificate;
-        let clearance =
-            c.min_clearance.map_or("no pair tested".to_owned(), |c| format!("clearance beyond margins ≥ {c:.1e} m"));
+        let clearance = match c.min_clearance {
+            Some(clearance) => format!("clearance beyond margins ≥ {}", distance(clearance)),
+            None => "no pair of shapes was tested: nothing is said about collisions".to_owned(),
+        };
         let _ = writeln!(
             out,
             "  certificate: joint limits kept, residual ≤ {:.1e} (allowed {:.1e}), {clearance}",
             c.max_residual, c.path_tolerance
         );
+        let _ = writeln!(out, "  pairs of shapes: {}", coverage::sentence(&c.pairs));
+        out.push_str(&closest(loaded, solution));
         let _ = writeln!(out, "  what happens:");
         out.push_str(&story::tell(&solution.model, path));
+    }
+    if let Some(left_out) = loaded.left_out {
+        let _ = writeln!(out, "  not tested:");
+        for pair in &left_out.pairs {
+            let _ = writeln!(out, "    {}", coverage::line(pair, &left_out.apart, |shape| name(loaded, shape)));
+        }
     }
     if !report.funnel.is_empty() {
         out.push_str(&funnel(&report.funnel, solution.outcome == SearchOutcome::Solved));
     }
     out
+}
+
+fn name<'a>(loaded: &'a Loaded<'_>, shape: ShapeIndex) -> &'a str {
+    &loaded.scene.problem.robot.shapes[shape.at()].name
+}
+
+/// Where things come closest, where that was asked.
+fn closest(loaded: &Loaded<'_>, solution: &Solution) -> String {
+    let Some((clearance, path)) = loaded.clearance.zip(solution.path.as_ref()) else { return String::new() };
+    let Some(nearest) = clearance.nearest else { return String::new() };
+    let (first, second) = nearest.shapes;
+    let pieces = path.segments[nearest.segment].knots.len().saturating_sub(1).max(1);
+    format!(
+        "  closest: {} and {}, {} beyond their margin (no pair anywhere less than {}), at {:.0} % of motion {} of {}\n",
+        name(loaded, first),
+        name(loaded, second),
+        distance(nearest.clearance),
+        distance(clearance.lower),
+        100.0 * nearest.t / pieces as f64,
+        nearest.segment + 1,
+        path.segments.len()
+    )
+}
+
+fn closest_json(loaded: &Loaded<'_>) -> Option<Value> {
+    let clearance = loaded.clearance?;
+    let nearest = clearance.nearest.as_ref();
+    Some(json!({
+        "lower": clearance.lower,
+        "upper": nearest.map(|n| n.clearance),
+        "first": nearest.map(|n| name(loaded, n.shapes.0)),
+        "second": nearest.map(|n| name(loaded, n.shapes.1)),
+        "segment": nearest.map(|n| n.segment),
+        "t": nearest.map(|n| n.t),
+    }))
 }
 
 /// The funnel: what became of the candidates, per transition. Short when the problem is solved.
@@ -125,8 +186,11 @@ pub(crate) fn json(loaded: &Loaded<'_>, search: &SearchArguments, solution: &Sol
             "max_residual": c.max_residual,
             "min_clearance": c.min_clearance,
             "joint_limits": "within",
+            "pairs": coverage::counts_json(&c.pairs),
         })
     });
+    let left_out =
+        loaded.left_out.map(|left| coverage::list_json(&left.pairs, &left.apart, |shape| name(loaded, shape)));
     let funnel: Vec<Value> = report.funnel.iter().map(funnel_json).collect();
     let states: Vec<Value> = report.states.iter().map(state_json).collect();
     json!({
@@ -153,6 +217,8 @@ pub(crate) fn json(loaded: &Loaded<'_>, search: &SearchArguments, solution: &Sol
         "states": states,
         "goals": goals_json(&report.goals),
         "certificate": certificate,
+        "clearance": closest_json(loaded),
+        "pairs_left_out": left_out,
     })
 }
 

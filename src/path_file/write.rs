@@ -2,11 +2,12 @@
 
 use super::constraint::entries;
 use super::{
-    AttachmentEntry, CertificateEntry, Documents, FORMAT, GripperEntry, HandleEntry, PartEntry, PathFile, PoseRow,
-    SceneFileEntry, SegmentEntry, SurfaceEntry,
+    AttachmentEntry, CertificateEntry, Documents, FORMAT, GripperEntry, HandleEntry, PairsEntry, PartEntry, PathFile,
+    PoseRow, SceneFileEntry, SegmentEntry, SurfaceEntry,
 };
 use crate::scene::{UpAxis, coordinate_names};
 use foliate_components::Pose;
+use foliate_components::coverage::PairCounts;
 use foliate_components::graph::ConstraintGraph;
 use foliate_components::path::{Attachment, ManipulationPath, Segment};
 use foliate_components::pose::pose_to_array;
@@ -107,9 +108,14 @@ pub fn write_path(context: &PathContext<'_>, path: &ManipulationPath) -> PathFil
             max_residual: path.certificate.max_residual,
             min_clearance: path.certificate.min_clearance,
             joint_limits: "within".into(),
-            pairs: None,
+            pairs: Some(pairs(&path.certificate.pairs)),
         },
     }
+}
+
+fn pairs(counts: &PairCounts) -> PairsEntry {
+    let &PairCounts { tested, rigid, same_body, environment, srdf, adjacent, ignored, grasped, placed } = counts;
+    PairsEntry { tested, rigid, same_body, environment, srdf, adjacent, ignored, grasped, placed }
 }
 
 fn limits(robot: &Robot) -> BTreeMap<String, [f64; 2]> {

@@ -6,7 +6,6 @@
 
 use crate::membership::parameter_of;
 use crate::model::{Model, hanging};
-use crate::settings::SearchSettings;
 use foliate_components::Pose;
 use foliate_components::coverage::PairCounts;
 use foliate_components::path::{ManipulationPath, Segment};
@@ -44,17 +43,16 @@ pub struct NearestOnPath {
 /// # Panics
 /// If the path is not one of the model's: its ids and its knots' lengths.
 #[must_use]
-pub fn path_clearance(model: &Model, settings: &SearchSettings, path: &ManipulationPath) -> Option<PathClearance> {
+pub fn path_clearance(model: &Model, path: &ManipulationPath) -> Option<PathClearance> {
     if model.collision.counts().looked_at() == 0 {
         return None;
     }
-    let mut scratch = CollisionScratch::at_level(settings.level);
+    let mut scratch = CollisionScratch::new();
     let mut least = PathClearance { lower: f64::INFINITY, nearest: None };
-    let minimum = MinimumSettings {
-        // As the certificates of motions have it.
-        tied_within: settings.path_tolerance + 4.0 * settings.projection_tolerance,
-        ..MinimumSettings::default()
-    };
+    // Where a motion begins and anywhere along it each row of a relative pose is off by no more than the largest residual:
+    // three rows make a vector, and the difference of two is looked for.
+    let tied_within = 4.0 * path.certificate.max_residual;
+    let minimum = MinimumSettings { tied_within, ..MinimumSettings::default() };
     for (number, segment) in path.segments.iter().enumerate() {
         let below = least.nearest.map_or(minimum.below, |nearest| nearest.clearance);
         let minimum = MinimumSettings { below, ..minimum };

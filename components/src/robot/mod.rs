@@ -4,6 +4,7 @@
 //! any number of models into one tree, numbers their coordinates and absorbs fixed joints into bodies. The result is
 //! immutable during a search.
 
+pub mod closed_surface;
 mod compose;
 mod follower_limits;
 mod joined_links;

@@ -23,9 +23,21 @@ impl Positions {
     /// The number under which the position is known; from now on that is `next` where it was not.
     #[inline]
     pub fn number(&mut self, position: DVec3, next: u32) -> u32 {
-        // Adding zero makes −0 and 0 the same.
-        *self.known.entry(position.to_array().map(|c| (c + 0.0).to_bits())).or_insert(next)
+        *self.known.entry(bits(position)).or_insert(next)
     }
+
+    /// The number under which the position is known.
+    #[inline]
+    #[must_use]
+    pub fn get(&self, position: DVec3) -> Option<u32> {
+        self.known.get(&bits(position)).copied()
+    }
+}
+
+#[inline]
+fn bits(position: DVec3) -> [u64; 3] {
+    // Adding zero makes −0 and 0 the same.
+    position.to_array().map(|c| (c + 0.0).to_bits())
 }
 
 /// For every point the first one that is at its position.

@@ -1,7 +1,7 @@
 //! Solids: primitives with their own frame in the middle, z along the axis (URDF's convention), and triangle meshes.
 
+use super::closed_surface::Surface;
 use super::mesh_record::MeshRecord;
-use super::positions::first_at_position;
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -45,51 +45,31 @@ pub struct Mesh {
     pub vertices: Vec<DVec3>,
     /// Triangles, counter-clockwise seen from outside. Every index is below `vertices.len()`.
     pub triangles: Vec<[u32; 3]>,
-    /// Whether every edge is shared by exactly two triangles, so that the mesh bounds a solid.
+    /// Whether the mesh bounds a solid ([`Surface::of`](super::closed_surface::Surface::of)).
     pub closed: bool,
     /// What was found out about vertices and triangles before, so that it need not be again. Whoever uses it proves it first.
     pub record: Option<MeshRecord>,
 }
 
 impl Mesh {
-    /// A mesh from triangles, with `closed` found from its edges. Vertices at the same position count as one.
+    /// A mesh from triangles, with `closed` found from its edges. Vertices at the same position count as one; of triangles that are
+    /// there several times one is kept.
     ///
     /// # Panics
     /// Never: triangles whose indices are out of range are dropped.
     #[must_use]
-    pub fn new(source: String, vertices: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Self {
+    pub fn new(source: String, vertices: Vec<DVec3>, mut triangles: Vec<[u32; 3]>) -> Self {
         let count = vertices.len() as u32;
-        let triangles: Vec<_> = triangles.into_iter().filter(|t| t.iter().all(|&i| i < count)).collect();
-        let closed = is_closed(&vertices, &triangles);
-        Self { source, vertices, triangles, closed, record: None }
+        triangles.retain(|t| t.iter().all(|&i| i < count));
+        let surface = Surface::of(&vertices, &triangles);
+        let mut doubled = surface.doubled.iter().copied().peekable();
+        let mut number = 0;
+        triangles.retain(|_| {
+            number += 1;
+            doubled.next_if_eq(&(number - 1)).is_none()
+        });
+        Self { source, vertices, triangles, closed: surface.closed, record: None }
     }
-}
-
-/// Whether the triangles bound a solid: every undirected edge (by position) belongs to exactly two triangles.
-fn is_closed(vertices: &[DVec3], triangles: &[[u32; 3]]) -> bool {
-    let same = first_at_position(vertices);
-    let corners = triangles.iter().map(|t| t.map(|i| same[i as usize]));
-    // Triangles with two corners at one position bound nothing.
-    let edges = corners.filter(|[a, b, c]| a != b && b != c && c != a).flat_map(|[a, b, c]| [(a, b), (b, c), (c, a)]);
-    let edges = edges.map(|(a, b)| (a.min(b), a.max(b)));
-    // Sorted by the lower end, by counting; those of one vertex are few.
-    let mut ends = vec![0_usize; vertices.len() + 1];
-    edges.clone().for_each(|(low, _)| ends[low as usize + 1] += 1);
-    for vertex in 0..vertices.len() {
-        ends[vertex + 1] += ends[vertex];
-    }
-    let count = ends[vertices.len()];
-    let mut highs = vec![0_u32; count];
-    let mut next = ends.clone();
-    for (low, high) in edges {
-        highs[next[low as usize]] = high;
-        next[low as usize] += 1;
-    }
-    let twice = |of_vertex: &mut [u32]| {
-        of_vertex.sort_unstable();
-        of_vertex.chunk_by(|a, b| a == b).all(|edge| edge.len() == 2)
-    };
-    count > 0 && ends.windows(2).all(|range| twice(&mut highs[range[0]..range[1]]))
 }
 
 impl Geometry {

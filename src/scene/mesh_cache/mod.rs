@@ -1,9 +1,9 @@
-//! Meshes on disk as they were read once, with what their trees are built from, under the SHA-256 of the file that they come from.
+//! What trees of meshes are built from, on disk, under the SHA-256 of the file that a mesh comes from.
 //!
-//! A file of a mesh is always read, for its SHA-256; what is spared is to understand it and to search its hull. Only what follows from
-//! the bytes of the file and the way they are read is kept. An entry is foreign input: it counts for nothing unless its key, its lengths,
-//! its checksum and every number in it are right and its record is proved ([`foliate_kernels::collision::mesh_record::proves`]), and what
-//! is not right is found anew and written over. No failure of the disk is an error.
+//! A mesh's file is always read and understood: vertices and triangles are never kept. What is spared is to search for its hull and for
+//! the order of its tree. Whoever may write into the directory can make nobody believe in another shape: a record counts for nothing
+//! unless it is proved of the mesh that was read ([`foliate_kernels::collision::mesh_record::proves`]), and one that is proved changes no
+//! distance. What is not right is found anew and written over. No failure of the disk is an error.
 
 mod directory;
 mod entry;
@@ -11,7 +11,6 @@ mod entry;
 use super::mesh::UpAxis;
 use super::package::user_cache;
 use foliate_components::robot::mesh_record::MeshRecord;
-use foliate_components::robot::shape::Mesh;
 use glam::DVec3;
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
@@ -23,9 +22,9 @@ const LARGEST_ENTRY: u64 = 64 << 20;
 /// Most bytes of all entries together, unless told otherwise.
 const MOST_BYTES: u64 = 256 << 20;
 /// Counts changes of how files of meshes are read; entries of other versions are not found.
-const READING_VERSION: u32 = 1;
+const READING_VERSION: u32 = 2;
 
-/// A directory in which meshes are kept between runs. Nothing is written by a library that was not given one:
+/// A directory in which what was found about meshes is kept between runs; never the meshes themselves. Nothing is written by a library that was not given one:
 /// [`PackagePath::with_mesh_cache`](super::PackagePath::with_mesh_cache).
 ///
 /// Everything in it may be deleted at any time. Processes may share it.
@@ -41,8 +40,8 @@ pub(crate) struct Key([u8; 32]);
 
 /// What there is under a key.
 pub(crate) enum Kept {
-    /// A mesh, with a record that is proved.
-    Mesh(Mesh),
+    /// What somebody says of the mesh: to be proved.
+    Record(MeshRecord),
     /// An entry that is not what it should be, and why.
     Bad(String),
     Nothing,
@@ -74,22 +73,22 @@ impl MeshCache {
         &self.directory
     }
 
-    /// What is kept for a mesh. `source` is what the model calls it; `buffer` is written over.
-    pub(crate) fn find(&self, key: &Key, source: &str, buffer: &mut Vec<u8>) -> Kept {
+    /// What is kept for a mesh. `buffer` is written over.
+    pub(crate) fn find(&self, key: &Key, buffer: &mut Vec<u8>) -> Kept {
         match directory::read(&self.path(key), LARGEST_ENTRY, buffer) {
             Ok(true) => {}
             Ok(false) => return Kept::Nothing,
             Err(why) => return Kept::Bad(why),
         }
-        match entry::read(buffer, key, source) {
-            Ok(mesh) => Kept::Mesh(mesh),
+        match entry::read(buffer, key) {
+            Ok(record) => Kept::Record(record),
             Err(why) => Kept::Bad(why.into()),
         }
     }
 
-    /// Keeps a mesh that has a record; whether it is kept. What is there already is replaced.
-    pub(crate) fn keep(&self, key: &Key, mesh: &Mesh) -> bool {
-        let Some(bytes) = entry::write(key, mesh).filter(|bytes| bytes.len() as u64 <= LARGEST_ENTRY) else {
+    /// Keeps a record; whether it is kept. What is there already is replaced.
+    pub(crate) fn keep(&self, key: &Key, record: &MeshRecord) -> bool {
+        let Some(bytes) = entry::write(key, record).filter(|bytes| bytes.len() as u64 <= LARGEST_ENTRY) else {
             return false;
         };
         directory::write(&self.directory, &key.name(), &bytes).is_ok()
