@@ -29,11 +29,18 @@ pub(super) struct Wanted {
     pub enough: f64,
     pub open: f64,
     pub share: f64,
+    /// Radii around the pieces, metres: not part of the distance that shares are of.
+    pub around: f64,
 }
 
 impl Wanted {
     fn met(&self, bounds: &Bounds) -> bool {
-        bounds.lower >= self.enough || bounds.upper - bounds.lower <= self.open + self.share * bounds.upper.max(0.0)
+        bounds.lower >= self.enough || bounds.lower >= bounds.upper - self.slack(bounds.upper)
+    }
+
+    /// How far the lower bound may be below an upper one.
+    pub(super) fn slack(&self, upper: f64) -> f64 {
+        self.open + self.share * (upper - self.around).max(0.0)
     }
 }
 

@@ -104,14 +104,14 @@ pub(super) fn box_bound(a: Placed<'_>, b: Placed<'_>) -> f64 {
 /// A lower bound of the distance: at least `enough`, or nearly exact. Not positive where the shapes (may) overlap.
 pub(super) fn at_least(a: Placed<'_>, b: Placed<'_>, enough: f64, hint: &mut Hint) -> f64 {
     let a_from_b = a.1.inverse() * b.1;
-    let wanted = Wanted { enough: enough.max(0.0), open: OPEN, share: 0.05 };
+    let wanted = Wanted { enough: enough.max(0.0), open: OPEN, share: 0.05, around: 0.0 };
     pieces::distance(&a.0.pieces, &b.0.pieces, &a_from_b, &wanted, hint).lower - rounding(&a_from_b, a.0, b.0)
 }
 
 /// The distance, to a micrometre.
 pub(super) fn exact(a: Placed<'_>, b: Placed<'_>, hint: &mut Hint) -> Distance {
     let a_from_b = a.1.inverse() * b.1;
-    let wanted = Wanted { enough: f64::INFINITY, open: 1e-9, share: 0.0 };
+    let wanted = Wanted { enough: f64::INFINITY, open: 1e-9, share: 0.0, around: 0.0 };
     let found = pieces::distance(&a.0.pieces, &b.0.pieces, &a_from_b, &wanted, hint);
     let open = found.upper - found.lower;
     Distance { value: found.lower - rounding(&a_from_b, a.0, b.0), open: (open > OPEN).then_some(open) }

@@ -113,7 +113,7 @@ pub(in crate::check) fn distance(a: &Pieces, b: &Pieces, a_from_b: &Pose, wanted
         b,
         place,
         shadows: DMat3::from_cols(place.0.x_axis.abs(), place.0.y_axis.abs(), place.0.z_axis.abs()),
-        wanted: Wanted { enough: wanted.enough + around, ..*wanted },
+        wanted: Wanted { enough: wanted.enough + around, around, ..*wanted },
         found: Bounds { lower: f64::INFINITY, upper: f64::INFINITY },
         nearest: *hint,
     };
@@ -177,7 +177,7 @@ impl Descent<'_> {
     /// Whether what is this far need not be opened.
     fn is_far(&self, bound: f64) -> bool {
         let known = self.found.upper;
-        bound >= self.wanted.enough || bound >= known - self.wanted.open - self.wanted.share * known.max(0.0)
+        bound >= self.wanted.enough || (known.is_finite() && bound >= known - self.wanted.slack(known))
     }
 
     fn leaves(&mut self, a: &Node, b: &Node) {

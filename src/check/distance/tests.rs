@@ -100,7 +100,7 @@ fn distances_are_those_of_the_search_and_bounds_close() {
             let (a, b) = (random.shape(one), random.shape(other));
             let far = (a.radius_about_origin() + b.radius_about_origin()) * (0.9 + 0.6 * random.next());
             let pose = Pose::from_parts(random.vector().normalize() * far, exp_so3(3.0 * random.vector()));
-            let wanted = Wanted { enough: f64::INFINITY, open: 1e-9, share: 0.0 };
+            let wanted = Wanted { enough: f64::INFINITY, open: 1e-9, share: 0.0, around: 0.0 };
             let found = distance(&Pieces::of(&a), &Pieces::of(&b), &pose, &wanted, &mut None);
             let ask = Ask { absolute: 1e-9, ..Ask::exact(f64::MAX) };
             let search =
@@ -114,9 +114,12 @@ fn distances_are_those_of_the_search_and_bounds_close() {
             }
             // Less is asked for: no more than what is, and enough where there is.
             let enough = 0.5 * found.lower.max(0.0);
-            let less = Wanted { enough, open: 1e-6, share: 0.05 };
+            let less = Wanted { enough, open: 1e-6, share: 0.05, around: 0.0 };
             let bound = distance(&Pieces::of(&a), &Pieces::of(&b), &pose, &less, &mut None).lower;
-            assert!(bound <= found.upper.max(0.0) + 1e-12 && (bound >= enough || found.upper <= 0.0), "{case}: {bound}");
+            assert!(
+                bound <= found.upper.max(0.0) + 1e-12 && (bound >= enough || found.upper <= 0.0),
+                "{case}: {bound}"
+            );
             if out.is_some() {
                 let row = json!({ "a": told(&a), "b": told(&b), "position": pose.translation.to_array(),
                                   "quaternion": pose.rotation.to_array(), "lower": found.lower, "upper": found.upper });
