@@ -53,6 +53,13 @@ fn only_the_commit_writes_the_roadmap() {
     assert_absent("systems/src", &[".add_node(", ".add_edge("], &["commit.rs"]);
 }
 
+/// A proof that shares code with the search shares its mistakes.
+#[test]
+fn the_checker_shares_no_code_with_the_search() {
+    // Its tests hold it against the search.
+    assert_absent("src/check", &["foliate_systems", "foliate_kernels", "parry"], &["distance/tests.rs"]);
+}
+
 #[test]
 fn clocks_do_not_reach_the_search() {
     // The deadline is looked at in one place; nothing else may know the time.

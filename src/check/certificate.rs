@@ -5,7 +5,7 @@ use super::report::{CheckReport, Kind, Place};
 use crate::path_file::{PairsEntry, PathFile};
 
 /// How much a claimed clearance may exceed a measured one, metres: the accuracy of the distances.
-const CLAIM_SLACK: f64 = 2e-6;
+pub(super) const CLAIM_SLACK: f64 = 2e-6;
 
 pub(super) fn check(file: &PathFile, report: &mut CheckReport) {
     let claims = &file.certificate;

@@ -5,6 +5,7 @@
 //! How much they may is the sum, over the joints between them in the attachment tree, of travel times reach. A pair
 //! whose solids do not move against each other is asked once.
 
+use super::certificate::CLAIM_SLACK;
 use super::distance::{Hint, Measured, Placed, at_least, ball_bound, box_bound, exact};
 use super::enclosure::{Shell, witnesses};
 use super::models::World;
@@ -39,14 +40,17 @@ pub(super) struct Clearance<'w> {
     witnesses: Vec<Vec<DVec3>>,
     /// Whether the smallest clearance of the path is asked for, and not only whether there is any.
     least: bool,
+    /// The smallest clearance that the file claims; proved to a tenth, or a tenth of a millimetre. Metres.
+    claim: f64,
 }
 
 impl<'w> Clearance<'w> {
-    pub(super) fn new(world: &'w World, pairs: &'w Pairs, least: bool) -> Self {
+    pub(super) fn new(world: &'w World, pairs: &'w Pairs, least: bool, claim: Option<f64>) -> Self {
         Self {
             world,
             pairs,
             least,
+            claim: claim.unwrap_or(0.0),
             shapes: Measured::all(&world.shapes),
             shells: world.shapes.iter().map(|s| Shell::of(&s.geometry)).collect(),
             witnesses: world.shapes.iter().map(|s| witnesses(&s.geometry)).collect(),
@@ -190,11 +194,15 @@ impl March<'_, '_> {
         }
     }
 
-    /// What the solids must not come closer than, beyond the margin, so that the smallest clearance that was seen is nearly
-    /// the smallest that there is; 0 where nobody asks.
+    /// What the solids must not come closer than, beyond the margin: what the file claims, nearly, as long as nothing seen
+    /// says otherwise; and so much that the smallest clearance that was seen is nearly the smallest that there is, where
+    /// that is asked for.
     fn floor(&self) -> f64 {
-        let seen = self.report.min_clearance.as_ref().filter(|_| self.tester.least);
-        seen.map_or(0.0, |least| least_between(least.value))
+        let seen = self.report.min_clearance.as_ref().map(|least| least.value);
+        let claimed = self.tester.claim;
+        let holds = seen.is_none_or(|seen| seen + CLAIM_SLACK >= claimed);
+        let claimed = if holds { least_between(claimed) } else { 0.0 };
+        seen.filter(|_| self.tester.least).map_or(claimed, |seen| claimed.max(least_between(seen)))
     }
 
     /// A march comes to a stand just before two solids meet: looks ahead for the place where they have met. Where none
@@ -284,7 +292,7 @@ mod tests {
             models: &models,
             seed: 1,
             scheduler: "mrrt",
-            simd: foliate_kernels::lanes::Level::detected().name(),
+            simd: "none",
         };
         write_path(&context, &planner.solve().path.unwrap())
     }
@@ -299,7 +307,7 @@ mod tests {
         let frames = documents::Frames::new(&file, &world).unwrap();
         let attachments = attachments::resolve(&file, &world, &frames).unwrap();
         let pairs = Pairs::list(&file, &world, &Ignored::new(), &mut CheckReport::default(), false).unwrap();
-        let tester = Clearance::new(&world, &pairs, false);
+        let tester = Clearance::new(&world, &pairs, false, None);
         let mut tightest = 0.0_f64;
         for (index, segment) in file.segments.iter().enumerate() {
             let motion = SegmentMotion::new(&world, segment, index, &attachments[index]).unwrap();

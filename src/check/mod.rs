@@ -215,7 +215,8 @@ impl Proof<'_> {
                 contract.ends(self.file, &motion, self.frames, report, work)?;
             }
         }
-        let tester = clearance::Clearance::new(self.world, self.pairs, options.clearance);
+        let claim = self.file.certificate.min_clearance;
+        let tester = clearance::Clearance::new(self.world, self.pairs, options.clearance, claim);
         for (index, segment) in self.file.segments.iter().enumerate() {
             if report.is_broken() {
                 work.refused();

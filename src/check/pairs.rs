@@ -7,6 +7,7 @@ use super::attachments::Attachment;
 use super::models::{RigidBody, World, ordered, shown};
 use super::report::{CheckReport, Kind, LeftOut, Place};
 use crate::path_file::PathFile;
+use foliate_components::robot::PartKind;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::ops::Range;
 
@@ -37,7 +38,10 @@ impl Pairs {
         for (first, one) in world.shapes.iter().enumerate() {
             for (second, other) in world.shapes.iter().enumerate().skip(first + 1) {
                 let counts = &mut report.counts;
-                if one.rigid == other.rigid {
+                // The joints of an environment stand still, wherever the file has them.
+                let one_part = one.rigid.0 == other.rigid.0;
+                let is_rigid = one_part && world.parts[one.rigid.0].kind == PartKind::Environment;
+                if one.rigid == other.rigid || is_rigid {
                     counts.pairs_of_one_body += 1;
                     continue;
                 }
@@ -46,7 +50,7 @@ impl Pairs {
                     continue;
                 }
                 let links = ordered(&one.link, &other.link);
-                let disabled = one.rigid.0 == other.rigid.0 && world.disabled.contains(&links);
+                let disabled = one_part && world.disabled.contains(&links);
                 let reason = if disabled { Some("srdf") } else { ignored.get(&links).map(String::as_str) };
                 match reason {
                     Some("srdf") => counts.pairs_disabled_by_srdf += 1,

@@ -33,7 +33,8 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
         model.graph.states.len(),
         model.graph.transitions.len()
     ));
-    let (planner, solution) = solve::solve(planner, &arguments.search, true)?;
+    let (planner, mut solution) = solve::solve(planner, &arguments.search, true)?;
+    let _measured = solution.measure_clearance();
     let report = &solution.report;
     let Some(path) = &solution.path else {
         print(&format!("No answer: {} after {} candidates.\n", solution.outcome.name(), report.candidates));

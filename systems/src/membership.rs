@@ -11,7 +11,7 @@ use foliate_components::Pose;
 use foliate_components::constraint::{Constraint, Grasp};
 use foliate_components::graph::{ConstraintId, ConstraintKind, State, StateId};
 use foliate_components::leaf::Parameter;
-use foliate_components::robot::Robot;
+use foliate_components::robot::{NarrowedLimits, Robot, Source};
 use foliate_kernels::collision::CollisionScratch;
 use foliate_kernels::constraints;
 
@@ -80,7 +80,8 @@ fn in_a_state(model: &PlanningModel, settings: &SearchSettings, q: &[f64]) -> Re
     }
     if let Some(index) = robot.space.first_out_of_bounds(q, 1e-9) {
         let (low, high) = (robot.space.lower[index], robot.space.upper[index]);
-        return Err(format!("{} = {} is outside [{low}, {high}]", coordinate(robot, index), q[index]));
+        let why = narrowed(robot, index);
+        return Err(format!("{} = {} is outside [{low}, {high}]{why}", coordinate(robot, index), q[index]));
     }
     let mut locked = q.to_vec();
     model.lock(&mut locked);
@@ -243,9 +244,18 @@ fn why_no_state(model: &Model, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> Stri
     }
 }
 
+/// Where a joint's range is smaller than its own limits: whose limits make it so, for messages.
+fn narrowed(robot: &Robot, index: usize) -> String {
+    let own =
+        |n: &&NarrowedLimits| matches!(robot.joints[n.leader.at()].source, Source::Coordinates { q, .. } if q == index);
+    let Some(narrowed) = robot.narrowed.iter().find(own) else { return String::new() };
+    let names: Vec<_> = narrowed.followers.iter().map(|f| robot.joints[f.at()].name.as_str()).collect();
+    let (low, high) = narrowed.own;
+    format!(", where its followers keep their limits ({}); its own are [{low}, {high}]", names.join(", "))
+}
+
 /// The name of a configuration number, for messages.
 pub(crate) fn coordinate(robot: &Robot, index: usize) -> String {
-    use foliate_components::robot::Source;
     let owner = robot.joints.iter().find_map(|joint| match joint.source {
         Source::Coordinates { q, .. } if (q..q + joint.motion.configuration_size()).contains(&index) => {
             Some((joint, index - q))

@@ -26,7 +26,7 @@ pub fn extract_path(
     let edges = shortest_route(model, roadmap, start, goal)?;
     let mut path = ManipulationPath::default();
     let mut certificate = Certificate { path_tolerance: settings.path_tolerance, ..Certificate::default() };
-    let mut at = start;
+    let (mut at, mut moved) = (start, 0.0_f64);
     for edge in edges {
         let row = roadmap.edge(edge);
         let (forward, left) = (row.from == at, at);
@@ -38,7 +38,8 @@ pub fn extract_path(
         let mut add = |motion: &Motion| {
             let segment = segment(model, leaves, motion, forward);
             let gap = model.carrier_gap(leaves.leaf(motion.leaf), leaves, &segment.knots);
-            certificate.max_residual = certificate.max_residual.max(motion.residual).max(gap);
+            certificate.max_residual = certificate.max_residual.max(motion.residual).max(gap.residual);
+            moved = moved.max(gap.moved);
             path.segments.push(segment);
         };
         if forward {
@@ -49,10 +50,26 @@ pub fn extract_path(
     }
     path.certificate = certificate;
     unwrap_coordinates(model, &mut path);
-    // Of the path as it is written: what the search knows of its motions is less, and of other pairs and poses.
-    path.certificate.min_clearance = path_clearance(model, &path).map(|found| found.lower);
+    path.certificate.min_clearance = proved_clearance(model, settings, &path, moved);
     path.certificate.pairs = pair_counts(model, &path);
     Some(path)
+}
+
+/// What is proved of the clearance without asking again: nodes and motions keep the guard beyond all margins. As the path is
+/// written objects may be `moved` from where they were then, both of a pair. Little more than that they do not touch;
+/// [`path_clearance`] says how close they come.
+fn proved_clearance(
+    model: &PlanningModel,
+    settings: &SearchSettings,
+    path: &ManipulationPath,
+    moved: f64,
+) -> Option<f64> {
+    let kept = settings.clearance_guard - 2.0 * moved;
+    match model.collision.counts().looked_at() {
+        0 => None,
+        _ if kept > 0.0 => Some(kept),
+        _ => path_clearance(model, path).map(|found| found.lower),
+    }
 }
 
 /// The states that motions of the path were to reach and that it leaves instead, since it travels them backwards.

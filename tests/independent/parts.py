@@ -73,7 +73,7 @@ class Shape:
 class Part:
     """A URDF loaded by pinocchio, its collision geometry held by coal."""
 
-    def __init__(self, urdf: Path, folders: list[Path], mimic: str = "follow"):
+    def __init__(self, urdf: Path, folders: list[Path], mimic: str = "follow", up_axis: str = "as-written"):
         self.urdf = urdf
         self.tree = _parse_xml(urdf)
         self._point_meshes_at_files(folders)
@@ -83,6 +83,8 @@ class Part:
             self._geometry = pinocchio.buildGeomFromUrdfString(self.model, text, pinocchio.GeometryType.COLLISION)
         except Exception as error:
             raise InputError(f"{urdf}: pinocchio cannot load it: {error}") from error
+        if up_axis == "declared":
+            self._turn_collada_meshes()
         self.data = self.model.createData()
         self.joints = self._read_joints()
         self.links = {
@@ -91,6 +93,20 @@ class Part:
             if frame.type == pinocchio.FrameType.BODY
         }
         self.followers = self._read_followers() if mimic == "follow" else []
+
+    def _turn_collada_meshes(self) -> None:
+        """Coal reads COLLADA meshes as they are written: turns those whose file declares another axis than z as up."""
+        for geometry in self._geometry.geometryObjects:
+            file = Path(geometry.meshPath)
+            if file.suffix.lower() != ".dae":
+                continue
+            turn = _up_axis_turn(file)
+            if np.allclose(turn, np.eye(3)):
+                continue
+            scale = np.array(geometry.meshScale).ravel()
+            if np.ptp(scale) > 0:
+                raise InputError(f"{self.urdf}: {file.name} is turned and scaled unevenly, which is not read here")
+            geometry.placement = geometry.placement * pinocchio.SE3(turn, np.zeros(3))
 
     @property
     def body_count(self) -> int:
@@ -326,3 +342,16 @@ def _parse_xml(path: Path):
         return ElementTree.parse(path).getroot()
     except (OSError, ElementTree.ParseError) as error:
         raise InputError(f"{path}: {error}") from error
+
+
+def _up_axis_turn(file: Path) -> np.ndarray:
+    """Rotation from a COLLADA file's axes to z up: right, up and inward are (-y, x, z) for X_UP and (x, y, z) for Y_UP."""
+    for _, element in ElementTree.iterparse(file):
+        if element.tag.rsplit("}", 1)[-1] == "up_axis":
+            axis = (element.text or "Y_UP").strip()
+            columns = {"X_UP": ([0, 0, 1], [-1, 0, 0], [0, -1, 0]), "Y_UP": ([1, 0, 0], [0, 0, 1], [0, -1, 0]),
+                       "Z_UP": ([1, 0, 0], [0, 1, 0], [0, 0, 1])}.get(axis)
+            if columns is None:
+                raise InputError(f"{file}: `{axis}` is no axis: X_UP, Y_UP or Z_UP")
+            return np.array(columns, dtype=float).T
+    return np.eye(3)

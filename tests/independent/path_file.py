@@ -15,6 +15,7 @@ import numpy as np
 from packages import InputError
 
 FORMAT = "foliate.path/1"
+UP_AXES = ("as-written", "declared")
 KINDS = ("robot", "object", "environment")
 ROOTS = ("fixed", "freeflyer", "planar")
 MIMIC = ("follow", "free")
@@ -33,6 +34,7 @@ class PartEntry:
     mimic: str
     root: str
     world_from_root: np.ndarray
+    up_axis: str = "as-written"
 
 
 @dataclass(frozen=True)
@@ -297,7 +299,11 @@ def _read_part(node: _Node) -> PartEntry:
         mimic=node.get("mimic", "follow").text(MIMIC),
         root=node.get("root").text(ROOTS),
         world_from_root=node.get("world_from_root", [0, 0, 0, 0, 0, 0, 1]).pose(),
+        up_axis=node.get("mesh_up_axis", "as-written").text(UP_AXES),
     )
+    if node.get("mesh_up_axis", "as-written").text(("as-written", "declared")) == "declared":
+        # Meshes are read as pinocchio reads them.
+        node.fail("meshes that are turned by their declared up axis are not re-checked")
     if part.kind == "environment" and part.root != "fixed":
         node.fail("an environment never moves: its root is fixed")
     return part

@@ -134,7 +134,7 @@ class Scene:
 
     def _load(self, entry: PartEntry, first_body: int, folders: list[Path]) -> Member:
         beside = self.path.file.parent
-        part = Part(resolve(entry.urdf, folders, beside), folders, entry.mimic)
+        part = Part(resolve(entry.urdf, folders, beside), folders, entry.mimic, entry.up_axis)
         return Member(
             index=len(self.members),
             entry=entry,

@@ -101,14 +101,17 @@ impl Contract<'_> {
         Ok(())
     }
 
-    /// Resting joints that have a place, while nobody holds what is beyond them.
+    /// Resting joints, while nobody holds what is beyond them.
     fn resting_joints(&self, motion: &SegmentMotion<'_>) -> Vec<NamedConstraint> {
         let robot = &self.problem.robot;
         let demand = |resting: &foliate_components::problem::RestingJoint| {
-            let JointRest::At(value) = resting.rest else { return None };
             let name = &robot.joints[resting.joint.at()].name;
             let body = motion.world.bodies.iter().position(|body| body.name == *name)?;
-            let locked = Locked { joint: resting.joint, value: LockedValue::Fixed(value) };
+            let value = match resting.rest {
+                JointRest::At(value) => LockedValue::Fixed(value),
+                JointRest::Stays => LockedValue::Argument(0),
+            };
+            let locked = Locked { joint: resting.joint, value };
             let named = NamedConstraint { name: format!("{name} rests"), constraint: Constraint::Locked(locked) };
             (!held_beyond(motion, body)).then_some(named)
         };

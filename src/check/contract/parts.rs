@@ -79,6 +79,10 @@ impl Contract<'_> {
             differs(report, format!("part `{name}`: world_from_root is not the scene's"));
         }
         let Some(source) = self.scene.and_then(|scene| scene.parts.get(number)) else { return };
+        if entry.srdf.as_deref().is_some_and(|name| !name.is_empty()) != source.srdf.is_some() {
+            let (said, wanted) = (entry.srdf.is_some(), source.srdf.is_some());
+            differs(report, format!("part `{name}`: an SRDF is named: {said}, in the scene: {wanted}"));
+        }
         for (what, sum) in &source.sha256 {
             if entry.sha256.get(what).is_some_and(|said| !said.eq_ignore_ascii_case(sum)) {
                 let subject =

@@ -5,6 +5,8 @@
 mod apart;
 mod convex;
 mod pieces;
+#[cfg(test)]
+mod tests;
 
 use super::models::Shape;
 use apart::Wanted;

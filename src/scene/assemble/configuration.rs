@@ -191,6 +191,11 @@ impl Reader<'_> {
             let message = format!("`{}` has no configuration `{}`", part.name, quoted(name));
             return Err(item.error(message).hint(did_you_mean(name, states)));
         };
+        if let Some(contradiction) = &state.contradiction {
+            let message =
+                format!("configuration `{}` of `{}` contradicts itself: {contradiction}", quoted(name), part.name);
+            return Err(item.error(message).hint("name joints, or mend the SRDF"));
+        }
         for (joint, value) in &state.values {
             if let Some(&i) = place.get(format!("{}/{joint}", part.name).as_str()) {
                 (q[i], known[i]) = (*value, true);
@@ -259,7 +264,16 @@ impl Reader<'_> {
             Some(i) => {
                 let (name, value) = (&coordinate_names(self.robot)[i], q[i]);
                 let message = format!("`{name}` is {value} here, and never moves from {}", space.lower[i]);
-                Err(item.error(message).hint("it is locked, or its bounds are equal"))
+                let own = self.robot.narrowed.iter().find(
+                    |n| matches!(self.robot.joints[n.leader.at()].source, Source::Coordinates { q, .. } if q == i),
+                );
+                Err(item.error(message).hint(match own.map(|narrowed| narrowed.own) {
+                    Some((low, high)) => format!(
+                        "its own limits are [{low}, {high}], but the joints that follow it keep theirs nowhere else: mend a \
+                         <limit> or the <mimic> in the URDF"
+                    ),
+                    None => "it is locked, or its bounds are equal".into(),
+                }))
             }
             None => Ok(()),
         }

@@ -43,7 +43,7 @@ fn in_words(clearance: f64, margin: f64) -> String {
     } else if clearance < -TOUCHING {
         format!("{:.2} mm deep", -clearance * 1e3)
     } else if clearance <= TOUCHING {
-        "they touch".into()
+        "they touch or overlap".into()
     } else if margin > 0.0 {
         format!("{:.2} mm apart instead of {:.2} mm", clearance * 1e3, margin * 1e3)
     } else {

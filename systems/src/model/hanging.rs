@@ -141,13 +141,13 @@ impl Model {
 
     /// How far the objects' coordinates in the knots of a motion are from where their carriers take them: at the joint
     /// knots of two segments an object has the next leaf's exact pose. And how far what carries them is from holding: by as
-    /// much as the start or goal is, where a leaf has its values from there. Metres and radians.
+    /// much as the start or goal is, where a leaf has its values from there.
     #[must_use]
-    pub fn carrier_gap(&self, leaf: &Leaf, leaves: &LeafIndex, knots: &[Vec<f64>]) -> f64 {
+    pub fn carrier_gap(&self, leaf: &Leaf, leaves: &LeafIndex, knots: &[Vec<f64>]) -> CarrierGap {
         let carriages = self.carriages_of_leaf(leaf, leaves);
         let carrying = || self.carriers(leaf.state).of.iter().flatten();
         let mut X_WJ = vec![Pose::identity(); self.kinematics.bodies()];
-        let mut gap = 0.0_f64;
+        let mut gap = CarrierGap::default();
         for q in knots {
             self.kinematics.forward(q, &mut X_WJ);
             let written: Vec<Pose> = carriages.iter().map(|c| X_WJ[c.object.at()]).collect();
@@ -155,12 +155,22 @@ impl Model {
             for (carriage, written) in carriages.iter().zip(written) {
                 let carried = X_WJ[carriage.object.at()];
                 let turn = log_so3(written.rotation.conjugate() * carried.rotation).length();
-                gap = gap.max(carried.translation.distance(written.translation)).max(turn);
+                let shift = carried.translation.distance(written.translation);
+                gap.residual = gap.residual.max(shift).max(turn);
+                gap.moved = gap.moved.max(shift + turn * self.reach_of(carriage.object));
             }
             let off = carrying().map(|&constraint| crate::membership::residual(self, constraint, q, &X_WJ));
-            gap = off.fold(gap, f64::max);
+            gap.residual = off.fold(gap.residual, f64::max);
         }
         gap
+    }
+
+    /// How far an object reaches from its root, metres.
+    fn reach_of(&self, object: JointIndex) -> f64 {
+        match self.problem.robot.joints[object.at()].source {
+            Source::Coordinates { v, .. } => self.weights.get(v + 3).copied().unwrap_or(f64::INFINITY),
+            Source::Follows { .. } => f64::INFINITY,
+        }
     }
 
     /// Whether an object is outside the bounds of its coordinates.
@@ -209,6 +219,15 @@ impl Model {
             }
         }
     }
+}
+
+/// How far a motion as it is written is from the leaf that it lies on.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CarrierGap {
+    /// Of objects and what carries them, metres and radians.
+    pub residual: f64,
+    /// At most this far is any point of an object from where its carrier takes it, metres.
+    pub moved: f64,
 }
 
 /// How a solid grasp carries: the gripper's body, and the pose of the object's root in it when both frames coincide.

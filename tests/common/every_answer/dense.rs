@@ -75,6 +75,11 @@ pub fn in_world(robot: &Robot, shape: usize, X_WJ: &[Pose]) -> Pose {
     robot.links[shape.link.at()].joint.map_or(X_JS, |joint| X_WJ[joint.at()] * X_JS)
 }
 
+/// The pairs that a path is tested for, as shapes.
+pub fn pairs_of(answer: &Answer) -> Result<Vec<(usize, usize)>, String> {
+    Ok(pairs(answer)?.into_iter().map(|pair| pair.shapes).collect())
+}
+
 /// All pairs of shapes on different bodies, but those that the file or an SRDF leaves out, and those of two environments.
 fn pairs(answer: &Answer) -> Result<Vec<Pair>, String> {
     let robot = &answer.model.problem.robot;

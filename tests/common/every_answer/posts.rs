@@ -26,12 +26,17 @@ pub struct Post {
 impl Post {
     /// Whether no shape is that near where the bodies are there.
     fn is_free(&self, robot: &Robot, X_WJ: &[Pose], least: f64) -> bool {
-        let post = Solid::of(&Geometry::Box { half_extents: DVec3::new(THICK / 2.0, THICK / 2.0, self.length / 2.0) });
+        let post = self.solid();
         let ask = Ask { needed: least, floor: least, ground: least, absolute: 1e-9, relative: 0.0 };
         (0..robot.shapes.len()).all(|shape| {
             let (solid, place) = (Solid::of(&robot.shapes[shape].geometry), in_world(robot, shape, X_WJ));
             clearance(&post, &self.pose, &solid, &place, ask, &mut DVec3::ZERO.clone()) >= least
         })
+    }
+
+    /// What it is made of.
+    pub fn solid(&self) -> Solid {
+        Solid::of(&Geometry::Box { half_extents: DVec3::new(THICK / 2.0, THICK / 2.0, self.length / 2.0) })
     }
 
     /// Its URDF.

@@ -1,4 +1,5 @@
 //! Distances between random solids against coal's, which is other people's code.
+#![allow(non_snake_case, reason = "pose names carry their frames")]
 
 use crate::page::{Figure, quantile};
 use crate::{Result, scenes};

@@ -18,6 +18,8 @@ use std::ops::Range;
 
 /// Intervals are not halved more often than this.
 const DEEPEST: u32 = 40;
+/// Distances that are asked for exactly are within this, metres.
+const EXACT: f64 = 1e-6;
 /// Distances are asked for to within this share of what the minimum may be off.
 const QUERY_SHARE: f64 = 0.1;
 
@@ -353,7 +355,9 @@ impl Minimum<'_> {
             bound = bound.max(along(hints.solids, found));
         }
         if found < floor {
-            self.note(id, here.t, found, (found + tolerance).max(found / (1.0 - share)) - margin);
+            // News are rare enough to be told exactly.
+            let exact = exact_clearance(scene, id, X, Ask::exact(f64::MAX), &mut hints.solids);
+            self.note(id, here.t, exact, exact + EXACT - margin);
         }
         bound - margin
     }
