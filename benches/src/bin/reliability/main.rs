@@ -27,7 +27,7 @@ type Entry = (&'static str, usize, usize, fn(usize) -> Result<Figure>);
 const FIGURES: [Entry; 6] = [
     ("deadlines", 10_000, 60, deadlines::measure),
     ("rechecks", 10_000, 24, rechecks::measure),
-    ("lies", 2_000, 60, lies::measure),
+    ("lies", 2_000, 96, lies::measure),
     ("determinism", 20, 1, determinism::measure),
     ("coal", 1_000_000, 5_000, coal::measure),
     ("soak", 100_000, 200, soak::measure),
