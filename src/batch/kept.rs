@@ -2,7 +2,8 @@
 
 use super::BatchError;
 use super::entry::Entry;
-use super::row::{COLUMNS, Row};
+use super::row::{COLUMNS, Row, RowOutcome};
+use foliate_components::outcome::SearchOutcome;
 use foliate_components::problem::Problem;
 use foliate_components::robot::shape::Geometry;
 use sha2::{Digest, Sha256};
@@ -99,9 +100,10 @@ pub(super) fn read(path: &Path) -> Result<Vec<Row>, BatchError> {
     lines.map(|(line, cells)| Row::of_cells(&cells).ok_or_else(|| damaged(line, "is no row"))).collect()
 }
 
-/// Whether a solve ended as it would again: a row that could not start, or whose path could not be written, says nothing.
+/// Whether a solve ended as it would again: a row that could not start, or whose path could not be written, says nothing, and a
+/// limit of memory may be another one now.
 pub(super) fn is_final(row: &Row) -> bool {
-    row.outcome != super::RowOutcome::Failed
+    row.outcome != RowOutcome::Failed && row.outcome != RowOutcome::Ended(SearchOutcome::MemoryLimit)
 }
 
 /// The records of a CSV text (RFC 4180) that are whole, with the line in which each begins.

@@ -19,6 +19,7 @@ pub use row::{COLUMNS, PathNumbers, Row, RowOutcome, Work};
 pub use seeds::{Seeds, SeedsError};
 pub use table::{SceneSummary, Spread, Table};
 
+use crate::memory::MemoryLimit;
 use crate::path_file::{PathContext, save, write_path};
 use crate::planner::{Planner, Solution, panic_message};
 use foliate_components::outcome::SearchOutcome;
@@ -55,6 +56,7 @@ pub struct Batch {
     settings: Settings,
     scheduler: Arc<dyn Scheduler>,
     token: CancelToken,
+    memory_limit: Option<MemoryLimit>,
 }
 
 /// Why a batch does not start, or stops.
@@ -100,7 +102,7 @@ impl Batch {
             return Err(BatchError::TooMany(solves));
         }
         let scheduler = schedulers::default_scheduler().into();
-        Ok(Self { entries, settings, scheduler, token: CancelToken::default() })
+        Ok(Self { entries, settings, scheduler, token: CancelToken::default(), memory_limit: None })
     }
 
     /// Uses another scheduler.
@@ -114,6 +116,14 @@ impl Batch {
     #[must_use]
     pub fn cancelled_by(mut self, token: CancelToken) -> Self {
         self.token = token;
+        self
+    }
+
+    /// Bounds the memory of all solves together. Each may count its share; where the process has more than the limit all that
+    /// run at that time end.
+    #[must_use]
+    pub fn memory_limit(mut self, limit: MemoryLimit) -> Self {
+        self.memory_limit = Some(limit);
         self
     }
 
@@ -237,14 +247,21 @@ impl Batch {
         // Nothing that a panic may leave half done is looked at again: a search owns its world, and what solves share is
         // immutable or filled in whole.
         let solved = catch_unwind(AssertUnwindSafe(|| {
+            let mut search = self.settings.search.clone();
+            let share = self.memory_limit.map_or(u64::MAX, |limit| limit.counted(self.settings.threads));
+            search.max_bytes = search.max_bytes.min(share);
             // Nothing but what follows from files is shared by solves: their times are those of the first.
             let planner = Planner::of_tables(Arc::clone(entry.model().tables()))
                 .map_err(|error| error.to_string())?
-                .settings(self.settings.search.clone())
+                .settings(search)
                 .seed(seed)
                 .scheduler(Arc::clone(&self.scheduler))
                 .cancelled_by(self.token.clone())
                 .time_limit(self.settings.time_limit);
+            let planner = match self.memory_limit {
+                Some(limit) => planner.memory_limit(limit),
+                None => planner,
+            };
             let solution = planner.solve_on(1).map_err(|error| error.to_string())?;
             row.fill(&solution);
             self.write_path(entry, seed, &solution, out).map_err(|error| format!("path not written: {error}"))

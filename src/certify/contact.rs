@@ -10,17 +10,44 @@ use foliate_components::Pose;
 use foliate_kernels::collision::{Ask, PairId, contained, pair_clearance};
 use glam::DVec3;
 
-/// Places behind a contact at which the pair is looked at, each a fixed share of what is left of the motion away.
+/// Places behind a contact at which the pair is looked at.
 const PLACES: u32 = 256;
+/// Places of the contact at which its depth is found.
+const DEPTHS: u32 = 16;
+/// How often the deepest place is narrowed down.
+const NARROWINGS: u32 = 6;
+
+/// What is seen of a pair in contact.
+struct Seen {
+    until: f64,
+    /// The least distance, metres, and where.
+    least: (f64, f64),
+    contained: bool,
+}
 
 impl Certifier {
     /// Follows a pair from where it meets to where it parts again.
     pub(super) fn contact(&self, motion: &Motion, phase: &Phase, met: Met, budget: &mut Budget<'_>) -> ContactReport {
+        let margin = phase.pairs.margin(met.pair);
+        let seen = self.follow(motion, phase, met, budget);
+        let deepest = self.deepest(motion, phase, met, seen.until, budget);
+        let distance = if seen.least.0.is_finite() { seen.least.0 } else { 0.0 };
+        ContactReport {
+            at: motion.time(met.at),
+            pair: self.pair_name(met.pair),
+            margin,
+            depth: deepest.map(|(depth, _)| depth),
+            deepest_at: motion.time(deepest.map_or(seen.least.1, |(_, at)| at)),
+            least_distance: deepest.map_or(distance, |(depth, _)| distance.min(-depth)),
+            contained: seen.contained,
+            until: motion.time(seen.until),
+        }
+    }
+
+    fn follow(&self, motion: &Motion, phase: &Phase, met: Met, budget: &mut Budget<'_>) -> Seen {
         let (mut q, mut X_WJ) = (Vec::new(), Vec::new());
         let margin = phase.pairs.margin(met.pair);
-        let mut deepest: Option<(f64, f64)> = None;
-        let (mut until, mut least) = (met.at, (met.distance, met.at));
-        let mut is_contained = false;
+        let mut seen = Seen { until: met.at, least: (met.distance, met.at), contained: false };
         for place in self.places_behind(motion, phase, met.at) {
             self.poses(motion, phase, place, &mut q, &mut X_WJ);
             budget.spent += 1;
@@ -30,27 +57,41 @@ impl Certifier {
             if (distance > margin && !inside && place > met.at) || !(budget.go_on)() {
                 break;
             }
-            until = place;
-            is_contained |= inside;
-            if distance < least.0 {
-                least = (distance, place);
-            }
-            let found = self.depth(met.pair, &X_WJ);
-            if let Some(found) = found.filter(|found| deepest.is_none_or(|(depth, _)| *found > depth)) {
-                deepest = Some((found, place));
+            seen.until = place;
+            seen.contained |= inside;
+            if distance < seen.least.0 {
+                seen.least = (distance, place);
             }
         }
-        let distance = if least.0.is_finite() { least.0 } else { 0.0 };
-        ContactReport {
-            at: motion.time(met.at),
-            pair: self.pair_name(met.pair),
-            margin,
-            depth: deepest.map(|(depth, _)| depth),
-            deepest_at: motion.time(deepest.map_or(least.1, |(_, at)| at)),
-            least_distance: deepest.map_or(distance, |(depth, _)| distance.min(-depth)),
-            contained: is_contained,
-            until: motion.time(until),
+        seen
+    }
+
+    /// The largest depth between two places, and where it is.
+    fn deepest(
+        &self,
+        motion: &Motion,
+        phase: &Phase,
+        met: Met,
+        until: f64,
+        budget: &mut Budget<'_>,
+    ) -> Option<(f64, f64)> {
+        let (mut q, mut X_WJ) = (Vec::new(), Vec::new());
+        let mut depth = |place: f64| {
+            self.poses(motion, phase, place, &mut q, &mut X_WJ);
+            budget.spent += 1;
+            (self.depth(met.pair, &X_WJ), place)
+        };
+        let deeper = |a: (Option<f64>, f64), b: (Option<f64>, f64)| if b.0 > a.0 { b } else { a };
+        let step = (until - met.at) / f64::from(DEPTHS);
+        let places = (0..=DEPTHS).map(|i| met.at + step * f64::from(i));
+        let mut best = places.map(&mut depth).reduce(deeper)?;
+        let mut by = 0.5 * step;
+        for _ in 0..NARROWINGS {
+            let around = [(best.1 - by).max(met.at), (best.1 + by).min(until)];
+            best = around.into_iter().map(&mut depth).fold(best, deeper);
+            by *= 0.5;
         }
+        best.0.map(|depth| (depth, best.1))
     }
 
     /// From a place on, close together first.

@@ -299,9 +299,8 @@ fn check(points: &[Point], width: usize) -> Result<(), PointError> {
                 let message = format!("has {} {what}, and {width} joints are named", row.len());
                 return Err(PointError::new(index, message, ""));
             }
-            // Written so that NaN stops here.
             let cap = if what == "positions" { FARTHEST } else { FARTHEST * FARTHEST };
-            if let Some(column) = row.iter().position(|x| !(x.abs() <= cap)) {
+            if let Some(column) = row.iter().position(|x| x.is_nan() || x.abs() > cap) {
                 let message = format!("{what}[{column}] is {}", row[column]);
                 return Err(PointError::new(index, message, format!("numbers are finite and at most {cap:e}")));
             }
@@ -337,7 +336,9 @@ impl QuaternionColumns {
     fn read(&self, point: &Point, index: usize) -> Result<DQuat, PointError> {
         let numbers = self.columns.map(|c| point.positions[c]);
         let length = numbers.iter().map(|x| x * x).sum::<f64>().sqrt();
-        if !((length - 1.0).abs() < 1e-3) {
+        // Compared so that NaN is refused.
+        let is_one = (length - 1.0).abs() < 1e-3;
+        if !is_one {
             let message = format!("the quaternion {numbers:?} has length {length:.4}");
             return Err(PointError::new(index, message, "order is x y z w; a rotation has length 1"));
         }

@@ -1,7 +1,7 @@
 //! Names that people write: of links, parts, joints and coordinates.
 
 use crate::scene::coordinate_names;
-use crate::scene::error::{did_you_mean, quoted};
+use crate::scene::error::{did_you_mean, nearest, quoted};
 use foliate_components::robot::{JointIndex, LinkIndex, PartIndex, Robot, Source};
 use std::collections::HashMap;
 
@@ -144,10 +144,16 @@ impl JointNames {
             Some(meant) => {
                 Err((format!("several joints are called `{shown}`"), format!("name one: {}", meant.join(", "))))
             }
-            None => {
-                let hint = did_you_mean(name, self.full.iter().map(String::as_str));
-                Err((format!("the scene has no joint `{shown}`"), hint))
-            }
+            None => Err((format!("the scene has no joint `{shown}`"), self.hint(name))),
+        }
+    }
+
+    /// What may have been meant; bare names are compared with bare names.
+    fn hint(&self, name: &str) -> String {
+        let near = nearest(name, self.full.iter().map(|full| bare(full)));
+        match near.and_then(|near| self.full.iter().find(|full| bare(full) == near)) {
+            Some(full) => format!("did you mean `{full}`?"),
+            None => did_you_mean(name, self.full.iter().map(String::as_str)),
         }
     }
 }

@@ -139,8 +139,12 @@ pub struct PairCounts {
     pub same_body: u64,
     /// Not tested: both belong to the environment, or are fixed to it.
     pub environment: u64,
-    /// Not tested: an SRDF disables them, or the two are neighbours that touch where their joint is, or the scene ignores them.
-    pub disabled: u64,
+    /// Not tested: an SRDF disables them.
+    pub srdf: u64,
+    /// Not tested: links that one joint joins, and that touch wherever it is.
+    pub adjacent: u64,
+    /// Not tested: the scene ignores them.
+    pub ignored: u64,
     /// Not tested: the caller lets them touch.
     pub touch_allowed: u64,
     /// Tested without their margin: what holds an object and the object, an object and its supports.

@@ -10,6 +10,7 @@ use foliate_components::problem::Problem;
 use foliate_components::robot::{DisabledPair, LinkIndex, Motion as JointMotion, Robot};
 use foliate_kernels::collision::{CollisionScene, PairId, PairRule, PairSet};
 use foliate_kernels::kinematics::{Carriage, Kinematics};
+use std::collections::HashSet;
 
 /// Why a motion cannot be looked at.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -62,18 +63,22 @@ impl Certifier {
     pub fn new(problem: &Problem, touch: &[(String, String)]) -> Result<Self, CertifyError> {
         let robot = &problem.robot;
         let mut ignored = problem.ignored_pairs.clone();
-        let mut touching = 0;
+        let mut allowed = HashSet::new();
         for (first, second) in touch {
             let (first, second) = (names::links(robot, first)?, names::links(robot, second)?);
-            for (&first, &second) in first.iter().flat_map(|a| second.iter().map(move |b| (a, b))) {
-                touching += shapes_between(robot, first, second);
-                ignored.push(DisabledPair { first, second, reason: "touching is allowed".into() });
-            }
+            allowed.extend(first.iter().flat_map(|&a| second.iter().map(move |&b| (a.min(b), a.max(b)))));
         }
+        // What is left out for another reason is counted there.
+        for pair in robot.disabled_pairs.iter().chain(&problem.ignored_pairs) {
+            allowed.remove(&(pair.first.min(pair.second), pair.first.max(pair.second)));
+        }
+        let touching = allowed.iter().map(|&(a, b)| shapes_between(robot, a, b)).sum();
+        let reason = || String::from("touching is allowed");
+        ignored.extend(allowed.into_iter().map(|(first, second)| DisabledPair { first, second, reason: reason() }));
         // No joint is locked: whatever the motion moves, moves.
         let rule = PairRule { ignored: &ignored, margins: &problem.margins, locked: &[] };
         let scene = CollisionScene::new(robot, &rule);
-        let counts = count(robot, &scene, touching);
+        let counts = count(&scene, touching);
         Ok(Self {
             kinematics: Kinematics::new(robot),
             resting: resting(problem),
@@ -238,20 +243,26 @@ impl Event {
 
 /// How many pairs of shapes two links have that could be tested.
 fn shapes_between(robot: &Robot, a: LinkIndex, b: LinkIndex) -> u64 {
-    if robot.links[a.at()].joint == robot.links[b.at()].joint {
+    let (one, other) = (&robot.links[a.at()], &robot.links[b.at()]);
+    if one.joint == other.joint && (one.joint.is_none() || one.part == other.part) {
         return 0;
     }
     let on = |link: LinkIndex| robot.shapes.iter().filter(|s| s.link == link).count() as u64;
     on(a) * on(b)
 }
 
-fn count(robot: &Robot, scene: &CollisionScene, touch_allowed: u64) -> PairCounts {
-    let among = |n: usize| (n as u64) * (n as u64).saturating_sub(1) / 2;
-    let in_world = robot.shapes.iter().filter(|s| robot.links[s.link.at()].joint.is_none()).count();
-    let same_body = scene.clusters().iter().filter(|c| c.body.is_some()).map(|c| among(c.solids.len())).sum();
-    let (tested, environment) = (scene.pairs().len() as u64, among(in_world));
-    let rest = among(robot.shapes.len()).saturating_sub(tested + environment + same_body + touch_allowed);
-    PairCounts { tested, same_body, environment, disabled: rest, touch_allowed, without_margin: 0 }
+fn count(scene: &CollisionScene, touch_allowed: u64) -> PairCounts {
+    let counts = scene.counts();
+    PairCounts {
+        tested: counts.looked_at(),
+        same_body: counts.same_body,
+        environment: counts.environment,
+        srdf: counts.srdf,
+        adjacent: counts.adjacent,
+        ignored: counts.ignored.saturating_sub(touch_allowed),
+        touch_allowed,
+        without_margin: 0,
+    }
 }
 
 /// Links of objects and of what the scene lets them stand on.

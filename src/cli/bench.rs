@@ -52,6 +52,10 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     let batch = Batch::new(entries, settings).map_err(refused)?.scheduler(scheduler.into());
     let token = interrupt::token();
     let batch = batch.cancelled_by(token.clone());
+    let batch = match arguments.tuning.memory {
+        Some(limit) => batch.memory_limit(limit),
+        None => batch,
+    };
     let tell = |row: &Row| {
         if !arguments.json {
             say(&line(row));

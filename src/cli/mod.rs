@@ -14,9 +14,11 @@ mod scenes;
 mod solve;
 mod story;
 mod summary;
+mod watchdog;
 
 use clap::{Parser, Subcommand};
 use foliate::kernels::lanes::Level;
+use foliate::memory::MemoryLimit;
 use foliate::scene::{MeshCache, PackagePath, SceneError};
 use std::io::Write;
 use std::path::PathBuf;
@@ -38,6 +40,10 @@ struct Cli {
     /// level
     #[arg(long, global = true, value_name = "LEVEL", value_parser = Level::named)]
     simd: Option<Level>,
+    /// Most memory of the process: bytes, or a number with MB, GB, MiB or GiB; a search ends with outcome memory_limit before it, and
+    /// reading ends with an error. Default: three quarters of what the machine or its container has, at most 16 GiB
+    #[arg(long, global = true, value_name = "SIZE")]
+    memory_limit: Option<MemoryLimit>,
     #[command(subcommand)]
     command: Command,
 }
@@ -56,6 +62,22 @@ enum Command {
 }
 
 impl Command {
+    /// Bounds the memory of a command that searches.
+    fn bound(&mut self, limit: MemoryLimit) {
+        match self {
+            Self::Demo(arguments) => arguments.search.tuning.memory = Some(limit),
+            Self::Solve(arguments) => arguments.search.tuning.memory = Some(limit),
+            Self::Bench(arguments) => arguments.tuning.memory = Some(limit),
+            // These do not search.
+            Self::Certify(_)
+            | Self::Check(_)
+            | Self::Graph(_)
+            | Self::Inspect(_)
+            | Self::Models(_)
+            | Self::Scenes(_) => {}
+        }
+    }
+
     /// Makes a command that searches do so at a level.
     fn force(&mut self, level: Level) {
         match self {
@@ -120,6 +142,9 @@ fn run(mut cli: Cli) -> u8 {
     if let Some(level) = cli.simd {
         cli.command.force(level);
     }
+    let limit = cli.memory_limit.unwrap_or_else(MemoryLimit::of_machine);
+    cli.command.bound(limit);
+    watchdog::start(limit);
     let mesh_cache = if cli.no_mesh_cache { None } else { MeshCache::of_user() };
     let packages = PackagePath::from_environment(&cli.package_path).with_mesh_cache(mesh_cache);
     let ending = match &cli.command {

@@ -5,6 +5,7 @@ use super::summary::{self, Loaded};
 use super::{Ending, Refusal, interrupt, print, print_json, say};
 use foliate::components::outcome::SearchOutcome;
 use foliate::kernels::lanes::Level;
+use foliate::memory::MemoryLimit;
 use foliate::output;
 use foliate::path_file::{PathContext, save, write_path};
 use foliate::scene::{PackagePath, Scene, load_scene};
@@ -14,9 +15,11 @@ use foliate::systems::schedulers;
 use foliate::systems::settings::{SearchSettings, Selection};
 use foliate::{Planner, Solution};
 use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::json;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
 
 /// Plans a path for a scene and writes it
@@ -71,6 +74,9 @@ pub(crate) struct Tuning {
     /// What `--simd` says, or the best that this machine has.
     #[arg(skip)]
     pub level: Level,
+    /// What `--memory-limit` says, or its default.
+    #[arg(skip)]
+    pub memory: Option<MemoryLimit>,
     /// Motions that stay in their state are tried with their weight times this
     #[arg(long, default_value_t = SearchSettings::default().loop_weight, value_name = "W", value_parser = weight)]
     pub loop_weight: f64,
@@ -134,6 +140,10 @@ impl SearchArguments {
         let planner = Planner::of_tables(tables).map_err(|e| Refusal(e.to_string()))?;
         let planner = planner.settings(self.tuning.settings(self.seed)).time_limit(self.deadline()?);
         let planner = planner.cancelled_by(interrupt::token());
+        let planner = match self.tuning.memory {
+            Some(limit) => planner.memory_limit(limit),
+            None => planner,
+        };
         planner.scheduler_named(&self.scheduler).ok_or_else(|| no_scheduler(&self.scheduler))
     }
 }
@@ -155,7 +165,10 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     if let Some(out) = &arguments.out {
         writable(out)?;
     }
-    let scene = load_scene(&arguments.scene, packages)?;
+    let limit = arguments.search.deadline()?;
+    let Some(scene) = load_within(&arguments.scene, packages, limit)? else {
+        return out_of_time(arguments, started.elapsed());
+    };
     for warning in &scene.warnings {
         say(&format!("warning: {warning}\n"));
     }
@@ -165,7 +178,8 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     for warning in left_out.warnings(&scene.problem.robot) {
         say(&format!("warning: {warning}\n"));
     }
-    let planner = arguments.search.planner(tables)?;
+    // The limit is that of everything, reading included.
+    let planner = arguments.search.planner(tables)?.time_limit(limit.saturating_sub(load_time));
     let solution = solve(planner, &arguments.search, !arguments.json)?;
     let (planner, mut solution) = solution;
     // Once, for whoever reads the answer: no part of what a solve costs.
@@ -181,6 +195,33 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
         print(&summary::text(&loaded, &solution));
     }
     ending(&solution.outcome)
+}
+
+/// Loads a scene; none where that takes longer than it may. Reading a file cannot be interrupted: it is done beside.
+fn load_within(name: &str, packages: &PackagePath, limit: Duration) -> Result<Option<Scene>, Refusal> {
+    let (sender, receiver) = std::sync::mpsc::channel();
+    let (name, packages) = (name.to_owned(), packages.clone());
+    std::thread::spawn(move || {
+        let _gone = sender.send(load_scene(&name, &packages));
+    });
+    match receiver.recv_timeout(limit) {
+        Ok(scene) => Ok(Some(scene?)),
+        Err(RecvTimeoutError::Timeout) => Ok(None),
+        Err(RecvTimeoutError::Disconnected) => Err(Refusal("reading the scene ended without an answer".into())),
+    }
+}
+
+/// The limit ran out while the scene was read.
+fn out_of_time(arguments: &Arguments, time: Duration) -> Result<Ending, Refusal> {
+    let (name, ms) = (&arguments.scene, time.as_secs_f64() * 1e3);
+    match arguments.json {
+        true => print_json(&json!({
+            "scene": name, "outcome": SearchOutcome::Timeout.name(), "load_ms": ms,
+            "reason": "the time limit was reached while the scene was read",
+        }))?,
+        false => print(&format!("{name}: timeout after {ms:.0} ms, while the scene was read\n")),
+    }
+    Ok(Ending::Failed)
 }
 
 /// Refuses a place where no path could be written before anything is searched.

@@ -1,5 +1,6 @@
 //! One error for everything that is read: where, what, and the way out.
 
+use super::limits::LoadStop;
 use std::fmt;
 
 /// Something in a file that cannot be read, or (as a warning) should be looked at.
@@ -17,6 +18,8 @@ pub struct SceneError {
     pub message: String,
     /// What to do about it; may be empty.
     pub hint: String,
+    /// Set where nothing is wrong with the file, but reading was not to take longer, or more memory.
+    pub stopped: Option<LoadStop>,
 }
 
 impl SceneError {

@@ -8,6 +8,7 @@ pub(crate) mod error;
 mod follower_limits;
 pub(crate) mod input;
 mod keys;
+mod limits;
 mod mesh;
 mod mesh_cache;
 mod package;
@@ -19,6 +20,7 @@ mod xml;
 
 pub use assemble::{PartSource, Scene, SceneFile, SceneOrigin, coordinate_names};
 pub use error::SceneError;
+pub use limits::{LoadLimits, LoadStop};
 pub use mesh::UpAxis;
 pub use mesh_cache::MeshCache;
 pub use package::{PackagePath, model_cache};

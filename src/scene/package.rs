@@ -1,14 +1,16 @@
 //! `package://` without ROS: a search list, and no way out of the package.
 
+use super::limits::LoadLimits;
 use super::mesh_cache::MeshCache;
 use std::ffi::OsStr;
 use std::path::{Component, Path, PathBuf};
 
-/// Directories in which packages are looked for, in order, and where meshes are kept once they are read.
+/// Directories in which packages are looked for, in order, where what was found about meshes is kept, and how much reading may take.
 #[derive(Clone, Debug, Default)]
 pub struct PackagePath {
     places: Vec<Place>,
     meshes: Option<MeshCache>,
+    limits: LoadLimits,
 }
 
 /// A directory, and where the search list has it from.
@@ -16,6 +18,17 @@ pub struct PackagePath {
 struct Place {
     directory: PathBuf,
     from: &'static str,
+}
+
+impl Place {
+    /// Whether the directory itself is the package of that name; `.` and `..` have the names of what they are.
+    fn is_called(&self, package: &str) -> bool {
+        let is_name = |directory: &Path| directory.file_name() == Some(OsStr::new(package));
+        match self.directory.file_name() {
+            Some(_) => is_name(&self.directory),
+            None => self.directory.canonicalize().is_ok_and(|directory| is_name(&directory)),
+        }
+    }
 }
 
 /// Why a URL names no file: a message, and the way out.
@@ -51,8 +64,13 @@ impl PackagePath {
     /// Nothing but these directories.
     #[must_use]
     pub fn only(given: &[PathBuf]) -> Self {
-        let place = |directory: &PathBuf| Place { directory: directory.clone(), from: "--package-path" };
-        Self { places: given.iter().map(place).collect(), meshes: None }
+        // The empty name is that of no directory, though files below it have names.
+        let named = |directory: &PathBuf| match directory.as_os_str().is_empty() {
+            true => PathBuf::from("."),
+            false => directory.clone(),
+        };
+        let place = |directory: &PathBuf| Place { directory: named(directory), from: "--package-path" };
+        Self { places: given.iter().map(place).collect(), ..Self::default() }
     }
 
     /// Where meshes are kept between runs, or that they are not. Without this they are not: nothing is written to a disk whose
@@ -61,6 +79,19 @@ impl PackagePath {
     pub fn with_mesh_cache(mut self, cache: impl Into<Option<MeshCache>>) -> Self {
         self.meshes = cache.into();
         self
+    }
+
+    /// How much reading with this may take.
+    #[must_use]
+    pub fn with_limits(mut self, limits: LoadLimits) -> Self {
+        self.limits = limits;
+        self
+    }
+
+    /// How much reading may take.
+    #[must_use]
+    pub fn limits(&self) -> &LoadLimits {
+        &self.limits
     }
 
     /// Where meshes are kept, if they are.
@@ -109,7 +140,7 @@ impl PackagePath {
     /// Directories that may be the package of that name.
     fn candidates(&self, package: &str) -> impl Iterator<Item = PathBuf> {
         self.places.iter().flat_map(move |place| {
-            let is_itself = place.directory.file_name() == Some(OsStr::new(package));
+            let is_itself = place.is_called(package);
             [Some(place.directory.join(package)), is_itself.then(|| place.directory.clone())].into_iter().flatten()
         })
     }

@@ -88,11 +88,16 @@ impl<'a> Xml<'a> {
 
     /// Exactly three numbers in an attribute, if the attribute is there.
     pub fn vector(&self, node: Node<'_, '_>, name: &str) -> Result<Option<[f64; 3]>, SceneError> {
+        self.array(node, name)
+    }
+
+    /// Exactly so many numbers in an attribute, if the attribute is there.
+    pub fn array<const N: usize>(&self, node: Node<'_, '_>, name: &str) -> Result<Option<[f64; N]>, SceneError> {
         let Some(text) = node.attribute(name) else { return Ok(None) };
         let numbers = self.numbers(node, &format!("attribute `{name}`"), text)?;
-        <[f64; 3]>::try_from(numbers.as_slice())
+        <[f64; N]>::try_from(numbers.as_slice())
             .map(Some)
-            .map_err(|_| self.error(node, format!("attribute `{name}` wants 3 numbers, got {}", numbers.len())))
+            .map_err(|_| self.error(node, format!("attribute `{name}` wants {N} numbers, got {}", numbers.len())))
     }
 
     /// All numbers of a text, each of them finite.

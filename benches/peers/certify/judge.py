@@ -5,8 +5,9 @@
 
 DIR is what `plan.py` wrote for one peer. Every answer is sampled so that no point of any body moves farther than the step
 (default 0.5 mm) from one sample to the next, and coal is asked at each. A verdict "free" is confirmed where no sample collides;
-a verdict "contact" where a sample does, none of them before the proved prefix ends, or, where the contact is too short for the samples,
-where coal finds it at the place that the verdict names. Exit code 1: a verdict is not confirmed. A call that was interrupted
+a verdict "contact" where no sample collides before the proved prefix ends and coal finds the pair that is named overlapping
+while it is said to be in contact. To coal meshes are hollow: a shape that lies all inside of a closed mesh is confirmed by the
+mesh's winding number around it ("enclosed"). Exit code 1: a verdict is not confirmed. A call that was interrupted
 goes on where it was. Times are wall times of one certification, reading and loading aside, on whatever else the machine does: at
 least the processor's.
 """
@@ -27,6 +28,9 @@ from world import ROBOT, SCENE_NAMES, World
 
 COLUMNS = ("scene", "file", "verdict", "free_until", "at", "depth_mm", "pair", "ms", "points", "samples",
            "colliding_samples", "first_colliding", "confirmed_by")
+
+PLACES = 33
+"""Places of a contact at which its pair is looked at."""
 
 
 def certify(program: Path, world: World, files: list[Path]) -> dict[str, dict]:
@@ -57,11 +61,13 @@ def judge(world: World, file: Path, answer: dict, step: float) -> dict:
     confirmed = ""
     if report["verdict"] == "free":
         confirmed = "" if colliding else "samples"
-    elif report["verdict"] == "contact":
-        if colliding and first >= report["free_until"] - 1e-9:
-            confirmed = "samples"
-        elif not colliding and any(world.collides(_state(states, contact[at])) for at in ("deepest_at", "at")):
-            confirmed = "place"
+    elif report["verdict"] == "contact" and (first is None or first >= report["free_until"] - 1e-9):
+        places = [contact["deepest_at"], *np.linspace(contact["at"], contact["until"], PLACES)]
+        pair = contact["pair"]["shapes"]
+        if any(world.overlaps(pair, _state(states, place)) for place in places):
+            confirmed = "coal"
+        elif any(world.encloses(pair, _state(states, place)) for place in places):
+            confirmed = "enclosed"
     return {
         "scene": world.name,
         "file": file.name,
@@ -85,16 +91,17 @@ def _state(states: np.ndarray, place: float) -> np.ndarray:
 
 
 def summary(rows: list[dict]) -> str:
-    lines = ["| scene | answers | collide | not confirmed | confirmed at the named place only | deepest (mm) "
-             "| median / p95 / max (ms) |", "|---|---|---|---|---|---|---|"]
+    lines = ["| scene | answers | in contact | of these enclosed | seen by no sample | not confirmed | deepest (mm) "
+             "| median / p95 / max (ms) |", "|---|---|---|---|---|---|---|---|"]
     for name in [*dict.fromkeys(row["scene"] for row in rows), "all"]:
         of = [row for row in rows if name in (row["scene"], "all")]
         contacts = [row for row in of if row["verdict"] == "contact"]
         times = sorted(float(row["ms"]) for row in of)
         deepest = max((float(row["depth_mm"] or 0.0) for row in contacts), default=0.0)
         lines.append(
-            f"| {name} | {len(of)} | {len(contacts)} | {sum(not row['confirmed_by'] for row in of)} "
-            f"| {sum(row['confirmed_by'] == 'place' for row in of)} | {deepest:.2f} "
+            f"| {name} | {len(of)} | {len(contacts)} | {sum(row['confirmed_by'] == 'enclosed' for row in of)} "
+            f"| {sum(int(row['colliding_samples']) == 0 for row in contacts)} "
+            f"| {sum(not row['confirmed_by'] for row in of)} | {deepest:.2f} "
             f"| {statistics.median(times):.2f} / {times[int(0.95 * (len(times) - 1))]:.2f} / {times[-1]:.2f} |")
     return "\n".join(lines)
 

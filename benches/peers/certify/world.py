@@ -74,10 +74,38 @@ class World:
         """Whether any pair of shapes overlaps, by coal."""
         return pin.computeCollisions(self.model, self.data, self.broad, self.whole(state), True)
 
-    def distance(self, state) -> float:
-        """The least distance of any pair (m), negative where one overlaps, by coal."""
-        pin.computeDistances(self.model, self.data, self.geometry, self.geometry_data, self.whole(state))
-        return min(result.min_distance for result in self.geometry_data.distanceResults)
+    def _place(self, pair: list[str], state) -> tuple[int, int]:
+        """Numbers of two shapes by our names (`part/link_0`), everything placed."""
+        pin.updateGeometryPlacements(self.model, self.data, self.geometry, self.geometry_data, self.whole(state))
+        one, other = (self.geometry.getGeometryId(name.split("/", 1)[1]) for name in pair)
+        return one, other
+
+    def overlaps(self, pair: list[str], state) -> bool:
+        """Whether two shapes overlap, by coal; surfaces closer than it can tell (1e-6 m) do."""
+        one, other = self._place(pair, state)
+        number = self.geometry.findCollisionPair(pin.CollisionPair(min(one, other), max(one, other)))
+        return pin.computeDistance(self.geometry, self.geometry_data, number).min_distance < 1e-6
+
+    def encloses(self, pair: list[str], state) -> bool:
+        """Whether the middle of one shape lies inside the other, a closed mesh: the mesh turns around it once."""
+        one, other = self._place(pair, state)
+        return any(self._turns(*shapes) > 0.5 for shapes in ((one, other), (other, one)))
+
+    def _turns(self, outer: int, inner: int) -> float:
+        mesh, shape = (self.geometry.geometryObjects[i].geometry for i in (outer, inner))
+        if not hasattr(mesh, "tri_indices"):
+            return 0.0
+        shape.computeLocalAABB()
+        place = self.geometry_data.oMg
+        point = place[outer].actInv(place[inner].act(np.array(shape.aabb_center)))
+        corners = np.array([mesh.vertices(int(i)) for i in range(mesh.num_vertices)]).reshape(-1, 3) - point
+        triangles = np.array([[mesh.tri_indices(i)[k] for k in range(3)] for i in range(mesh.num_tris)])
+        a, b, c = (corners[triangles[:, i]] for i in range(3))
+        la, lb, lc = (np.linalg.norm(x, axis=1) for x in (a, b, c))
+        dot = lambda x, y: np.einsum("ij,ij->i", x, y)  # noqa: E731
+        volume = dot(a, np.cross(b, c))
+        angle = np.arctan2(volume, la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb)
+        return abs(angle.sum() / (2.0 * np.pi))
 
     def valid(self, state) -> bool:
         return bool(np.all(state >= self.low) and np.all(state <= self.high)) and not self.collides(state)

@@ -135,10 +135,12 @@ pub struct SurfaceModel {
 }
 
 /// A named configuration of some joints.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct GroupState {
     /// Its name.
     pub name: String,
     /// Joint names and values.
     pub values: Vec<(String, f64)>,
+    /// What is told where the description contradicts itself in a joint: nobody can be in this configuration.
+    pub contradiction: Option<String>,
 }

@@ -142,10 +142,9 @@ impl Reader<'_> {
         let everything = kept.len() == joints.len() && kept.iter().enumerate().all(|(i, &k)| i == k);
         if !everything {
             for point in &mut table.points {
-                let pick = |row: &Vec<f64>| kept.iter().map(|&k| row[k]).collect::<Vec<f64>>();
-                point.positions = pick(&point.positions);
-                point.velocities = point.velocities.as_ref().map(pick);
-                point.accelerations = point.accelerations.as_ref().map(pick);
+                let pick = |row: &mut Vec<f64>| *row = kept.iter().map(|&k| row[k]).collect();
+                let derivatives = point.velocities.iter_mut().chain(&mut point.accelerations);
+                std::iter::once(&mut point.positions).chain(derivatives).for_each(pick);
             }
         }
         let straight: Vec<usize> = (0..kept.len()).filter(|&i| table.straight.contains(&kept[i])).collect();

@@ -292,7 +292,9 @@ impl Reader<'_> {
         for ((transform, &planar), yaw) in root.transforms.iter().zip(planar).zip(yaws) {
             let (t, r) = (transform.translation, transform.rotation);
             let length = (r.x * r.x + r.y * r.y + r.z * r.z + r.w * r.w).sqrt();
-            if !((length - 1.0).abs() < 1e-3) {
+            // Compared so that NaN is refused.
+            let is_one = (length - 1.0).abs() < 1e-3;
+            if !is_one {
                 return Err(self
                     .fail(element(), format!("a rotation has length {length}"))
                     .hint("quaternions have length 1"));

@@ -52,9 +52,9 @@ pub(super) fn page(path: &Path, scene: &str, result: &Result<CertifyReport, Stri
     let p = &report.pairs;
     let _ = writeln!(
         out,
-        "  pairs      {} pairs of shapes tested ({} without their margin); left out: {} disabled, {} of one body, {} of the \
-         environment, {} allowed to touch",
-        p.tested, p.without_margin, p.disabled, p.same_body, p.environment, p.touch_allowed
+        "  pairs      {} pairs of shapes tested ({} without their margin); left out: {} by SRDF, {} adjacent, {} ignored by the \
+         scene, {} of one body, {} of the environment, {} allowed to touch",
+        p.tested, p.without_margin, p.srdf, p.adjacent, p.ignored, p.same_body, p.environment, p.touch_allowed
     );
     for note in &report.notes {
         let _ = writeln!(out, "  note       {note}");

@@ -191,6 +191,11 @@ impl Reader<'_> {
             let message = format!("`{}` has no configuration `{}`", part.name, quoted(name));
             return Err(item.error(message).hint(did_you_mean(name, states)));
         };
+        if let Some(contradiction) = &state.contradiction {
+            let message =
+                format!("configuration `{}` of `{}` contradicts itself: {contradiction}", quoted(name), part.name);
+            return Err(item.error(message).hint("name joints, or mend the SRDF"));
+        }
         for (joint, value) in &state.values {
             if let Some(&i) = place.get(format!("{}/{joint}", part.name).as_str()) {
                 (q[i], known[i]) = (*value, true);

@@ -58,6 +58,7 @@ pub(super) fn read<'f>(item: &Item<'f>, loader: &mut Loader<'_>) -> Result<Loade
     let urdf_file = opened(&keys.required("urdf")?, loader)?;
     let base = urdf_file.file.base();
     let mut context = urdf::Context::new(&mut loader.meshes, &base, up_axis, &mut loader.warnings);
+    context.may_be_frames = kind == PartKind::Environment;
     let mut model = urdf::read(&urdf_file.label, &urdf_file.text, &mut context)?;
     let mut sha256 = context.sha256;
     sha256.insert("urdf".into(), urdf_file.file.sha256.clone());

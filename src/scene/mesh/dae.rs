@@ -14,7 +14,7 @@ const NODE_DEPTH: usize = 200;
 /// Most numbers in the arrays of a file.
 const NUMBERS: usize = 40_000_000;
 
-pub(super) fn read(file: &str, content: &str, up_axis: UpAxis) -> Result<Triangles, SceneError> {
+pub(super) fn read(file: &str, content: &str, up_axis: UpAxis, mesh: Triangles) -> Result<Triangles, SceneError> {
     let xml = Xml::parse(file, content)?;
     let root = xml.document.root_element();
     if root.tag_name().name() != "COLLADA" {
@@ -22,7 +22,7 @@ pub(super) fn read(file: &str, content: &str, up_axis: UpAxis) -> Result<Triangl
     }
     let by_id: HashMap<&str, Node<'_, '_>> =
         root.descendants().filter_map(|n| n.attribute("id").map(|id| (id, n))).collect();
-    let mut reader = Reader { xml: &xml, by_id, geometries: HashMap::new(), numbers: 0, mesh: Triangles::default() };
+    let mut reader = Reader { xml: &xml, by_id, geometries: HashMap::new(), numbers: 0, mesh };
     let world_from_scene = asset(&xml, root, up_axis)?;
     match reader.scene_nodes(root)? {
         Some(nodes) => reader.place(nodes, world_from_scene)?,
@@ -151,7 +151,7 @@ impl<'a, 'i> Reader<'a, 'i> {
     }
 
     fn geometry(&mut self, node: Node<'a, 'i>) -> Result<Triangles, SceneError> {
-        let mut geometry = Triangles::default();
+        let mut geometry = Triangles::watched(&self.mesh.stop);
         let Some(mesh) = elements(node, "mesh").next() else { return Ok(geometry) };
         // Position sources that primitives of this geometry have named so far: where their vertices begin.
         let mut sources: HashMap<roxmltree::NodeId, (u32, u32)> = HashMap::new();

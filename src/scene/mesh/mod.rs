@@ -10,12 +10,15 @@ mod stl;
 
 use super::error::SceneError;
 use super::input;
+use super::limits::LoadStop;
 use super::mesh_cache::{Kept, Key, SMALLEST_FILE};
 use super::package::{Contained, PackagePath, contained, is_below};
 use foliate_components::robot::shape::Mesh;
 use foliate_kernels::collision::mesh_record;
+use foliate_systems::events::StopSignal;
 use glam::DVec3;
 use sha2::{Digest, Sha256};
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -25,16 +28,36 @@ pub(crate) const TRIANGLES: usize = 4_000_000;
 /// Most triangles of all meshes of a scene, each file counted once.
 const TRIANGLES_IN_ALL: usize = 20_000_000;
 
+/// Most bytes of memory that are kept for the next file.
+const KEPT_BUFFER: usize = 16 << 20;
+
+/// The lines of a text of which only keywords and numbers matter: names and comments may be in any encoding.
+fn lines(content: &[u8]) -> impl Iterator<Item = Cow<'_, str>> {
+    let content = content.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(content);
+    let content = content.strip_suffix(b"\n").unwrap_or(content);
+    content.split(|&byte| byte == b'\n').map(String::from_utf8_lossy)
+}
+
 /// Triangles as a file holds them, in metres, unscaled.
 #[derive(Debug, Default)]
 pub(crate) struct Triangles {
     pub vertices: Vec<DVec3>,
     pub triangles: Vec<[u32; 3]>,
+    /// Ends the reading.
+    stop: StopSignal,
 }
 
 impl Triangles {
-    /// Refuses the next triangle where the cap is reached, and vertex numbers beyond 32 bits.
+    /// None yet; to read more ends when the signal is raised.
+    fn watched(stop: &StopSignal) -> Self {
+        Self { stop: stop.clone(), ..Self::default() }
+    }
+
+    /// Refuses the next triangle where the cap is reached, and vertex numbers beyond 32 bits; now and then looks at the signal.
     fn check_room(&self) -> Result<(), String> {
+        if (self.triangles.len() + self.vertices.len()).is_multiple_of(1 << 14) && self.stop.is_raised() {
+            return Err("was not read to its end".into());
+        }
         match self.triangles.len() >= TRIANGLES || self.vertices.len() >= 3 * TRIANGLES {
             true => Err(format!("has more than {TRIANGLES} triangles")),
             false => Ok(()),
@@ -113,6 +136,8 @@ pub(crate) struct Meshes<'a> {
     packages: &'a PackagePath,
     read: HashMap<(PathBuf, [u64; 3], UpAxis), LoadedMesh>,
     triangles: usize,
+    /// That the meshes take which are read.
+    bytes: u64,
     /// SHA-256 of the files that were read.
     sums: HashMap<PathBuf, [u8; 32]>,
     /// About entries of the cache.
@@ -153,10 +178,31 @@ impl<'a> Meshes<'a> {
             packages,
             read: HashMap::new(),
             triangles: 0,
+            bytes: 0,
             sums: HashMap::new(),
             remarks: Vec::new(),
             has_kept: false,
             buffers: Default::default(),
+        }
+    }
+
+    /// Refuses a file of so many bytes that would take more memory than is left, before it is read.
+    fn check_memory(&self, path: &Path, reader: Reader, bytes: u64) -> Result<(), SceneError> {
+        let name = path.display().to_string();
+        self.packages.limits().reached(&name)?;
+        let wanted = self.bytes.saturating_add(bytes.saturating_mul(reader.working_bytes()));
+        match self.packages.limits().mesh_bytes {
+            Some(most) if wanted > most => {
+                let mib = |bytes: u64| bytes.div_ceil(1 << 20);
+                let mut error = SceneError::stopped(&name, LoadStop::Memory);
+                error.message = format!(
+                    "with this mesh, reading would take about {} MiB, more than the {} MiB left",
+                    mib(wanted),
+                    mib(most)
+                );
+                Err(error.hint("simplify the collision meshes, or raise the memory limit"))
+            }
+            _ => Ok(()),
         }
     }
 
@@ -167,7 +213,11 @@ impl<'a> Meshes<'a> {
         if let Some(mesh) = self.read.get(&key) {
             return Ok(mesh.clone());
         }
-        let (mesh, sha256) = self.open(&key.0, request).map_err(MeshError::File)?;
+        let opened = self.open(&key.0, request);
+        // What was cut short has no fault of its own.
+        self.packages.limits().reached(&key.0.display().to_string()).map_err(MeshError::File)?;
+        let (mesh, sha256) = opened.map_err(MeshError::File)?;
+        self.bytes += (size_of_val(&*mesh.vertices) + size_of_val(&*mesh.triangles)) as u64;
         let loaded = LoadedMesh { mesh: Arc::new(mesh), sha256 };
         self.triangles += loaded.mesh.triangles.len();
         if self.triangles > TRIANGLES_IN_ALL {
@@ -181,6 +231,9 @@ impl<'a> Meshes<'a> {
     /// The mesh of a file, with what the cache knows of it (or else does afterwards), and the SHA-256 of the file.
     fn open(&mut self, path: &Path, request: &MeshRequest<'_>) -> Result<(Mesh, [u8; 32]), SceneError> {
         let reader = Reader::of(path)?;
+        let size = std::fs::metadata(path).map_or(0, |metadata| metadata.len());
+        self.check_memory(path, reader, size)?;
+        let stop = &self.packages.limits().stop;
         let [bytes, entry] = &mut self.buffers;
         input::bytes_into(path, reader.cap(), bytes)?;
         // A path file says which bytes a proof is about, so that there is one sum of a file.
@@ -189,7 +242,7 @@ impl<'a> Meshes<'a> {
             return Err(SceneError::new(path.display().to_string(), "file", "has changed while the model was read"));
         }
         let cache = self.packages.mesh_cache().filter(|_| bytes.len() >= SMALLEST_FILE);
-        let mut mesh = meant(reader.read(path, std::mem::take(bytes), request.up_axis)?, request);
+        let mut mesh = meant(reader.read(path, bytes, request.up_axis, stop)?, request);
         let Some(cache) = cache else { return Ok((mesh, sum)) };
         let key = Key::new(&sum, reader.name(), request.up_axis, request.scale);
         let why = match cache.find(&key, entry) {
@@ -288,6 +341,16 @@ impl Reader {
         }
     }
 
+    /// Bytes of memory that a byte of a file takes at most while the file is read, itself included; measured
+    /// (`tests/loading_is_bounded.rs`).
+    fn working_bytes(self) -> u64 {
+        match self {
+            Self::Stl => 6,
+            Self::Obj => 8,
+            Self::Dae => 16,
+        }
+    }
+
     /// Largest file, bytes.
     fn cap(self) -> u64 {
         match self {
@@ -297,13 +360,23 @@ impl Reader {
     }
 
     /// The triangles that a file's bytes hold.
-    fn read(self, path: &Path, bytes: Vec<u8>, up_axis: UpAxis) -> Result<Triangles, SceneError> {
+    fn read(
+        self,
+        path: &Path,
+        bytes: &mut Vec<u8>,
+        up_axis: UpAxis,
+        stop: &StopSignal,
+    ) -> Result<Triangles, SceneError> {
         let file = path.display().to_string();
+        let mesh = Triangles::watched(stop);
         let mut content = match self {
-            Self::Stl => stl::read(&file, &bytes)?,
-            Self::Obj => obj::read(&file, &input::decode(bytes, &file)?)?,
-            Self::Dae => dae::read(&file, &input::decode(bytes, &file)?, up_axis)?,
+            Self::Stl => stl::read(&file, bytes, mesh)?,
+            Self::Obj => obj::read(&file, bytes, mesh)?,
+            Self::Dae => dae::read(&file, &input::decode(std::mem::take(bytes), &file)?, up_axis, mesh)?,
         };
+        // What was read before may have been much larger.
+        bytes.clear();
+        bytes.shrink_to(KEPT_BUFFER);
         content.drop_unused();
         if content.triangles.is_empty() {
             return Err(SceneError::new(file, "mesh", "has no triangles").hint("points and lines bound no solid"));

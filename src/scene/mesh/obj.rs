@@ -1,16 +1,15 @@
 //! Wavefront OBJ: vertices and faces; everything else only concerns looks.
 
-use super::Triangles;
+use super::{Triangles, lines};
 use crate::scene::error::{SceneError, quoted};
 use glam::DVec3;
 
 /// Most corners of one face.
 const CORNERS: usize = 4096;
 
-pub(super) fn read(file: &str, content: &str) -> Result<Triangles, SceneError> {
-    let mut mesh = Triangles::default();
+pub(super) fn read(file: &str, content: &[u8], mut mesh: Triangles) -> Result<Triangles, SceneError> {
     let mut corners = Vec::new();
-    for (index, line) in content.lines().enumerate() {
+    for (index, line) in lines(content).enumerate() {
         let mut words = line.split_ascii_whitespace();
         let result = match words.next() {
             Some("v") => vertex(&mut mesh, words),

@@ -1,6 +1,6 @@
 //! STL, binary and text. Corners at the same position become one vertex.
 
-use super::{TRIANGLES, Triangles};
+use super::{TRIANGLES, Triangles, lines};
 use crate::scene::error::{SceneError, quoted};
 use foliate_components::robot::positions::Positions;
 use glam::DVec3;
@@ -11,20 +11,20 @@ const HEADER: usize = 84;
 const RECORD: usize = 50;
 
 /// Reads either form. A file is binary exactly where its length fits the number of triangles that it declares.
-pub(super) fn read(file: &str, content: &[u8]) -> Result<Triangles, SceneError> {
+pub(super) fn read(file: &str, content: &[u8], mesh: Triangles) -> Result<Triangles, SceneError> {
     let declared = content.get(80..HEADER).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes);
     let is_text = content.trim_ascii_start().starts_with(b"solid");
     match declared {
         Some(count) if content.len() as u64 == HEADER as u64 + u64::from(count) * RECORD as u64 => {
-            binary(file, &content[HEADER..])
+            binary(file, &content[HEADER..], mesh)
         }
-        _ if is_text => text(file, content),
+        _ if is_text => text(file, content, mesh),
         Some(count) => {
             let wanted = HEADER as u64 + u64::from(count) * RECORD as u64;
             // Exporters pad; a file that is too short is cut off.
             let records = &content[HEADER..];
             match (records.len() as u64) >= wanted - HEADER as u64 && count > 0 {
-                true => binary(file, &records[..count as usize * RECORD]),
+                true => binary(file, &records[..count as usize * RECORD], mesh),
                 false => Err(SceneError::new(
                     file,
                     "header",
@@ -46,8 +46,8 @@ struct Corners {
 
 impl Corners {
     /// With room for as many triangles as there are in most files of that many.
-    fn of(triangles: usize) -> Self {
-        Self { mesh: Triangles::default(), known: Positions::with_capacity(triangles / 2) }
+    fn of(triangles: usize, mesh: Triangles) -> Self {
+        Self { mesh, known: Positions::with_capacity(triangles / 2) }
     }
 
     fn vertex(&mut self, p: DVec3) -> u32 {
@@ -60,7 +60,7 @@ impl Corners {
     }
 }
 
-fn binary(file: &str, records: &[u8]) -> Result<Triangles, SceneError> {
+fn binary(file: &str, records: &[u8], mesh: Triangles) -> Result<Triangles, SceneError> {
     let count = records.len() / RECORD;
     if count > TRIANGLES {
         return Err(SceneError::new(
@@ -69,9 +69,10 @@ fn binary(file: &str, records: &[u8]) -> Result<Triangles, SceneError> {
             format!("declares {count} triangles, at most {TRIANGLES} are read"),
         ));
     }
-    let mut corners = Corners::of(count);
+    let mut corners = Corners::of(count, mesh);
     corners.mesh.triangles.reserve(count);
     for (number, record) in records.chunks_exact(RECORD).enumerate() {
+        corners.mesh.check_room().map_err(|message| SceneError::new(file, "mesh", message))?;
         let mut triangle = [0; 3];
         for (corner, bytes) in triangle.iter_mut().zip(record[12..48].chunks_exact(12)) {
             let mut p = [0.0; 3];
@@ -89,15 +90,15 @@ fn binary(file: &str, records: &[u8]) -> Result<Triangles, SceneError> {
     Ok(corners.mesh)
 }
 
-fn text(file: &str, content: &[u8]) -> Result<Triangles, SceneError> {
-    let content = std::str::from_utf8(content).map_err(|_| {
-        SceneError::new(file, "header", "begins with `solid` but is neither text nor of its declared length")
-            .hint("the file is cut off, or no STL")
-    })?;
-    let mut corners = Corners::of(0);
+fn text(file: &str, content: &[u8], mesh: Triangles) -> Result<Triangles, SceneError> {
+    if content.contains(&0) {
+        let message = "begins with `solid` but is neither text nor of its declared length";
+        return Err(SceneError::new(file, "header", message).hint("the file is cut off, or no STL"));
+    }
+    let mut corners = Corners::of(0, mesh);
     let mut loop_corners: Option<Vec<u32>> = None;
     let mut ended = false;
-    for (index, line) in content.lines().enumerate() {
+    for (index, line) in lines(content).enumerate() {
         let fail = |element: &str, message: String| Err(SceneError::new(file, element, message).at(index as u32 + 1));
         let mut words = line.split_ascii_whitespace();
         match words.next() {
@@ -130,8 +131,8 @@ fn text(file: &str, content: &[u8]) -> Result<Triangles, SceneError> {
         }
     }
     if !ended || loop_corners.is_some() {
-        let lines = content.lines().count() as u32;
-        return Err(SceneError::new(file, "solid", "`endsolid` is missing").at(lines).hint("the file is cut off"));
+        let last = lines(content).count() as u32;
+        return Err(SceneError::new(file, "solid", "`endsolid` is missing").at(last).hint("the file is cut off"));
     }
     Ok(corners.mesh)
 }

@@ -4,16 +4,18 @@
 //! (`x y z  qw qx qy qz`) or by attributes (`xyz` with `rpy`, `wxyz` or `xyzw`); unknown tags are ignored.
 
 mod contact;
+mod disabled;
 mod frames;
+mod states;
 
 pub(crate) use contact::check_polygons;
 pub(crate) use frames::check_mask;
 
 use super::error::{SceneError, did_you_mean, quoted};
 use super::xml::{Xml, elements, label};
-use foliate_components::robot::model::{GroupState, Model};
+use foliate_components::robot::model::Model;
 use roxmltree::Node;
-use std::collections::{BTreeMap, HashSet};
+use std::collections::HashSet;
 
 /// Reads an SRDF into the model that it describes.
 ///
@@ -45,11 +47,8 @@ pub(crate) fn read(
         reader.model.surfaces.push(surface);
     }
     reader.disabled_pairs(root)?;
-    for node in elements(root, "group_state") {
-        let state = reader.group_state(node)?;
-        reader.model.group_states.push(state);
-    }
-    Ok(())
+    reader.default_pairs(root)?;
+    reader.group_states(root)
 }
 
 struct Reader<'a, 'i> {
@@ -89,52 +88,5 @@ impl<'a> Reader<'a, '_> {
                 .error(element, format!("link `{}` is not in the URDF", quoted(name)))
                 .hint(did_you_mean(name, links()))),
         }
-    }
-
-    fn disabled_pairs(&mut self, root: Node<'a, '_>) -> Result<(), SceneError> {
-        let links: HashSet<&str> = self.model.links.iter().map(|l| l.name.as_str()).collect();
-        let (mut pairs, mut unknown) = (Vec::new(), BTreeMap::new());
-        for node in elements(root, "disable_collisions") {
-            let (first, second) = (self.xml.attribute(node, "link1")?, self.xml.attribute(node, "link2")?);
-            match [first, second].iter().find(|l| !links.contains(**l)) {
-                Some(missing) => unknown.entry(*missing).or_insert((node, 0)).1 += 1,
-                None => {
-                    let reason = node.attribute("reason").unwrap_or("SRDF");
-                    pairs.push((first.to_owned(), second.to_owned(), reason.to_owned()));
-                }
-            }
-        }
-        drop(links);
-        self.model.disabled_pairs.extend(pairs);
-        for (link, (node, times)) in unknown {
-            let message = format!("link `{}` is not in the URDF ({times} pairs name it)", quoted(link));
-            self.warn(node, message, "these pairs are left out");
-        }
-        Ok(())
-    }
-
-    /// A named configuration; joints of several values (roots) are left out.
-    fn group_state(&mut self, node: Node<'a, '_>) -> Result<GroupState, SceneError> {
-        let mut state = GroupState { name: self.xml.attribute(node, "name")?.to_owned(), values: Vec::new() };
-        for joint in elements(node, "joint") {
-            let written = self.xml.attribute(joint, "name")?;
-            let text = self.xml.attribute(joint, "value")?;
-            let value = match self.xml.numbers(joint, "attribute `value`", text)?[..] {
-                [value] => value,
-                _ => continue,
-            };
-            let known = |name: &str| self.model.joints.iter().any(|j| j.name == name);
-            // Some files write the part in front: `baxter/head_pan`.
-            let unprefixed = written.split_once('/').map(|(_, name)| name).filter(|name| known(name));
-            match Some(written).filter(|name| known(name)).or(unprefixed) {
-                Some(name) => state.values.push((name.to_owned(), value)),
-                None if written == "root_joint" => {}
-                None => {
-                    let message = format!("joint `{}` is not in the URDF", quoted(written));
-                    self.warn(joint, format!("{message}; see {}", label(node)), "its value is left out");
-                }
-            }
-        }
-        Ok(state)
     }
 }

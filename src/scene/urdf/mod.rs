@@ -3,6 +3,7 @@
 //! Names must exist and be unique, vectors have exactly three finite numbers, the joints make one tree, followers have a
 //! leader. What only concerns looks or simulation (`visual`, `gazebo`, `transmission`) is not looked at.
 
+mod attributes;
 mod joints;
 mod tree;
 
@@ -14,7 +15,7 @@ use foliate_components::Pose;
 use foliate_components::pose::rotation_from_rpy;
 use foliate_components::robot::model::{Inertial, LinkModel, Model};
 use foliate_components::robot::shape::Geometry;
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use roxmltree::Node;
 use std::collections::{BTreeMap, HashMap};
 
@@ -28,6 +29,8 @@ pub(crate) struct Context<'a, 'p> {
     pub meshes: &'a mut Meshes<'p>,
     pub base: &'a Base,
     pub up_axis: UpAxis,
+    /// Whether it may be nothing but frames: what stands around, unlike a robot.
+    pub may_be_frames: bool,
     /// Remarks that do not stop the reading.
     pub warnings: &'a mut Vec<SceneError>,
     /// Of meshes that are not closed; one for all of a file goes to the warnings.
@@ -38,7 +41,7 @@ pub(crate) struct Context<'a, 'p> {
 
 impl<'a, 'p> Context<'a, 'p> {
     pub fn new(meshes: &'a mut Meshes<'p>, base: &'a Base, up_axis: UpAxis, warnings: &'a mut Vec<SceneError>) -> Self {
-        Self { meshes, base, up_axis, warnings, open_meshes: Vec::new(), sha256: BTreeMap::new() }
+        Self { meshes, base, up_axis, may_be_frames: false, warnings, open_meshes: Vec::new(), sha256: BTreeMap::new() }
     }
 }
 
@@ -67,6 +70,10 @@ pub(crate) fn read(file: &str, text: &str, context: &mut Context<'_, '_>) -> Res
         return Err(xml.error(root, "has no links").hint("a model has at least one <link name=\"…\"/>"));
     }
     joints::read(&xml, root, &mut model, context.warnings)?;
+    attributes::tell_unknown(&xml, root, context.warnings);
+    if model.links.iter().all(|link| link.shapes.is_empty()) {
+        context.warnings.extend(attributes::tell_shapeless(&xml, root, context.may_be_frames));
+    }
     let open_meshes = std::mem::take(&mut context.open_meshes);
     context.warnings.extend(in_one(open_meshes));
     Ok(model)
@@ -143,15 +150,35 @@ fn mass(xml: &Xml<'_>, node: Node<'_, '_>) -> Result<Inertial, SceneError> {
     Ok(Inertial { mass, center: origin(xml, node)?.translation })
 }
 
-/// `<origin xyz rpy>` of an element; the identity without one.
+/// `<origin xyz rpy>` of an element, or with `quat_xyzw` (URDF 1.1); the identity without one.
 fn origin(xml: &Xml<'_>, node: Node<'_, '_>) -> Result<Pose, SceneError> {
     let Some(origin) = xml.optional_child(node, "origin")? else { return Ok(Pose::identity()) };
     let xyz = DVec3::from_array(xml.vector(origin, "xyz")?.unwrap_or_default());
-    let [roll, pitch, yaw] = xml.vector(origin, "rpy")?.unwrap_or_default();
+    let rotation = match (xml.vector(origin, "rpy")?, xml.array::<4>(origin, "quat_xyzw")?) {
+        (Some(_), Some(_)) => {
+            return Err(xml.error(origin, "gives the rotation twice: rpy and quat_xyzw").hint("leave one of them out"));
+        }
+        (None, Some(quaternion)) => unit(quaternion).ok_or_else(|| {
+            let length = quaternion.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let message = format!("attribute `quat_xyzw` has length {length:.4}, a rotation has length 1");
+            xml.error(origin, message).hint("order is x y z w; no rotation is 0 0 0 1")
+        })?,
+        (rpy, None) => {
+            let [roll, pitch, yaw] = rpy.unwrap_or_default();
+            rotation_from_rpy(roll, pitch, yaw)
+        }
+    };
     if xyz.abs().max_element() > LONGEST {
         return Err(xml.error(origin, format!("is more than {LONGEST} m away")).hint("lengths are metres"));
     }
-    Ok(Pose::from_parts(xyz, rotation_from_rpy(roll, pitch, yaw)))
+    Ok(Pose::from_parts(xyz, rotation))
+}
+
+/// The rotation of a quaternion x y z w of length one, within the digits that files have.
+fn unit(quaternion: [f64; 4]) -> Option<DQuat> {
+    let quaternion = DQuat::from_array(quaternion);
+    let length = quaternion.length();
+    ((length - 1.0).abs() < 1e-3).then(|| quaternion / length)
 }
 
 fn required_number(xml: &Xml<'_>, node: Node<'_, '_>, name: &str) -> Result<f64, SceneError> {

@@ -1,0 +1,86 @@
+//! Regenerates `docs/reliability.md`: how often Foliate fails, and how.
+//!
+//! `cargo run --release -p foliate_benches --bin reliability [-- --quick] [--only FIGURE] [--out FILE]`. Each figure is a module with a
+//! size; what it found is kept in `target/reliability/` under the version and the size, so that a run that was stopped goes on with
+//! the figures that are missing. `--quick` is a smoke test of three minutes, whose page goes to `target/reliability/quick.md`.
+#![forbid(unsafe_code)]
+
+mod coal;
+mod deadlines;
+mod determinism;
+mod lies;
+mod page;
+mod rechecks;
+mod scenes;
+mod soak;
+
+use page::Figure;
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+pub(crate) type Result<T> = std::result::Result<T, Box<dyn Error>>;
+
+/// A figure: name, how large it is in full and in short, and how it is made.
+type Entry = (&'static str, usize, usize, fn(usize) -> Result<Figure>);
+
+const FIGURES: [Entry; 6] = [
+    ("deadlines", 10_000, 60, deadlines::measure),
+    ("rechecks", 10_000, 24, rechecks::measure),
+    ("lies", 2_000, 60, lies::measure),
+    ("determinism", 20, 1, determinism::measure),
+    ("coal", 1_000_000, 5_000, coal::measure),
+    ("soak", 100_000, 200, soak::measure),
+];
+
+fn main() -> Result<()> {
+    let (mut quick, mut only, mut out) = (false, None, None);
+    let mut arguments = std::env::args().skip(1);
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            "--quick" => quick = true,
+            "--only" => only = Some(arguments.next().ok_or("--only FIGURE")?),
+            "--out" => out = Some(PathBuf::from(arguments.next().ok_or("--out FILE")?)),
+            other => return Err(format!("`{other}` is not understood").into()),
+        }
+    }
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let folder = root.join("target/reliability");
+    std::fs::create_dir_all(&folder)?;
+    let version = page::version();
+    let mut figures = Vec::new();
+    for (name, full, short, measure) in FIGURES {
+        if only.as_ref().is_some_and(|only| only != name) {
+            continue;
+        }
+        let size = if quick { short } else { full };
+        let kept =
+            folder.join(format!("{name}-{size}-{}.json", version.replace(|c: char| !c.is_ascii_alphanumeric(), "_")));
+        // Whoever changes the code without a commit measures anew.
+        let known = std::fs::read_to_string(&kept).ok().filter(|_| !version.ends_with("+"));
+        let figure = match known.and_then(|text| Figure::read(&text)) {
+            Some(figure) => figure,
+            None => {
+                eprintln!("{name}: {size}");
+                let started = Instant::now();
+                let mut figure = measure(size)?;
+                figure.seconds = started.elapsed().as_secs_f64();
+                foliate::output::write(&kept, figure.json().to_string().as_bytes())?;
+                figure
+            }
+        };
+        eprintln!("{name}: {:.0} s", figure.seconds);
+        figures.push(figure);
+    }
+    let out = out.unwrap_or_else(|| match quick || only.is_some() {
+        true => folder.join("quick.md"),
+        false => root.join("docs/reliability.md"),
+    });
+    if let Some(parent) = out.parent() {
+        std::fs::create_dir_all(parent)?;
+    }
+    foliate::output::write(&out, page::page(&figures, &version).as_bytes())?;
+    println!("{}", out.display());
+    let failed = figures.iter().any(|figure| figure.failures > 0);
+    if failed { Err("some figures are not what is promised; the page tells which".into()) } else { Ok(()) }
+}

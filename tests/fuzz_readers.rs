@@ -1,0 +1,240 @@
+//! Promise: whatever a file holds, a reader refuses it or reads it: no panic, less than a second for 64 kB, bounded memory.
+//!
+//! A short run of each target is part of the tests. A long one of all, twenty minutes each, with another seed:
+//! `FOLIATE_FUZZ_SECONDS=1200 FOLIATE_FUZZ_SEED=2 cargo test --release --test fuzz_readers -- --nocapture --test-threads 1`
+#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test that cannot go on says so")]
+
+#[path = "common/mutate.rs"]
+mod mutate;
+
+use foliate::Planner;
+use foliate::certify::formats::{ReadOptions, read_bytes};
+use foliate::certify::{Certifier, CertifyOptions};
+use foliate::check::{CheckOptions, SceneChoice, check};
+use foliate::kernels::collision::CollisionScratch;
+use foliate::path_file::{PathContext, save, write_path};
+use foliate::scene::{MeshCache, PackagePath, UpAxis, load_scene, load_scene_text, read_model};
+use mutate::fuzz;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// A fresh folder that goes when the test ends.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("foliate-readers-{name}-{}", std::process::id()));
+        let _fresh = std::fs::remove_dir_all(&path);
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn write(&self, name: &str, content: &[u8]) -> String {
+        let path = self.0.join(name);
+        std::fs::write(&path, content).unwrap();
+        path.to_str().unwrap().to_owned()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _gone = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The files of ours with an ending, of at most so many bytes.
+fn files(folder: &str, ending: &str, most: u64) -> Vec<Vec<u8>> {
+    let mut paths: Vec<_> =
+        std::fs::read_dir(root().join(folder)).unwrap().map(|entry| entry.unwrap().path()).collect();
+    paths.retain(|path| path.extension().is_some_and(|e| e == ending) && path.metadata().unwrap().len() <= most);
+    paths.sort();
+    assert!(!paths.is_empty(), "{folder} has no {ending}");
+    paths.iter().map(|path| std::fs::read(path).unwrap()).collect()
+}
+
+/// A URDF with one mesh.
+fn meshed(name: &str) -> Vec<u8> {
+    format!("<robot name=\"m\"><link name=\"a\"><collision><geometry><mesh filename=\"{name}\"/></geometry></collision></link></robot>")
+        .into_bytes()
+}
+
+#[test]
+fn urdf() {
+    let folder = Folder::new("urdf");
+    let mut good = files("scenes/demo", "urdf", 64 << 10);
+    good.extend(files("tests/bad_input", "urdf", 8 << 10));
+    fuzz("urdf", &good, |bad| {
+        drop(read_model(&folder.write("bad.urdf", bad), None, UpAxis::AsWritten, &PackagePath::default()))
+    });
+}
+
+#[test]
+fn srdf() {
+    let folder = Folder::new("srdf");
+    let urdf = folder.write("good.urdf", &std::fs::read(root().join("scenes/demo/robot.urdf")).unwrap());
+    let mut good = files("scenes/demo", "srdf", 64 << 10);
+    good.extend(files("tests/bad_input", "srdf", 8 << 10));
+    fuzz("srdf", &good, |bad| {
+        drop(read_model(&urdf, Some(&folder.write("bad.srdf", bad)), UpAxis::AsWritten, &PackagePath::default()));
+    });
+}
+
+fn mesh(kind: &str, good: &[Vec<u8>]) {
+    let folder = Folder::new(kind);
+    let name = format!("bad.{kind}");
+    let urdf = folder.write("mesh.urdf", &meshed(&name));
+    fuzz(kind, good, |bad| {
+        folder.write(&name, bad);
+        drop(read_model(&urdf, None, UpAxis::AsWritten, &PackagePath::default()));
+    });
+}
+
+/// A tetrahedron as binary STL.
+fn binary_stl() -> Vec<u8> {
+    let corners = [[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    let mut bytes = vec![b' '; 80];
+    bytes.extend((faces.len() as u32).to_le_bytes());
+    for face in faces {
+        bytes.extend([0; 12]);
+        bytes.extend(face.iter().flat_map(|&corner: &usize| corners[corner]).flat_map(f32::to_le_bytes));
+        bytes.extend([0; 2]);
+    }
+    bytes
+}
+
+#[test]
+fn stl() {
+    let mut good = files("tests/bad_input", "stl", 8 << 10);
+    good.push(binary_stl());
+    mesh("stl", &good);
+}
+
+#[test]
+fn obj() {
+    let mut good = files("tests/bad_input", "obj", 8 << 10);
+    good.push(b"o t\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvn 0 0 1\nvt 0 0\ng g\nf 1 3 2\nf 1/1 2/1 4/1\nf 1//1 4//1 3//1\nf -3 -2 -1\n".to_vec());
+    mesh("obj", &good);
+}
+
+#[test]
+fn dae() {
+    mesh("dae", &files("tests/bad_input", "dae", 8 << 10));
+}
+
+#[test]
+fn scene() {
+    let folder = root().join("scenes/demo");
+    let mut good = files("scenes/demo", "toml", 64 << 10);
+    good.extend(files("tests/bad_input", "toml", 8 << 10));
+    good.extend(files("scenes/drawer", "toml", 64 << 10));
+    fuzz("scene", &good, |bad| {
+        if let Ok(text) = std::str::from_utf8(bad) {
+            drop(load_scene_text("bad", text, &folder, &PackagePath::default()));
+        }
+    });
+}
+
+#[test]
+fn path() {
+    let folder = Folder::new("path");
+    let out = folder.0.join("good.json");
+    let scene = load_scene("demo", &PackagePath::default()).unwrap();
+    let planner = Planner::new(scene.problem.clone()).unwrap();
+    let solution = planner.solve();
+    let models = save::model_names(&scene, &out).unwrap();
+    let context = PathContext {
+        problem: &planner.model().problem,
+        graph: &solution.model.graph,
+        models: &models,
+        seed: 1,
+        scheduler: "sequence",
+        simd: "any",
+    };
+    let mut file = write_path(&context, &solution.path.unwrap());
+    save::save(&file, &out).unwrap();
+    let whole = std::fs::read(&out).unwrap();
+    // A short one, of which more inputs are still JSON.
+    file.segments.truncate(1);
+    save::save(&file, &out).unwrap();
+    let short = std::fs::read(&out).unwrap();
+    let limits = |scene| CheckOptions {
+        work_limit: 3000,
+        time_limit: Some(Duration::from_millis(300)),
+        scene,
+        ..CheckOptions::default()
+    };
+    fuzz("path", &[short, whole], |bad| {
+        let Ok(file) = save::read(Path::new(&folder.write("bad.json", bad))) else { return };
+        for scene in [SceneChoice::Nothing, SceneChoice::Given("demo".into())] {
+            drop(check(&file, &folder.0, &PackagePath::default(), &limits(scene)));
+        }
+    });
+}
+
+/// The motions that `foliate certify` reads, as others write them; what is read is looked at for a while.
+#[test]
+fn motion() {
+    let scene = load_scene("demo", &PackagePath::default()).unwrap();
+    let names = "robot/left_shoulder_yaw,robot/left_elbow_pitch";
+    let csv = format!("time,{names}\n0,0.1,0.2\n0.5,0.2,0.1\n1.0,0.3,-0.1\n");
+    let joints = "\"joint_names\":[\"left_shoulder_yaw\",\"left_elbow_pitch\"]";
+    let points = "[{\"positions\":[0.1,0.2],\"velocities\":[0,0],\"time_from_start\":{\"sec\":0,\"nanosec\":0}},\
+                   {\"positions\":[0.3,0.1],\"velocities\":[0,0],\"time_from_start\":{\"sec\":1,\"nanosec\":5}}]";
+    let trajectory = format!("{{{joints},\"points\":{points}}}");
+    let robot = format!("{{\"joint_trajectory\":{trajectory}}}");
+    let mut npy = b"\x93NUMPY\x01\x00\x76\x00{'descr': '<f8', 'fortran_order': False, 'shape': (2, 2), }".to_vec();
+    npy.resize(127, b' ');
+    npy.push(b'\n');
+    [0.1_f64, 0.2, 0.3, 0.4].iter().for_each(|number| npy.extend(number.to_le_bytes()));
+    let good = [
+        ("csv", csv.into_bytes()),
+        ("json", trajectory.into_bytes()),
+        ("json", robot.into_bytes()),
+        ("path", b"0.1 0.2\n0.3 0.4\n".to_vec()),
+        ("npy", npy),
+    ];
+    let robot = &scene.problem.robot;
+    let certifier = Certifier::new(&scene.problem, &[]).unwrap();
+    for (ending, good) in good {
+        fuzz(&format!("motion.{ending}"), &[good], |bad| {
+            let read = read_bytes(&format!("bad.{ending}"), bad.to_vec(), robot, &ReadOptions::default());
+            let Ok(motion) = read else { return };
+            let options = CertifyOptions { work_limit: 2000, ..CertifyOptions::default() };
+            drop(certifier.certify(&motion, &options, &mut CollisionScratch::default()));
+        });
+    }
+}
+
+#[test]
+fn cache() {
+    let folder = Folder::new("cache");
+    // Large enough to be kept: a grid of a thousand triangles.
+    let mut obj = String::new();
+    for i in 0..24 {
+        (0..24).for_each(|j| obj.push_str(&format!("v {i} {j} {}\n", (i * i + j) % 5)));
+    }
+    for i in 0..23 {
+        (1..24).for_each(|j| {
+            let a = i * 24 + j;
+            obj.push_str(&format!("f {a} {} {}\nf {} {} {}\n", a + 1, a + 24, a + 1, a + 25, a + 24));
+        });
+    }
+    folder.write("grid.obj", obj.as_bytes());
+    let urdf = folder.write("mesh.urdf", &meshed("grid.obj"));
+    let directory = folder.0.join("kept");
+    let packages = PackagePath::default().with_mesh_cache(MeshCache::in_directory(&directory));
+    let read = || read_model(&urdf, None, UpAxis::AsWritten, &packages).expect("the grid is a mesh").model;
+    let good = format!("{:?}", read());
+    let entry = std::fs::read_dir(&directory).unwrap().map(|entry| entry.unwrap().path()).next().expect("it is kept");
+    let bytes = std::fs::read(&entry).unwrap();
+    fuzz("cache", &[bytes], |bad| {
+        std::fs::write(&entry, bad).unwrap();
+        // What is kept may be lost; it is never believed.
+        assert!(format!("{:?}", read()) == good, "another mesh than that of the file");
+    });
+}
