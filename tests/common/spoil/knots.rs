@@ -27,7 +27,8 @@ pub fn joints(answer: &Answer) -> Vec<(usize, [f64; 2])> {
         (!joint.is_empty() && limits[1] - limits[0] > 1e-3).then_some((column, limits))
     };
     let locked = &answer.model.problem.graph.locked;
-    let names: Vec<&str> = locked.iter().map(|l| answer.model.problem.robot.joints[l.0.at()].name.as_str()).collect();
+    let names: Vec<&str> =
+        locked.iter().map(|(joint, _)| answer.model.problem.robot.joints[joint.at()].name.as_str()).collect();
     let free = |(_, name): &(usize, &String)| !names.contains(&name.as_str());
     file.coordinates.iter().enumerate().filter(free).filter_map(of).collect()
 }

@@ -69,10 +69,11 @@ impl Rules {
             Some(LeftOut::Environment)
         } else if self.disabled.contains(&pair) {
             Some(LeftOut::Srdf)
-        } else if self.adjacent.contains(&pair) {
-            Some(LeftOut::Adjacent)
+        } else if self.ignored.contains(&pair) {
+            // Who says so need not be a neighbour as well.
+            Some(LeftOut::Ignored)
         } else {
-            self.ignored.contains(&pair).then_some(LeftOut::Ignored)
+            self.adjacent.contains(&pair).then_some(LeftOut::Adjacent)
         }
     }
 
