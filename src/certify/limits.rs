@@ -3,7 +3,7 @@
 use super::motion::{Curve, Motion};
 use super::polynomial::Polynomial;
 use super::report::{LimitKind, LimitViolation, LimitsReport, Peak};
-use foliate_components::robot::{Joint, Motion as JointMotion, Robot, Source};
+use foliate_components::robot::{Joint, Motion as JointMotion, PartKind, Robot, Source};
 
 /// Values outside of a limit by less than this are on it: radians, metres, and per second.
 const TOLERANCE: f64 = 1e-9;
@@ -82,7 +82,12 @@ pub(super) fn look(robot: &Robot, motion: &Motion, rates: &Rates) -> LimitsRepor
 
 fn axes<'a>(robot: &'a Robot, motion: &Motion) -> Vec<Axis<'a>> {
     let mut axes = Vec::new();
-    for joint in &robot.joints {
+    for (index, joint) in robot.joints.iter().enumerate() {
+        // Bounds of an object's root say where it may be put, not where it may be carried.
+        let part = &robot.parts[joint.part.at()];
+        if part.kind == PartKind::Object && part.root_joint.is_some_and(|root| root.at() == index) {
+            continue;
+        }
         let (q, multiplier, offset) = match joint.source {
             Source::Coordinates { q, .. } => (q, 1.0, 0.0),
             Source::Follows { leader, multiplier, offset } => match robot.joints[leader.at()].source {

@@ -1,0 +1,78 @@
+//! A path that Foliate writes is certified as it is checked: both prove it, and both find a knot that was moved into something.
+
+use foliate::Planner;
+use foliate::certify::formats::{ReadOptions, read};
+use foliate::certify::{Certifier, CertifyOptions, CertifyReport, Verdict};
+use foliate::check::{CheckOptions, Kind, check};
+use foliate::kernels::collision::CollisionScratch;
+use foliate::path_file::{PathContext, PathFile, save, write_path};
+use foliate::scene::{PackagePath, load_scene};
+use foliate::systems::settings::SearchSettings;
+use std::path::Path;
+
+/// A planned path of an embedded scene, with the models beside it.
+fn planned(scene: &str, seed: u64, file: &Path) -> PathFile {
+    let scene = load_scene(scene, &PackagePath::only(&[])).unwrap();
+    let settings = SearchSettings { seed, ..SearchSettings::default() };
+    let planner = Planner::new(scene.problem.clone()).unwrap().settings(settings);
+    let models = save::model_names(&scene, file).unwrap();
+    let solution = planner.solve();
+    let model = planner.model();
+    let context = PathContext {
+        problem: &model.problem,
+        graph: &model.graph,
+        models: &models,
+        seed,
+        scheduler: "sequence",
+        simd: "none",
+    };
+    write_path(&context, &solution.path.unwrap())
+}
+
+fn certified(scene: &str, file: &Path) -> CertifyReport {
+    let scene = load_scene(scene, &PackagePath::only(&[])).unwrap();
+    let certifier = Certifier::new(&scene.problem, &[]).unwrap();
+    let motion = read(file, certifier.robot(), &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+    certifier.certify(&motion, &CertifyOptions::default(), &mut CollisionScratch::new()).unwrap()
+}
+
+/// Whether the checker finds that things collide.
+fn collides(file: &PathFile, folder: &Path) -> bool {
+    let report = check(file, folder, &PackagePath::only(&[]), &CheckOptions::default()).unwrap();
+    report.violations.iter().any(|v| matches!(v.kind, Kind::Collision | Kind::Enclosed))
+}
+
+#[test]
+fn both_prove_what_is_planned_and_both_find_what_is_spoiled() {
+    let folder = std::env::temp_dir().join(format!("foliate-certify-check-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let mut spoiled = 0;
+    for (scene, seed) in [("demo", 1), ("demo", 2), ("stack", 1), ("stack", 2)] {
+        let file = folder.join(format!("{scene}-{seed}.json"));
+        let path = planned(scene, seed, &file);
+        save::save(&path, &file).unwrap();
+        assert!(!collides(&path, &folder), "{scene} {seed}");
+        let report = certified(scene, &file);
+        assert!(report.passed(), "{scene} {seed}: {report:?}");
+        assert!(report.pairs.tested > 100, "{scene}: {:?}", report.pairs);
+        // A knot in the middle of a segment that leans far over: often into something.
+        let joint = path.coordinates.iter().position(|c| c == "robot/left_shoulder_pitch").unwrap();
+        for segment in 0..path.segments.len() {
+            let mut bent = path.clone();
+            let knots = &mut bent.segments[segment].knots;
+            let mut middle = knots[0].clone();
+            middle[joint] += 0.9;
+            knots.insert(1, middle);
+            save::save(&bent, &file).unwrap();
+            let report = certified(scene, &file);
+            assert_eq!(
+                report.verdict == Verdict::Contact,
+                collides(&bent, &folder),
+                "{scene} {seed} {segment}: {report:?}"
+            );
+            spoiled += usize::from(report.verdict == Verdict::Contact);
+        }
+    }
+    assert!(spoiled > 10, "{spoiled} collide");
+    std::fs::remove_dir_all(&folder).unwrap();
+}
