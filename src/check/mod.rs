@@ -123,7 +123,7 @@ pub fn check(
     let deadline = deadline(options);
     let mut report = CheckReport::default();
     let scene = contract::scene_of(file, base, packages, &options.scene, &mut report)?;
-    let contract = scene.as_ref().map(|scene| Contract::of_scene(scene));
+    let contract = scene.as_ref().map(Contract::of_scene);
     prove(file, (base, packages), options, deadline, contract.as_ref(), report)
 }
 
