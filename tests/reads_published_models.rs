@@ -161,6 +161,20 @@ fn assert_coordinates(name: &str, robot: &Robot, facts: &Value) {
     }
 }
 
+/// Meshes that hold triangles twice, and how many, which are left out here and kept by coal.
+const DOUBLED: [(&str, &str, u64); 10] = [
+    ("talos", "gripper_left_motor_double_link", 6),
+    ("talos", "gripper_left_inner_double_link", 2),
+    ("talos", "gripper_left_motor_single_link", 7),
+    ("talos", "gripper_left_inner_single_link", 5),
+    ("talos", "gripper_right_motor_double_link", 6),
+    ("talos", "gripper_right_inner_double_link", 2),
+    ("talos", "gripper_right_motor_single_link", 7),
+    ("talos", "gripper_right_inner_single_link", 5),
+    ("ur3", "shoulder_link", 2),
+    ("ur3", "upper_arm_link", 2),
+];
+
 /// Kinds and numbers of shapes; of each mesh its triangles and the box around them, in single precision as coal reads it.
 fn assert_shapes(name: &str, model: &Model, facts: &Value) {
     let mut kinds: BTreeMap<&str, u64> = BTreeMap::new();
@@ -172,16 +186,19 @@ fn assert_shapes(name: &str, model: &Model, facts: &Value) {
         }
     }
     assert_eq!(serde_json::json!(kinds), facts["shapes"], "{name}");
-    assert_eq!(triangles, facts["triangles"], "{name}");
+    let doubled = DOUBLED.iter().filter(|(robot, ..)| *robot == name).map(|(.., count)| count).sum::<u64>();
+    assert_eq!(triangles + doubled, facts["triangles"], "{name}");
     for fact in facts["meshes"].as_array().expect("meshes") {
         let link = model.links.iter().find(|l| Some(l.name.as_str()) == fact[0].as_str()).expect("the link");
         let wanted: Vec<f64> = fact[2].as_array().expect("a box").iter().flat_map(point).collect();
+        let doubled = DOUBLED.iter().find(|(robot, on, _)| *robot == name && *on == link.name).map_or(0, |(.., n)| *n);
         let fits = link.shapes.iter().any(|(_, g)| match g {
             Geometry::Mesh(mesh) => {
                 let low = mesh.vertices.iter().copied().reduce(DVec3::min).unwrap_or_default();
                 let high = mesh.vertices.iter().copied().reduce(DVec3::max).unwrap_or_default();
                 let found = low.to_array().into_iter().chain(high.to_array());
-                fact[1] == mesh.triangles.len() as u64 && found.zip(&wanted).all(|(a, b)| (a - b).abs() < 1e-6)
+                fact[1] == mesh.triangles.len() as u64 + doubled
+                    && found.zip(&wanted).all(|(a, b)| (a - b).abs() < 1e-6)
             }
             _ => false,
         });
