@@ -1,4 +1,5 @@
 //! The first contact of a motion is found where it is, of curves as of polylines; what is called free is free everywhere.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on says so")]
 #![allow(non_snake_case, reason = "pose names carry their frames")]
 
 mod certify_common;
@@ -230,7 +231,7 @@ fn among_posts(random: &mut ChaCha8Rng) -> Problem {
     let mut posts = link("root", "", [0.0; 3]);
     for index in 0..4 {
         let name = format!("post{index}");
-        let (angle, far) = (6.28 * unit(), 0.45 + 0.7 * unit());
+        let (angle, far) = (std::f64::consts::TAU * unit(), 0.45 + 0.7 * unit());
         let at = [far * angle.cos(), far * angle.sin(), unit() - 0.5];
         posts += &link(&name, &cuboid(0.003, 0.003, 0.6), at);
         posts += &format!(r#"<joint name="f{index}" type="fixed"><parent link="root"/><child link="{name}"/></joint>"#);

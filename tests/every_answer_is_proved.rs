@@ -5,7 +5,7 @@
 //! `FOLIATE_PROBLEMS=5000 cargo test --release --test every_answer_is_proved -- --nocapture` is the long run;
 //! `FOLIATE_SEED=N` examines one problem and keeps its files.
 
-#![allow(clippy::expect_used, reason = "a test that cannot go on says so")]
+#![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot go on says so")]
 
 mod common;
 #[path = "common/every_answer/mod.rs"]

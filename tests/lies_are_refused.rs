@@ -1,7 +1,13 @@
 //! Promise: a path answers its scene, and a file that says otherwise is refused. Honest files of several scenes are lied to in
 //! every way that a stranger may think of; with the scene every lie is refused, without it none is proved.
 
-#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a test that cannot go on says so")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test that cannot go on says so"
+)]
 
 #[path = "common/lies.rs"]
 mod lies;

@@ -175,6 +175,7 @@ impl Folder {
     }
 
     /// What the first violation is about.
+    #[allow(dead_code, reason = "not every test asks")]
     pub fn subject(&self, path: &Value) -> String {
         let report = self.check(path).unwrap_or_else(|e| panic!("refused: {e}"));
         report.violations.first().map(|v| v.subject.clone()).unwrap_or_default()

@@ -72,6 +72,7 @@ pub fn examine(seed: u64, folder: &Path) -> (RandomScene, Fate) {
 }
 
 /// The first attempt of a seed that is solved, in `folder`; or what became of all.
+#[allow(clippy::result_large_err, reason = "told once, by a test that ends")]
 pub fn first_answer(seed: u64, folder: &Path) -> Result<(RandomScene, Box<Answer>), (RandomScene, Fate)> {
     let (mut attempt, mut hard) = (0, 0);
     loop {
