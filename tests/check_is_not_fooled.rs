@@ -199,13 +199,10 @@ mod bounded {
         folder.write("arm.urdf", &arm(&[]).replace("\"revolute\"", "\"continuous\""));
         let mut path = story();
         path["limits"] = json!({});
-        path["segments"] = json!([segment(
-            json!([placed()]),
-            vec![knot(0.0, -1.0, in_hand(0.0, 0.0)), knot(1e6, -1.0, in_hand(0.0, 0.0))]
-        )]);
+        path["segments"].as_array_mut().unwrap().truncate(1);
         // Out of the cube's way, so that it turns for ever.
         path["segments"][0]["knots"] =
-            json!([knot(0.0, -1.0, about_z(0.95, 0.2, 0.5, 0.0)), knot(0.0, -1.0 - 1e6, about_z(0.95, 0.2, 0.5, 0.0))]);
+            json!([knot(0.0, -1.0, about_z(0.95, 0.2, 0.5, 0.0)), knot(0.0, -1e6, about_z(0.95, 0.2, 0.5, 0.0))]);
         let short = CheckOptions { time_limit: Some(Duration::from_millis(200)), ..options() };
         let few = CheckOptions { work_limit: 3_000, ..options() };
         for (options, why) in [(short, "time limit"), (few, "work limit")] {
@@ -246,7 +243,7 @@ fn the_smallest_clearance_is_told_to_a_tenth() {
     let report = check(&file, &folder.path, &PackagePath::only(&[]), &options).unwrap();
     // The cube is a millimetre above the table.
     let least = report.clearance.unwrap();
-    assert!((0.0009..=0.001).contains(&least), "{least}");
+    assert!((0.0009 - 1e-9..=0.001).contains(&least), "{least}");
     let left_out: Vec<_> = report.left_out.iter().map(|pair| (pair.first.as_str(), pair.second.as_str())).collect();
     assert_eq!(left_out, [("arm/lower", "arm/upper")]);
 }
