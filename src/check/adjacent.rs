@@ -4,6 +4,7 @@
 //! of the joint only is tested like any other.
 
 use super::distance::{Measured, exact};
+use super::enclosure::is_inside;
 use super::models::{Body, Value, World, ordered};
 use crate::path_file::PathFile;
 use foliate_components::Pose;
@@ -67,7 +68,8 @@ impl<'w> Neighbours<'w> {
         self.world.bodies[self.world.parts[part].bodies.clone()].iter().find(|body| body.name == name)
     }
 
-    /// Whether shapes of a link on a joint's parent body touch shapes of one beyond it, wherever the joint is.
+    /// Whether shapes of a link on a joint's parent body touch shapes of one beyond it, or lie inside each other, wherever the
+    /// joint is.
     fn touch(&self, body: Option<&Body>, inner: &str, outer: &str) -> bool {
         let Some((body, range)) = body.and_then(|body| Some((body, self.range(body)?))) else { return false };
         let none = Vec::new();
@@ -82,9 +84,12 @@ impl<'w> Neighbours<'w> {
             };
             let beyond = body.parent_from_joint * moved;
             let meet = |&(&a, &b): &(&usize, &usize)| {
-                let (a, b) = (&self.measured[a], &self.measured[b]);
-                let placed = ((a, a.in_world(Pose::identity())), (b, b.in_world(beyond)));
-                exact(placed.0, placed.1, &mut None).value <= TOUCH
+                let (one, other) = (&self.measured[a], &self.measured[b]);
+                let (here, there) = (one.in_world(Pose::identity()), other.in_world(beyond));
+                let shapes = [a, b].map(|shape| &self.world.shapes[shape].geometry);
+                exact((one, here), (other, there), &mut None).value <= TOUCH
+                    || is_inside(shapes[1], shapes[0], &(here.inverse() * there))
+                    || is_inside(shapes[0], shapes[1], &(there.inverse() * here))
             };
             inner.iter().flat_map(|a| outer.iter().map(move |b| (a, b))).any(|pair| meet(&pair))
         })

@@ -4,6 +4,7 @@
 //! inside where the mesh winds round it: the sum of the solid angles of its triangles is 4π (A. Van Oosterom, J.
 //! Strackee, The solid angle of a plane triangle, IEEE Trans. Biomed. Eng. 30, 1983).
 
+use foliate_components::Pose;
 use foliate_components::robot::shape::{Geometry, Mesh};
 use glam::DVec3;
 
@@ -28,6 +29,13 @@ impl<'m> Shell<'m> {
         let in_box = point.cmpge(self.low).all() && point.cmple(self.high).all();
         in_box && winding(self.mesh, point).abs() > 0.5
     }
+}
+
+/// Whether a shape whose surface does not touch the other's lies inside that: only closed meshes have an inside.
+pub(super) fn is_inside(inner: &Geometry, outer: &Geometry, outer_from_inner: &Pose) -> bool {
+    let inside =
+        |shell: Shell<'_>| witnesses(inner).iter().any(|&p| shell.contains(outer_from_inner.transform_point(p)));
+    Shell::of(outer).is_some_and(inside)
 }
 
 fn winding(mesh: &Mesh, point: DVec3) -> f64 {
