@@ -37,22 +37,22 @@ fn certified(scene: &str, file: &Path) -> CertifyReport {
     certifier.certify(&motion, &CertifyOptions::default(), &mut CollisionScratch::new()).unwrap()
 }
 
-/// Whether the checker finds that things collide.
-fn collides(file: &PathFile, folder: &Path) -> bool {
+/// What the checker finds.
+fn found(file: &PathFile, folder: &Path) -> Vec<Kind> {
     let report = check(file, folder, &PackagePath::only(&[]), &CheckOptions::default()).unwrap();
-    report.violations.iter().any(|v| matches!(v.kind, Kind::Collision | Kind::Enclosed))
+    report.violations.iter().map(|v| v.kind).collect()
 }
 
 #[test]
 fn both_prove_what_is_planned_and_both_find_what_is_spoiled() {
     let folder = std::env::temp_dir().join(format!("foliate-certify-check-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
-    let mut spoiled = 0;
+    let (mut spoiled, mut compared) = (0, 0);
     for (scene, seed) in [("demo", 1), ("demo", 2), ("stack", 1), ("stack", 2)] {
         let file = folder.join(format!("{scene}-{seed}.json"));
         let path = planned(scene, seed, &file);
         save::save(&path, &file).unwrap();
-        assert!(!collides(&path, &folder), "{scene} {seed}");
+        assert_eq!(found(&path, &folder), [], "{scene} {seed}");
         let report = certified(scene, &file);
         assert!(report.passed(), "{scene} {seed}: {report:?}");
         assert!(report.pairs.tested > 100, "{scene}: {:?}", report.pairs);
@@ -65,15 +65,17 @@ fn both_prove_what_is_planned_and_both_find_what_is_spoiled() {
             middle[joint] += 0.9;
             knots.insert(1, middle);
             save::save(&bent, &file).unwrap();
-            let report = certified(scene, &file);
-            assert_eq!(
-                report.verdict == Verdict::Contact,
-                collides(&bent, &folder),
-                "{scene} {seed} {segment}: {report:?}"
-            );
-            spoiled += usize::from(report.verdict == Verdict::Contact);
+            let (contact, found) = (certified(scene, &file).verdict == Verdict::Contact, found(&bent, &folder));
+            let collides = found.iter().any(|kind| matches!(kind, Kind::Collision | Kind::Enclosed));
+            assert!(contact || !collides, "{scene} {seed} {segment}: {found:?}");
+            // A checker that finds an object off its carrier, or a joint off its limits, need not look for collisions as well.
+            if found.iter().all(|kind| matches!(kind, Kind::Collision | Kind::Enclosed)) {
+                assert_eq!(contact, collides, "{scene} {seed} {segment}");
+                compared += 1;
+            }
+            spoiled += usize::from(contact);
         }
     }
-    assert!(spoiled > 10, "{spoiled} collide");
+    assert!(spoiled > 10 && compared > 5, "{spoiled} collide, {compared} are compared");
     std::fs::remove_dir_all(&folder).unwrap();
 }

@@ -1,6 +1,7 @@
 //! The first contact of a motion is found where it is, of curves as of polylines; what is called free is free everywhere.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on says so")]
 #![allow(non_snake_case, reason = "pose names carry their frames")]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on says so")]
 
 mod certify_common;
 
@@ -163,10 +164,20 @@ fn what_is_carried_collides_too() {
     // The load's front at x + 0.1 meets the post's at 1.95, one metre a second from t = 1 on.
     assert!((contact.at - 2.85).abs() < EXACT, "{contact:?}");
     assert_eq!(contact.pair.links, ["load/box", "post/post"]);
+    assert!(carried.free_until > 2.849, "{}", carried.free_until);
     // Let go before that it stays behind, and the hand alone passes.
     let let_go = vec![attach(0.0, Some("hand")), attach(2.0, None)];
     let report = certify(&problem, &lower, &options(let_go));
-    assert_eq!(report.verdict, Verdict::Free, "{report:?}");
+    assert_eq!((report.verdict, report.free_until), (Verdict::Free, 4.0), "{report:?}");
+    // Taken on the way it meets the post as well, and what was proved before is kept.
+    let late = [point(0.0, &[0.0, 0.95]), point(3.0, &[3.0, 0.95])];
+    let late = motion(&problem, &["x", "z"], &late, Interpolation::Auto);
+    let take = vec![attach(0.01, Some("hand")), attach(0.5, None), attach(0.6, None)];
+    let report = certify(&problem, &late, &options(take));
+    assert_eq!((report.verdict, report.free_until), (Verdict::Free, 3.0), "{report:?}");
+    let take = vec![attach(0.01, Some("hand")), attach(0.5, None), attach(0.5, Some("hand"))];
+    let report = certify(&problem, &late, &options(take));
+    assert!((report.contact.unwrap().at - 1.85).abs() < EXACT && (report.free_until - 1.85).abs() < EXACT);
     // Taken only later it is left where it stands, in the way of the hand that comes down.
     let down = [point(0.0, &[0.0, 1.0]), point(1.0, &[0.0, 0.9])];
     let down = motion(&problem, &["x", "z"], &down, Interpolation::Auto);

@@ -102,14 +102,14 @@ impl Certifier {
         let mut distance = f64::INFINITY;
         let mut still: Option<(f64, f64, PairId)> = None;
         let mut grazing: Option<(f64, PairId)> = None;
-        let mut free_until = motion.segments.len() as f64;
+        let mut free_until = 0.0;
         for phase in &phases {
             let found = self.go_through(&mut proof, phase, &mut budget);
             distance = distance.min(found.distance);
             let standing = nearest::still(&proof, phase, &mut budget);
             still = [still, standing].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
             if grazing.is_none() {
-                (grazing, free_until) = (found.grazing, free_until.min(found.free_until));
+                (grazing, free_until) = (found.grazing, found.free_until);
             }
             if let Some(met) = found.met {
                 report.verdict = Verdict::Contact;
