@@ -141,8 +141,8 @@ impl Corral {
         };
         let used_up = (0..self.size).min_by(|&i, &j| limit(i).total_cmp(&limit(j)));
         let step = used_up.map_or(0.0, limit).clamp(0.0, 1.0);
-        for i in 0..self.size {
-            self.shares[i] += step * (affine[i] - self.shares[i]);
+        for (share, affine) in self.shares.iter_mut().zip(affine).take(self.size) {
+            *share += step * (affine - *share);
         }
         let mut kept = 0;
         for i in 0..self.size {
