@@ -23,6 +23,7 @@ mod distance;
 mod documents;
 mod drift;
 mod enclosure;
+mod kind;
 mod leaf;
 mod limits;
 mod models;
@@ -34,7 +35,8 @@ mod residual;
 mod structure;
 mod work;
 
-pub use report::{CheckReport, Counts, Extreme, Kind, LeftOut, Section, Verdict, Violation};
+pub use kind::{Kind, Section, Verdict};
+pub use report::{CheckReport, Counts, Extreme, LeftOut, Violation};
 
 use crate::path_file::PathFile;
 use crate::scene::{PackagePath, SceneError};
@@ -165,7 +167,7 @@ fn prove(
     let ignored = pairs::ignored(file, &world, &mut report)?;
     if let Some(contract) = contract {
         contract.claims(file, &world, &mut report);
-        contract.holding(file, &world, &mut report);
+        contract.holding(file, &mut report);
     }
     let pairs = pairs::Pairs::list(file, &world, &ignored, &mut report, options.pairs)?;
     let mut proof = Proof { file, world: &world, frames: &frames, attachments: &attachments, pairs: &pairs, contract };

@@ -1,7 +1,7 @@
 //! Who holds what and what lies where, segment by segment, is what the scene allows.
 
 use super::Contract;
-use crate::check::models::{World, shown};
+use crate::check::models::shown;
 use crate::check::report::{CheckReport, Kind, Place};
 use crate::path_file::{AttachmentEntry, PathFile};
 use foliate_components::problem::{ObjectOptions, Rule};
@@ -12,7 +12,7 @@ use std::collections::HashSet;
 type Grasps = Vec<(GripperIndex, HandleIndex)>;
 
 impl Contract<'_> {
-    pub(in crate::check) fn holding(&self, file: &PathFile, _world: &World, report: &mut CheckReport) {
+    pub(in crate::check) fn holding(&self, file: &PathFile, report: &mut CheckReport) {
         for (index, segment) in file.segments.iter().enumerate() {
             let mut wrong = HashSet::new();
             let grasps = self.grasps(&segment.attachments, &mut wrong);
