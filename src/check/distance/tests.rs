@@ -116,7 +116,10 @@ fn distances_are_those_of_the_search_and_bounds_close() {
             let enough = 0.5 * found.lower.max(0.0);
             let less = Wanted { enough, open: 1e-6, share: 0.05 };
             let bound = distance(&Pieces::of(&a), &Pieces::of(&b), &pose, &less, &mut None).lower;
-            assert!(bound <= found.upper.max(0.0) + 1e-12 && (bound >= enough || found.upper <= 0.0), "{case}: {bound}");
+            assert!(
+                bound <= found.upper.max(0.0) + 1e-12 && (bound >= enough || found.upper <= 0.0),
+                "{case}: {bound}"
+            );
             if out.is_some() {
                 let row = json!({ "a": told(&a), "b": told(&b), "position": pose.translation.to_array(),
                                   "quaternion": pose.rotation.to_array(), "lower": found.lower, "upper": found.upper });
