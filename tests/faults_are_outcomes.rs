@@ -108,8 +108,8 @@ fn told(solution: &Solution) -> (SearchOutcome, u64, Option<f64>) {
 #[test]
 fn a_panic_in_any_system_is_an_outcome_and_the_next_search_is_unaffected() {
     quiet();
-    type Make = fn() -> Box<dyn Scheduler>;
-    let scenes: [(Problem, Make); 2] =
+    type Scene = (Problem, fn() -> Box<dyn Scheduler>);
+    let scenes: [Scene; 2] =
         [(swap_two_boxes().unwrap(), || Box::new(Mrrt)), (carry_a_box_with_its_lid().unwrap(), default_scheduler)];
     for (problem, scheduler) in scenes {
         let sound = planner(&problem).scheduler(Faulty { inner: scheduler(), place: Where::System(SETS[0]), nth: 0 });

@@ -9,9 +9,10 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::time::Duration;
 
-/// Makes a true path false, whatever the path; whether it could.
+/// Makes a path false; whether it could.
 type Lie = fn(&mut PathFile, &mut ChaCha8Rng) -> bool;
 
+/// Each makes a true path false, whatever the path.
 const LIES: [(&str, Lie); 8] = [
     ("a number of the start", |file, random| {
         let Some(knot) = file.segments.first_mut().and_then(|segment| segment.knots.first_mut()) else { return false };
