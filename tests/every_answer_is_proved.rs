@@ -2,8 +2,9 @@
 //! and values of environments, every path that a solve writes passes the check, answers its problem, is the same on two
 //! threads, and keeps its claims where it is looked at densely; pinocchio and coal find nothing in a sample of them.
 //!
-//! `FOLIATE_PROBLEMS=5000 cargo test --release --test every_answer_is_proved -- --nocapture` is the long run;
-//! `FOLIATE_SEED=N` examines one problem and keeps its files.
+//! `FOLIATE_PROBLEMS=5000 cargo test --release --test every_answer_is_proved -- --nocapture` is the long run, from
+//! `FOLIATE_FIRST` (0) on; `FOLIATE_SEED=N` examines one problem and keeps its files. Seeds once found wrong are always
+//! examined.
 
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot go on says so")]
 
@@ -20,10 +21,12 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Problems that a run without any wish examines.
 const PROBLEMS: u64 = 240;
+/// Seeds at which solve and check once disagreed beyond those: a pair left out twice, neighbours inside each other.
+const ONCE_WRONG: [u64; 2] = [1760, 2303];
 /// One of so many proved answers is shown to pinocchio and coal.
 const SHOWN: u64 = 8;
 
@@ -52,18 +55,15 @@ fn fate(examine: Examine, seed: u64, folder: &Path) -> (Option<Kind>, Fate) {
 }
 
 /// Examines seeds on all cores; in the order of the seeds.
-fn all(examine: Examine, root: &Path, seeds: std::ops::Range<u64>) -> Vec<(u64, Option<Kind>, Fate)> {
-    let next = AtomicU64::new(seeds.start);
+fn all(examine: Examine, root: &Path, seeds: &[u64]) -> Vec<(u64, Option<Kind>, Fate)> {
+    let next = AtomicUsize::new(0);
     let found = Mutex::new(Vec::new());
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     std::thread::scope(|scope| {
         for _ in 0..cores {
             scope.spawn(|| {
                 loop {
-                    let seed = next.fetch_add(1, Ordering::Relaxed);
-                    if seed >= seeds.end {
-                        return;
-                    }
+                    let Some(&seed) = seeds.get(next.fetch_add(1, Ordering::Relaxed)) else { return };
                     let folder = root.join(seed.to_string());
                     let (kind, fate) = fate(examine, seed, &folder);
                     let shown = fate == Fate::Proved && seed.is_multiple_of(SHOWN);
@@ -119,7 +119,8 @@ fn run(test: &str, examine: Examine, problems: u64, least: f64) {
         return;
     }
     let first = number("FOLIATE_FIRST").unwrap_or(0);
-    let found = all(examine, &root, first..first + number("FOLIATE_PROBLEMS").unwrap_or(problems));
+    let seeds = first..first + number("FOLIATE_PROBLEMS").unwrap_or(problems);
+    let found = all(examine, &root, &seeds.chain(ONCE_WRONG).collect::<Vec<u64>>());
     let (proved, count) = table(&found);
     let seen = independent_eyes(&root);
     let failed: Vec<_> = found.iter().filter(|(.., fate)| matches!(fate, Fate::Failed(_))).collect();
@@ -148,10 +149,11 @@ fn independent_eyes(root: &Path) -> Result<(), String> {
         eprintln!("SKIPPED independent eyes on random problems: {} has no pin and coal", python.display());
         return Ok(());
     }
-    // Their reader of URDF files knows no capsules.
+    // Their reader of URDF files knows no capsules, and no meshes that are turned and scaled unevenly.
     let knows = |path: &PathBuf| {
         let models = common::files_below(path.parent().expect("a folder"), ".urdf");
-        models.iter().all(|model| !std::fs::read_to_string(model).expect("a model").contains("<capsule"))
+        let texts = models.iter().map(|model| std::fs::read_to_string(model).expect("a model"));
+        texts.into_iter().all(|text| !text.contains("<capsule") && !text.contains(".dae\" scale"))
     };
     let paths: Vec<PathBuf> = common::files_below(root, "path.json").into_iter().filter(knows).collect();
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/independent/recheck.py");

@@ -301,9 +301,6 @@ def _read_part(node: _Node) -> PartEntry:
         world_from_root=node.get("world_from_root", [0, 0, 0, 0, 0, 0, 1]).pose(),
         up_axis=node.get("mesh_up_axis", "as-written").text(UP_AXES),
     )
-    if node.get("mesh_up_axis", "as-written").text(("as-written", "declared")) == "declared":
-        # Meshes are read as pinocchio reads them.
-        node.fail("meshes that are turned by their declared up axis are not re-checked")
     if part.kind == "environment" and part.root != "fixed":
         node.fail("an environment never moves: its root is fixed")
     return part
