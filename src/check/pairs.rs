@@ -109,7 +109,7 @@ fn of_one_transition(file: &PathFile, segment: usize) -> Range<usize> {
     (segment - before).saturating_sub(1)..(segment + after + 2).min(segments.len())
 }
 
-/// Bodies in contact: holder and held, and for a gripper also the bodies that hang directly on it (fingers).
+/// Bodies in contact: holder and held, and for a gripper also the bodies that move with its own (fingers, joint after joint).
 fn touching<'a>(world: &World, attachments: impl Iterator<Item = &'a Attachment>) -> HashSet<(RigidBody, RigidBody)> {
     let mut found = HashSet::new();
     for attachment in attachments {
@@ -117,11 +117,21 @@ fn touching<'a>(world: &World, attachments: impl Iterator<Item = &'a Attachment>
         found.insert((holder.rigid(), held.rigid()));
         if attachment.is_grasp() {
             let of_part = world.parts[holder.part].bodies.clone();
-            let fingers = of_part.filter(|&b| world.bodies[b].parent == holder.frame.body);
+            let fingers = of_part.filter(|&b| is_beyond(world, b, holder.frame.body));
             found.extend(fingers.map(|b| ((holder.part, Some(b)), held.rigid())));
         }
     }
     found
+}
+
+/// Whether a body hangs on another one of its part, over any number of joints; all hang on the world.
+fn is_beyond(world: &World, body: usize, carrier: Option<usize>) -> bool {
+    let mut at = world.bodies[body].parent;
+    while at != carrier {
+        let Some(parent) = at else { return false };
+        at = world.bodies[parent].parent;
+    }
+    true
 }
 
 /// The file's own list, looked through: neighbours are proved from the models, everything else is believed and told. A file
