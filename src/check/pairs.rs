@@ -117,21 +117,17 @@ fn touching<'a>(world: &World, attachments: impl Iterator<Item = &'a Attachment>
         found.insert((holder.rigid(), held.rigid()));
         if attachment.is_grasp() {
             let of_part = world.parts[holder.part].bodies.clone();
-            let fingers = of_part.filter(|&b| is_beyond(world, b, holder.frame.body));
+            let hand = holder.frame.body;
+            let fingers = of_part.filter(|&b| hand.is_some_and(|hand| is_beyond(world, b, hand)));
             found.extend(fingers.map(|b| ((holder.part, Some(b)), held.rigid())));
         }
     }
     found
 }
 
-/// Whether a body hangs on another one of its part, over any number of joints; all hang on the world.
-fn is_beyond(world: &World, body: usize, carrier: Option<usize>) -> bool {
-    let mut at = world.bodies[body].parent;
-    while at != carrier {
-        let Some(parent) = at else { return false };
-        at = world.bodies[parent].parent;
-    }
-    true
+/// Whether a body hangs on another one, over any number of joints.
+fn is_beyond(world: &World, body: usize, carrier: usize) -> bool {
+    std::iter::successors(world.bodies[body].parent, |&b| world.bodies[b].parent).any(|b| b == carrier)
 }
 
 /// The file's own list, looked through: neighbours are proved from the models, everything else is believed and told. A file
