@@ -1,7 +1,7 @@
 //! Regenerates `docs/reliability.md`: how often Foliate fails, and how.
 //!
-//! `cargo run --release -p foliate_benches --bin reliability [-- --quick] [--only FIGURE] [--out FILE]`. Each figure is a module with a
-//! size; what it found is kept in `target/reliability/` under the version and the size, so that a run that was stopped goes on with
+//! `cargo run --release -p foliate_benches --bin reliability [-- --quick] [--percent P] [--only FIGURE] [--out FILE]`. Each figure is a module with a
+//! size, of which `--percent` takes a share; what it found is kept in `target/reliability/` under the version and the size, so that a run that was stopped goes on with
 //! the figures that are missing. `--quick` is a smoke test of three minutes, whose page goes to `target/reliability/quick.md`.
 #![forbid(unsafe_code)]
 
@@ -34,12 +34,15 @@ const FIGURES: [Entry; 6] = [
 ];
 
 fn main() -> Result<()> {
-    let (mut quick, mut only, mut out) = (false, None, None);
+    let (mut quick, mut only, mut out, mut percent) = (false, None, None, 100);
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--quick" => quick = true,
             "--only" => only = Some(arguments.next().ok_or("--only FIGURE")?),
+            "--percent" => {
+                percent = arguments.next().and_then(|p| p.parse().ok()).ok_or("--percent P, a whole number")?
+            }
             "--out" => out = Some(PathBuf::from(arguments.next().ok_or("--out FILE")?)),
             other => return Err(format!("`{other}` is not understood").into()),
         }
@@ -53,7 +56,7 @@ fn main() -> Result<()> {
         if only.as_ref().is_some_and(|only| only != name) {
             continue;
         }
-        let size = if quick { short } else { full };
+        let size = if quick { short } else { (full * percent / 100).max(1) };
         let kept =
             folder.join(format!("{name}-{size}-{}.json", version.replace(|c: char| !c.is_ascii_alphanumeric(), "_")));
         // Whoever changes the code without a commit measures anew.
