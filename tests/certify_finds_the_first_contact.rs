@@ -1,5 +1,4 @@
 //! The first contact of a motion is found where it is, of curves as of polylines; what is called free is free everywhere.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on says so")]
 #![allow(non_snake_case, reason = "pose names carry their frames")]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on says so")]
 
