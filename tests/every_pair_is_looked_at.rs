@@ -283,9 +283,9 @@ fn a_certificate_over_nothing_is_no_number_and_is_said_loudly() {
     let (code, out, err) = foliate(&folder.0, &["solve", "scene.toml", "--clearance"]);
     assert_eq!(code, Some(0), "{err}");
     assert!(out.contains("no pair of shapes was tested"), "{out}");
-    assert!(err.contains("robot `g` has no collision shapes"), "{err}");
+    assert!(err.matches("has no collision shapes").count() == 1, "{err}");
     let (_, out, _) = foliate(&folder.0, &["inspect", "g.urdf"]);
-    assert!(out.contains("no collision shapes: nothing of it is tested"), "{out}");
+    assert!(out.matches("has no collision shapes").count() == 1, "{out}");
 }
 
 #[test]

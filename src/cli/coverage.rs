@@ -1,7 +1,7 @@
 //! Which pairs of shapes were looked at, in words and for machines.
 
 use foliate::components::coverage::{self, LeftOutPair, PairCounts};
-use foliate::components::robot::{PartKind, Robot, ShapeIndex};
+use foliate::components::robot::ShapeIndex;
 use foliate::inspection;
 use foliate::systems::model::ProblemTables;
 use serde_json::{Value, json};
@@ -26,8 +26,8 @@ impl LeftOut {
     }
 
     /// What a user should know before believing a certificate.
-    pub(crate) fn warnings(&self, robot: &Robot) -> Vec<String> {
-        without_shapes(robot).into_iter().chain(apart_warning(&self.apart, "the start")).collect()
+    pub(crate) fn warning(&self) -> Option<String> {
+        apart_warning(&self.apart, "the start")
     }
 }
 
@@ -75,17 +75,6 @@ pub(crate) fn apart_warning(apart: &[LeftOutPair], place: &str) -> Option<String
 pub(crate) fn line<'a>(pair: &LeftOutPair, apart: &[LeftOutPair], name: impl Fn(ShapeIndex) -> &'a str) -> String {
     let remark = if apart.contains(pair) { ", and does not touch there" } else { "" };
     format!("{} and {}: {}{remark}", name(pair.first), name(pair.second), pair.why.describe())
-}
-
-/// Remarks about parts of which nothing is ever tested.
-fn without_shapes(robot: &Robot) -> Vec<String> {
-    let kinds = [(PartKind::Robot, "robot"), (PartKind::Object, "object")];
-    let of_kind = |(kind, word): (PartKind, &'static str)| {
-        robot
-            .parts_without_shapes(kind)
-            .map(move |part| format!("{word} `{}` has no collision shapes: nothing of it is tested", part.name))
-    };
-    kinds.into_iter().flat_map(of_kind).collect()
 }
 
 pub(crate) fn counts_json(counts: &PairCounts) -> Value {

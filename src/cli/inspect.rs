@@ -192,9 +192,6 @@ impl Found<'_> {
     /// What is remarkable: what the files say, and what the pairs do.
     fn remarks(&self) -> Vec<String> {
         let mut remarks: Vec<String> = self.warnings.iter().map(ToString::to_string).collect();
-        if self.robot.shapes.is_empty() {
-            remarks.push("the model has no collision shapes: nothing of it is tested".into());
-        }
         if let Some(warning) = self.pairs.and_then(|p| coverage::apart_warning(&p.apart, "the neutral configuration")) {
             remarks.push(warning);
         }

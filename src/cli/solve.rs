@@ -175,7 +175,7 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     let tables = Arc::new(ProblemTables::new(scene.problem.clone()));
     let load_time = started.elapsed();
     let left_out = LeftOut::of(&tables);
-    for warning in left_out.warnings(&scene.problem.robot) {
+    if let Some(warning) = left_out.warning() {
         say(&format!("warning: {warning}\n"));
     }
     // The limit is that of everything, reading included.

@@ -333,12 +333,6 @@ impl Robot {
         position(&self.surfaces, |s| s.name == name).map(SurfaceIndex)
     }
 
-    /// Parts of a kind of which no collision shape is known: nothing of them is ever tested.
-    pub fn parts_without_shapes(&self, kind: PartKind) -> impl Iterator<Item = &Part> {
-        let has_shapes = |part: &Part| self.shapes.iter().any(|shape| part.links.contains(&shape.link.at()));
-        self.parts.iter().filter(move |part| part.kind == kind && !has_shapes(part))
-    }
-
     /// The moving joint and the pose in its frame of `link_from_frame`, a frame given in a link.
     #[must_use]
     pub fn frame_on_joint(&self, link: LinkIndex, link_from_frame: &Pose) -> (Option<JointIndex>, Pose) {
