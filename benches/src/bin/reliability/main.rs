@@ -79,10 +79,15 @@ fn main() -> Result<()> {
         true => folder.join("quick.md"),
         false => root.join("docs/reliability.md"),
     });
+    let options = match (quick, percent) {
+        (true, _) => " -- --quick".to_owned(),
+        (false, 100) => String::new(),
+        (false, _) => format!(" -- --percent {percent}"),
+    };
     if let Some(parent) = out.parent() {
         std::fs::create_dir_all(parent)?;
     }
-    foliate::output::write(&out, page::page(&figures, &version).as_bytes())?;
+    foliate::output::write(&out, page::page(&figures, &version, &options).as_bytes())?;
     println!("{}", out.display());
     let failed = figures.iter().any(|figure| figure.failures > 0);
     if failed { Err("some figures are not what is promised; the page tells which".into()) } else { Ok(()) }
