@@ -18,6 +18,9 @@ use std::sync::Arc;
 
 /// How far the bounds of a distance may be apart, metres; told where they are farther.
 const OPEN: f64 = 1e-6;
+/// How far a bound to march by may be below the distance, as a share of it. Shorter steps from cheaper distances pay: with 0.3
+/// instead of 0.05 a fifth more distances are asked for, and checking a humanoid takes two thirds of the time.
+const SHARE: f64 = 0.3;
 /// Rounding of coordinates, as a share of them; taken off every lower bound.
 const ROUNDING: f64 = 4e-15;
 
@@ -104,7 +107,7 @@ pub(super) fn box_bound(a: Placed<'_>, b: Placed<'_>) -> f64 {
 /// A lower bound of the distance: at least `enough`, or nearly exact. Not positive where the shapes (may) overlap.
 pub(super) fn at_least(a: Placed<'_>, b: Placed<'_>, enough: f64, hint: &mut Hint) -> f64 {
     let a_from_b = a.1.inverse() * b.1;
-    let wanted = Wanted { enough: enough.max(0.0), open: OPEN, share: 0.05, around: 0.0 };
+    let wanted = Wanted { enough: enough.max(0.0), open: OPEN, share: SHARE, around: 0.0 };
     pieces::distance(&a.0.pieces, &b.0.pieces, &a_from_b, &wanted, hint).lower - rounding(&a_from_b, a.0, b.0)
 }
 

@@ -11,7 +11,7 @@ use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
 /// Most triangles of a leaf.
-const LEAF: usize = 2;
+const LEAF: usize = 1;
 
 /// A box around pieces. Its two children follow one another; a leaf has pieces instead.
 #[derive(Clone, Copy, Debug)]
