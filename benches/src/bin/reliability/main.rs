@@ -8,8 +8,15 @@
 mod coal;
 mod deadlines;
 mod determinism;
+#[path = "../../../../tests/common/every_answer/mod.rs"]
+mod every_answer;
+mod fuzz;
+mod independent;
 mod lies;
 mod page;
+mod random;
+#[path = "../../../../tests/common/random_scene/mod.rs"]
+mod random_scene;
 mod rechecks;
 mod scenes;
 mod soak;
@@ -24,12 +31,14 @@ pub(crate) type Result<T> = std::result::Result<T, Box<dyn Error>>;
 /// A figure: name, how large it is in full and in short, and how it is made.
 type Entry = (&'static str, usize, usize, fn(usize) -> Result<Figure>);
 
-const FIGURES: [Entry; 6] = [
+const FIGURES: [Entry; 8] = [
     ("deadlines", 10_000, 60, deadlines::measure),
     ("rechecks", 10_000, 24, rechecks::measure),
+    ("random", 3_000, 12, random::measure),
     ("lies", 2_000, 96, lies::measure),
     ("determinism", 20, 1, determinism::measure),
     ("coal", 1_000_000, 5_000, coal::measure),
+    ("fuzz", 60, 1, fuzz::measure),
     ("soak", 100_000, 200, soak::measure),
 ];
 

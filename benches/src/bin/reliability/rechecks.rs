@@ -1,17 +1,20 @@
 //! Whether every path that is found passes `check`, which shares as little as possible with the search.
 
+use crate::independent::recheck;
 use crate::page::Figure;
 use crate::{Result, scenes};
 use foliate::check::{CheckOptions, SceneChoice, Verdict, check};
 use std::time::Duration;
 
-/// Longest search of a path, seconds.
+/// One of so many paths is shown to other people's code.
+const SHOWN: u64 = 50;
+/// Longest search of a path.
 const LIMIT: Duration = Duration::from_secs(20);
 
 pub(crate) fn measure(size: usize) -> Result<Figure> {
     let (scenes, folder, packages) = (scenes::all(usize::MAX), scenes::folder("paths")?, scenes::packages());
     let [mut paths, mut unsolved, mut proved, mut undecided, mut violations, mut distances] = [0_u64; 6];
-    let mut number = 0;
+    let (mut number, mut shown) = (0, Vec::new());
     // A scene that is not solved in time is not asked again and again.
     let mut failures = vec![0_u32; scenes.len()];
     while (paths as usize) < size && failures.iter().any(|&n| n < 5) {
@@ -20,13 +23,19 @@ pub(crate) fn measure(size: usize) -> Result<Figure> {
         if failures[at] >= 5 {
             continue;
         }
-        let (scene, out) = (&scenes[at], folder.join("path.json"));
+        let scene = &scenes[at];
+        let out = folder.join(format!("{}.json", scene.name));
         let (_, Some(file)) = scene.path(number as u64, LIMIT, &out)? else {
             unsolved += 1;
             failures[at] += 1;
             continue;
         };
         paths += 1;
+        if paths % SHOWN == 1 {
+            let kept = folder.join(format!("{}-{number}.json", scene.name));
+            std::fs::copy(&out, &kept)?;
+            shown.push(kept);
+        }
         let options = CheckOptions {
             scene: SceneChoice::Given(scene.name.into()),
             time_limit: Some(Duration::from_secs(120)),
@@ -57,5 +66,6 @@ pub(crate) fn measure(size: usize) -> Result<Figure> {
     figure.row("undecided", undecided);
     figure.zero("refused", violations);
     figure.row("distances that were computed", distances);
+    recheck(&mut figure, &shown)?;
     Ok(figure)
 }
