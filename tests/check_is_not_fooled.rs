@@ -100,6 +100,7 @@ mod impossible {
         path["documents"]["handles"]["cube/handle"]["mask_complement"] = nothing;
         path["segments"][1]["attachments"][0]["carrier"] = json!(false);
         assert_only(&folder, &path, &["grasp"]);
+        assert!(folder.subject(&path).contains("fixes nothing"), "{}", folder.subject(&path));
     }
 
     #[test]

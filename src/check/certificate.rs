@@ -7,6 +7,9 @@ use crate::path_file::{PairsEntry, PathFile};
 /// How much a claimed clearance may exceed a measured one, metres: the accuracy of the distances.
 pub(super) const CLAIM_SLACK: f64 = 2e-6;
 
+/// How much a measured residual may exceed a claimed one, metres or radians: rounding.
+const RESIDUAL_SLACK: f64 = 1e-9;
+
 pub(super) fn check(file: &PathFile, report: &mut CheckReport) {
     let claims = &file.certificate;
     let tolerance = claims.path_tolerance;
@@ -18,16 +21,23 @@ pub(super) fn check(file: &PathFile, report: &mut CheckReport) {
         report.violate(Place::FILE, Kind::Certificate, subject, None, None);
     }
     clearance(file, report);
-    if let Some(measured) = report.max_residual.clone().filter(|m| m.value > claims.max_residual + 1e-9) {
-        let claim = claims.max_residual;
-        report
-            .note(format!("max_residual claims {claim:.3e}, measured {:.3e} at {}", measured.value, measured.subject));
-    }
+    residual(file, report);
     if report.counts.pairs == 0 {
         report.note("no pair of shapes is tested: nothing is said about collisions");
     }
     if let Some(claimed) = &claims.pairs {
         pairs(claimed, report);
+    }
+}
+
+/// The claim may not be smaller than a residual that was measured. One beyond the tolerance is a violation by itself.
+fn residual(file: &PathFile, report: &mut CheckReport) {
+    let (claim, tolerance) = (file.certificate.max_residual, file.certificate.path_tolerance);
+    let is_false = |measured: f64| measured > claim + RESIDUAL_SLACK && measured <= tolerance;
+    if let Some(measured) = report.max_residual.clone().filter(|m| is_false(m.value)) {
+        let subject = format!("max_residual claims {claim:.3e}, measured at {}", measured.subject);
+        let place = Place::at(measured.segment, measured.t);
+        report.violate(place, Kind::Certificate, subject, measured.value, claim);
     }
 }
 

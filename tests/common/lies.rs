@@ -285,6 +285,10 @@ fn claims(told: &mut Told<'_>) {
     for tolerance in [0.0, 0.01, -1.0] {
         told.set("path tolerance changed", "/certificate/path_tolerance", json!(tolerance));
     }
+    // In the demo grasps turn a little between knots. In the others nothing does, beyond rounding: zero is no lie there.
+    if told.honest["scene"] == "demo" {
+        told.set("residual claimed", "/certificate/max_residual", json!(0.0));
+    }
     told.set("limits not kept", "/certificate/joint_limits", json!("mostly"));
     for count in ["tested", "srdf", "adjacent", "ignored", "same_body", "environment"] {
         let pointer = format!("/certificate/pairs/{count}");

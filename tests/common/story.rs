@@ -124,7 +124,7 @@ pub fn story() -> Value {
             segment(json!([held()]), vec![held_knot(0.0, 0.0), held_knot(0.05, 0.0), held_knot(0.1, 0.0)]),
             segment(json!([placed()]), vec![knot(0.1, 0.0, end), knot(0.1, -0.6, end)]),
         ],
-        "certificate": { "path_tolerance": 2e-4, "max_residual": 1e-9, "min_clearance": 5e-4, "joint_limits": "within" },
+        "certificate": { "path_tolerance": 2e-4, "max_residual": 2e-4, "min_clearance": 5e-4, "joint_limits": "within" },
     })
 }
 
@@ -175,7 +175,6 @@ impl Folder {
     }
 
     /// What the first violation is about.
-    #[allow(dead_code, reason = "not every test asks")]
     pub fn subject(&self, path: &Value) -> String {
         let report = self.check(path).unwrap_or_else(|e| panic!("refused: {e}"));
         report.violations.first().map(|v| v.subject.clone()).unwrap_or_default()
