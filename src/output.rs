@@ -6,7 +6,7 @@
 use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
 /// Of files that are being written: `.NAME.PID-COUNT.unfinished`.
 pub(crate) const UNFINISHED: &str = "unfinished";
@@ -19,6 +19,9 @@ const STANDARD: [(&str, bool); 6] = [
     ("/dev/fd/2", false),
     ("/proc/self/fd/2", false),
 ];
+
+/// Files that this process is writing.
+static BEING_WRITTEN: AtomicUsize = AtomicUsize::new(0);
 
 /// Where bytes that are written to a path go.
 enum Target {
@@ -108,7 +111,20 @@ fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
+/// Whether some thread is writing a file, which would stay unfinished if the process ended now.
+#[must_use]
+pub fn is_writing() -> bool {
+    BEING_WRITTEN.load(Ordering::SeqCst) > 0
+}
+
 fn replace(path: &Path, old: Option<&Metadata>, bytes: &[u8], is_awaited: bool) -> io::Result<()> {
+    BEING_WRITTEN.fetch_add(1, Ordering::SeqCst);
+    let replaced = written_and_renamed(path, old, bytes, is_awaited);
+    BEING_WRITTEN.fetch_sub(1, Ordering::SeqCst);
+    replaced
+}
+
+fn written_and_renamed(path: &Path, old: Option<&Metadata>, bytes: &[u8], is_awaited: bool) -> io::Result<()> {
     let name = path.file_name().ok_or(ErrorKind::InvalidFilename)?;
     let (unfinished, mut file) = unfinished(folder_of(path), &name.to_string_lossy())?;
     let written = file.write_all(bytes).and_then(|()| match old {

@@ -111,8 +111,8 @@ fn a_time_limit_ends_the_reading_of_a_large_mesh() {
             let over = started.elapsed().as_secs_f64() - limit.parse::<f64>().unwrap();
             assert_eq!(output.status.code(), Some(code), "{arguments:?}: {}", told(&output));
             assert!(told(&output).contains(says), "{arguments:?}: {}", told(&output));
-            // Half a second is what a busy machine is given on top.
-            assert!(over < 0.9, "{arguments:?}: {over} s beyond {limit} s");
+            // What a busy machine is given on top.
+            assert!(over < 0.5, "{arguments:?}: {over} s beyond {limit} s");
         }
     }
     assert!(!Path::new(&bench).exists());

@@ -11,6 +11,9 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+/// How much longer than its time limit a check may take to say what it has found, before it is left to itself.
+const GRACE: Duration = Duration::from_millis(400);
+
 /// Proves that a path answers its scene, over the continuum
 ///
 /// Exit codes: 0 proved; 1 refused; 2 a file that cannot be read; 3 proved, but only relative to what the file says of
@@ -47,7 +50,7 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     let started = Instant::now();
     let limit = super::solve::deadline(arguments.time_limit)?;
     let (mine, packages) = (arguments.clone(), packages.clone());
-    let proved = loading::beside(limit, move |stop| proved(&mine, &packages, limit, stop))?;
+    let proved = loading::beside(limit, GRACE, move |stop| proved(&mine, &packages, limit, stop))?;
     let (file, report) = match proved {
         Ok(proved) => proved,
         Err(Cut::OutOfTime) => return out_of_time(arguments, started.elapsed()),

@@ -27,7 +27,7 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
     let (name, mine) = (arguments.scene.clone(), packages.clone());
-    let Ok(graph) = loading::beside(Duration::MAX, move |stop| {
+    let Ok(graph) = loading::beside(Duration::MAX, Duration::ZERO, move |stop| {
         let scene = load_scene(&name, &loading::until(&mine, stop))?;
         Ok(shown(scene.problem)?)
     })?

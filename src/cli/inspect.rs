@@ -31,7 +31,7 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
     let (urdf, srdf, mine) = (arguments.urdf.clone(), arguments.srdf.clone(), packages.clone());
-    let Ok((read, robot, pairs)) = loading::beside(Duration::MAX, move |stop| {
+    let Ok((read, robot, pairs)) = loading::beside(Duration::MAX, Duration::ZERO, move |stop| {
         let mut read = read_model(&urdf, srdf.as_deref(), UpAxis::AsWritten, &loading::until(&mine, stop))?;
         let robot = read.compose_alone()?;
         let pairs = inspect_pairs(&robot);

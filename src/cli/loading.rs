@@ -3,6 +3,7 @@
 use super::{Ending, Refusal, interrupt, print, print_json};
 use foliate::batch::Entry;
 use foliate::components::outcome::SearchOutcome;
+use foliate::output;
 use foliate::scene::{LoadLimits, LoadStop, PackagePath, Scene, SceneError, load_scene};
 use foliate::systems::events::StopSignal;
 use foliate::systems::model::ProblemTables;
@@ -13,8 +14,8 @@ use std::time::{Duration, Instant};
 
 /// Between two looks at the token.
 const INTERVAL: Duration = Duration::from_millis(20);
-/// What is asked to stop may take so long to do so, to put its files away and to say what it has found, before it is left to itself.
-const GRACE: Duration = Duration::from_millis(400);
+/// A file that is being written may take so long to be finished before the process ends without it.
+const LONGEST_WRITE: Duration = Duration::from_millis(500);
 
 /// Why there is nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,10 +49,12 @@ impl From<Refusal> for Failure {
     }
 }
 
-/// Does what may take long on a thread of its own, and waits for it until the limit is reached or a signal comes: some of it (a disk
-/// that does not answer, say) looks at no signal.
+/// Does what may take long on a thread of its own, and waits for it until the limit is reached or a signal comes, and then as long as
+/// `patience` says: some of it (a disk that does not answer, say) looks at no signal. What is left to itself ends with the process,
+/// but for a file that it is just writing.
 pub(crate) fn beside<T: Send + 'static>(
     limit: Duration,
+    patience: Duration,
     work: impl FnOnce(&StopSignal) -> Result<T, Failure> + Send + 'static,
 ) -> Result<Result<T, Cut>, Refusal> {
     let token = interrupt::token();
@@ -64,14 +67,17 @@ pub(crate) fn beside<T: Send + 'static>(
     });
     let cut = || if token.is_cancelled() { Cut::Interrupted } else { Cut::OutOfTime };
     loop {
-        match receiver.recv_timeout(INTERVAL) {
+        let left = deadline.map_or(INTERVAL, |deadline| deadline.saturating_duration_since(Instant::now()));
+        let pause = if left.is_zero() { INTERVAL / 10 } else { left.min(INTERVAL) };
+        match receiver.recv_timeout(pause) {
             Ok(Ok(done)) => return Ok(Ok(done)),
             Ok(Err(Failure::Stopped)) => return Ok(Err(cut())),
             Ok(Err(Failure::Refused(refusal))) => return Err(refusal),
             Err(RecvTimeoutError::Disconnected) => return Err(Refusal("reading ended without an answer".into())),
             Err(RecvTimeoutError::Timeout) if !stop.is_raised() => {}
             Err(RecvTimeoutError::Timeout) => {
-                if asked.get_or_insert_with(Instant::now).elapsed() > GRACE {
+                let waited = asked.get_or_insert_with(Instant::now).elapsed();
+                if waited >= patience && (waited >= LONGEST_WRITE || !output::is_writing()) {
                     return Ok(Err(cut()));
                 }
             }
@@ -92,7 +98,7 @@ pub(crate) fn scene(
     limit: Duration,
 ) -> Result<Result<(Scene, Arc<ProblemTables>), Cut>, Refusal> {
     let (name, packages) = (name.to_owned(), packages.clone());
-    beside(limit, move |stop| {
+    beside(limit, Duration::ZERO, move |stop| {
         let scene = load_scene(&name, &until(&packages, stop))?;
         let tables = ProblemTables::new_until(scene.problem.clone(), stop).ok_or(Failure::Stopped)?;
         Ok((scene, Arc::new(tables)))
@@ -102,7 +108,7 @@ pub(crate) fn scene(
 /// A problem of a batch.
 pub(crate) fn entry(name: &str, packages: &PackagePath, limit: Duration) -> Result<Result<Entry, Cut>, Refusal> {
     let (name, packages) = (name.to_owned(), packages.clone());
-    beside(limit, move |stop| Ok(Entry::load(&name, &until(&packages, stop))?))
+    beside(limit, Duration::ZERO, move |stop| Ok(Entry::load(&name, &until(&packages, stop))?))
 }
 
 impl Cut {

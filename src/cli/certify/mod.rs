@@ -79,14 +79,16 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     let started = Instant::now();
     let limit = super::solve::deadline(arguments.time_limit)?;
     let (name, mine) = (arguments.scene.clone(), packages.clone());
-    let scene = match loading::beside(limit, move |stop| Ok(load_scene(&name, &loading::until(&mine, stop))?))? {
-        Ok(scene) => scene,
-        Err(Cut::Interrupted) => return Ok(Ending::Interrupted),
-        Err(Cut::OutOfTime) => {
-            say(&format!("{}: undecided: the time limit was reached while the scene was read\n", arguments.scene));
-            return Ok(Ending::Undecided);
-        }
-    };
+    let scene =
+        match loading::beside(limit, Duration::ZERO, move |stop| Ok(load_scene(&name, &loading::until(&mine, stop))?))?
+        {
+            Ok(scene) => scene,
+            Err(Cut::Interrupted) => return Ok(Ending::Interrupted),
+            Err(Cut::OutOfTime) => {
+                say(&format!("{}: undecided: the time limit was reached while the scene was read\n", arguments.scene));
+                return Ok(Ending::Undecided);
+            }
+        };
     for warning in &scene.warnings {
         say(&format!("warning: {warning}\n"));
     }
