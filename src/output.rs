@@ -6,10 +6,10 @@
 use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
 /// Of files that are being written: `.NAME.PID-COUNT.unfinished`.
-const UNFINISHED: &str = "unfinished";
+pub(crate) const UNFINISHED: &str = "unfinished";
 /// Names that lead to what this process has open, not to a file of their own.
 const STANDARD: [(&str, bool); 6] = [
     ("/dev/stdout", true),
@@ -19,6 +19,9 @@ const STANDARD: [(&str, bool); 6] = [
     ("/dev/fd/2", false),
     ("/proc/self/fd/2", false),
 ];
+
+/// Files that this process is writing.
+static BEING_WRITTEN: AtomicUsize = AtomicUsize::new(0);
 
 /// Where bytes that are written to a path go.
 enum Target {
@@ -39,7 +42,7 @@ enum Target {
 /// What the operating system says; a directory, a link that leads nowhere, a file that may not be written.
 pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     match target(path)? {
-        Target::File { path, old } => replace(&path, old.as_ref(), bytes),
+        Target::File { path, old } => replace(&path, old.as_ref(), bytes, true),
         Target::Stream(path) => {
             let mut stream = OpenOptions::new().append(true).open(path)?;
             stream.write_all(bytes).and_then(|()| stream.flush())
@@ -50,6 +53,15 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
         }
         Target::Standard { is_output: false } => io::stderr().lock().write_all(bytes),
     }
+}
+
+/// Writes a file that can be made anew at any time, and that whoever reads it looks through: all of it, or none, but without waiting
+/// for the disk. What had the name is replaced whatever it was, a link too; nothing is written through it.
+///
+/// # Errors
+/// What the operating system says; a directory has the name.
+pub fn write_kept(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    replace(path, None, bytes, false)
 }
 
 /// Whether a path could be written to, as far as that can be told without writing: for work that takes long before it has
@@ -99,14 +111,27 @@ fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-fn replace(path: &Path, old: Option<&Metadata>, bytes: &[u8]) -> io::Result<()> {
+/// Whether some thread is writing a file, which would stay unfinished if the process ended now.
+#[must_use]
+pub fn is_writing() -> bool {
+    BEING_WRITTEN.load(Ordering::SeqCst) > 0
+}
+
+fn replace(path: &Path, old: Option<&Metadata>, bytes: &[u8], is_awaited: bool) -> io::Result<()> {
+    BEING_WRITTEN.fetch_add(1, Ordering::SeqCst);
+    let replaced = written_and_renamed(path, old, bytes, is_awaited);
+    BEING_WRITTEN.fetch_sub(1, Ordering::SeqCst);
+    replaced
+}
+
+fn written_and_renamed(path: &Path, old: Option<&Metadata>, bytes: &[u8], is_awaited: bool) -> io::Result<()> {
     let name = path.file_name().ok_or(ErrorKind::InvalidFilename)?;
     let (unfinished, mut file) = unfinished(folder_of(path), &name.to_string_lossy())?;
     let written = file.write_all(bytes).and_then(|()| match old {
         Some(old) => file.set_permissions(old.permissions()),
         None => Ok(()),
     });
-    let written = written.and_then(|()| file.sync_all());
+    let written = written.and_then(|()| if is_awaited { file.sync_all() } else { Ok(()) });
     drop(file);
     let renamed = written.and_then(|()| fs::rename(&unfinished, path));
     if renamed.is_err() {

@@ -2,10 +2,15 @@
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test that cannot go on says so")]
 
 use foliate::batch::Entry;
+use foliate::components::robot::shape::{Geometry, Mesh};
+use foliate::kernels::collision::mesh_tree::MeshTree;
 use foliate::scene::{LoadLimits, LoadStop, PackagePath, UpAxis, load_scene, read_model};
 use foliate::systems::events::{CancelToken, MemoryGuard, StopSignal};
+use foliate::systems::model::ProblemTables;
 use std::fmt::Write;
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 struct Folder(PathBuf);
@@ -79,6 +84,119 @@ fn a_signal_is_looked_at_within_a_mesh() {
     let memory = StopSignal { memory: Some(guard), ..StopSignal::default() };
     assert_eq!(stop(&mesh, signal(memory)), Some(LoadStop::Memory));
     assert!(looks.load(std::sync::atomic::Ordering::Relaxed) < 12, "looked on after it was raised");
+}
+
+/// How often reading looks at a signal that is never raised; and that it ends at each of these looks, when it is raised there.
+fn stops_at_every_look(urdf: &str, srdf: Option<&str>) -> u32 {
+    let read = |most: u32| {
+        let looks = Arc::new(AtomicU32::new(0));
+        let counted = looks.clone();
+        let memory = Some(MemoryGuard::new(move || counted.fetch_add(1, Ordering::Relaxed) >= most));
+        let packages = PackagePath::only(&[]).with_limits(signal(StopSignal { memory, ..StopSignal::default() }));
+        let read = read_model(urdf, srdf, UpAxis::AsWritten, &packages);
+        (read.err().map(|error| error.stopped), looks.load(Ordering::Relaxed))
+    };
+    let (whole, looks) = read(u32::MAX);
+    assert_eq!(whole, None);
+    for most in 0..looks {
+        assert_eq!(read(most).0, Some(Some(LoadStop::Memory)), "look {most} of {looks}");
+    }
+    looks
+}
+
+#[test]
+fn files_of_many_elements_and_numbers_are_not_read_to_their_end() {
+    let folder = Folder::new("elements");
+    let write = |name: &str, text: String| {
+        let path = folder.0.join(name);
+        std::fs::write(&path, text).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    let links: String = (0..9000).map(|i| format!("<link name=\"l{i}\"/>")).collect();
+    let joint = |i: u32| {
+        let ends = format!("<parent link=\"l{}\"/><child link=\"l{i}\"/>", i - 1);
+        format!("<joint name=\"j{i}\" type=\"fixed\">{ends}</joint>")
+    };
+    let joints: String = (1..9000).map(joint).collect();
+    let urdf = write("many.urdf", format!("<robot name=\"m\">{links}{joints}</robot>"));
+    // Tags (45,000), links and joints.
+    let looks = stops_at_every_look(&urdf, None);
+    assert!(looks >= 14, "{looks}");
+    let pairs: String = (1..9000).map(|i| format!("<disable_collisions link1=\"l0\" link2=\"l{i}\"/>")).collect();
+    let srdf = write("many.srdf", format!("<robot name=\"m\">{pairs}</robot>"));
+    let both = stops_at_every_look(&urdf, Some(&srdf));
+    assert!(both >= looks + 4, "{both}");
+
+    let numbers = "0 0 0 1 0 0 0 1 0 ".repeat(30_000);
+    let dae = format!(
+        "<COLLADA><library_geometries><geometry id=\"g\"><mesh><source id=\"p\"><float_array>{numbers}</float_array></source>\
+         <vertices id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/></vertices><triangles><input semantic=\"VERTEX\" \
+         source=\"#v\" offset=\"0\"/><p>{}</p></triangles></mesh></geometry></library_geometries></COLLADA>",
+        "0 1 2 ".repeat(30_000)
+    );
+    write("many.dae", dae);
+    let shape = "<collision><geometry><mesh filename=\"many.dae\"/></geometry></collision>";
+    let urdf = write("dae.urdf", format!("<robot name=\"m\"><link name=\"a\">{shape}</link></robot>"));
+    assert!(stops_at_every_look(&urdf, None) > 8);
+}
+
+/// Each step of what follows the reading of a mesh asks too: whether it is closed, and the tree over it.
+#[test]
+fn closedness_and_trees_are_given_up_at_every_step() {
+    let folder = Folder::new("steps");
+    let [urdf, _] = folder.models();
+    let mut read = read_model(&urdf, None, UpAxis::AsWritten, &PackagePath::only(&[])).unwrap();
+    let Geometry::Mesh(mesh) = &read.model.links[0].shapes[0].1 else { panic!("it is a mesh") };
+    let asked = |most: u32, work: &dyn Fn(&dyn Fn() -> bool) -> bool| {
+        let count = AtomicU32::new(0);
+        let done = work(&|| count.fetch_add(1, Ordering::Relaxed) < most);
+        (done, count.load(Ordering::Relaxed))
+    };
+    let closed = |go_on: &dyn Fn() -> bool| {
+        Mesh::new_while(String::new(), mesh.vertices.clone(), mesh.triangles.clone(), go_on).is_some()
+    };
+    let tree = |go_on: &dyn Fn() -> bool| MeshTree::new_while(mesh, go_on).is_some();
+    for (work, least) in [(&closed as &dyn Fn(&dyn Fn() -> bool) -> bool, 7), (&tree, 7)] {
+        let (done, looks) = asked(u32::MAX, work);
+        assert!(done && looks >= least, "{looks}");
+        for most in 0..looks {
+            assert_eq!(asked(most, work), (false, most + 1), "of {looks}");
+        }
+    }
+    let whole = MeshTree::new_while(mesh, &|| true).unwrap();
+    assert_eq!(format!("{:?}", whole), format!("{:?}", MeshTree::new(mesh)));
+    // Tables are not built when it is too late.
+    let mut problem = load_scene("demo", &PackagePath::only(&[])).unwrap().problem;
+    problem.robot = read.compose_alone().unwrap();
+    let token = CancelToken::default();
+    token.cancel();
+    assert!(ProblemTables::new_until(problem, &StopSignal { token, ..StopSignal::default() }).is_none());
+}
+
+/// All pairs of a link with all others, for many links, over and over: what is said twice takes no time again.
+#[test]
+fn what_an_srdf_says_again_and_again_takes_no_time() {
+    let folder = Folder::new("again");
+    let shape = "<collision><geometry><sphere radius=\"1\"/></geometry></collision>";
+    let links: String = (0..1200).map(|i| format!("<link name=\"l{i}\">{shape}</link>")).collect();
+    let joint = |i: u32| {
+        let ends = "<parent link=\"l0\"/>".to_owned() + &format!("<child link=\"l{i}\"/>");
+        format!("<joint name=\"j{i}\" type=\"continuous\">{ends}</joint>")
+    };
+    let joints: String = (1..1200).map(joint).collect();
+    let urdf = folder.0.join("again.urdf");
+    std::fs::write(&urdf, format!("<robot name=\"m\">{links}{joints}</robot>")).unwrap();
+    let default: String =
+        (0..100_000).map(|i| format!("<disable_default_collisions link=\"l{}\"/>", i % 1200)).collect();
+    let values: String = (0..100_000).map(|i| format!("<joint name=\"j{}\" value=\"0\"/>", 1 + i % 1199)).collect();
+    let srdf = folder.0.join("again.srdf");
+    let text = format!("<robot name=\"m\">{default}<group_state name=\"s\">{values}</group_state></robot>");
+    std::fs::write(&srdf, text).unwrap();
+    let started = Instant::now();
+    let read = read_model(urdf.to_str().unwrap(), srdf.to_str(), UpAxis::AsWritten, &PackagePath::only(&[])).unwrap();
+    assert!(started.elapsed() < Duration::from_secs(20), "{:?}", started.elapsed());
+    assert_eq!(read.model.disabled_pairs.len(), 1200 * 1199 / 2);
+    assert_eq!(read.model.group_states[0].values.len(), 1199);
 }
 
 #[test]

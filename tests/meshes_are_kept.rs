@@ -417,10 +417,12 @@ fn the_oldest_go_first_and_what_is_not_ours_stays() {
     let others = ["notes.txt", "a.mesh", &format!("{}.mesh.bak", "0".repeat(64))].map(|name| folder.cache().join(name));
     others.iter().for_each(|path| std::fs::write(path, vec![0; 50_000]).unwrap());
     // Left behind by somebody who was stopped while writing.
-    let begun = folder.cache().join(format!("{}.mesh.1-0.unfinished", "0".repeat(64)));
-    std::fs::write(&begun, vec![0; 1000]).unwrap();
-    let old = std::time::SystemTime::now() - std::time::Duration::from_secs(1_000_000);
-    std::fs::File::options().write(true).open(&begun).unwrap().set_modified(old).unwrap();
+    let begun = [".", ""].map(|dot| folder.cache().join(format!("{dot}{}.mesh.1-0.unfinished", "0".repeat(64))));
+    for begun in &begun {
+        std::fs::write(begun, vec![0; 1000]).unwrap();
+        let old = std::time::SystemTime::now() - std::time::Duration::from_secs(1_000_000);
+        std::fs::File::options().write(true).open(begun).unwrap().set_modified(old).unwrap();
+    }
     let mut sizes = Vec::new();
     for i in 0..5_u8 {
         let urdf = folder.model(&format!("{i}.stl"), &stl(8, 12, 0.3 + 0.01 * f64::from(i)), "");
@@ -430,7 +432,48 @@ fn the_oldest_go_first_and_what_is_not_ours_stays() {
         sizes.retain(|&size| size != 1000);
         assert_eq!(sizes.len(), usize::from(i + 1).min(3), "{sizes:?}");
     }
-    assert!(others.iter().all(|path| path.exists()) && !begun.exists());
+    assert!(others.iter().all(|path| path.exists()) && !begun.iter().any(|path| path.exists()));
+}
+
+/// An entry that is a link is replaced; nothing is written through it.
+#[cfg(unix)]
+#[test]
+fn what_an_entry_links_to_is_left_alone() {
+    let folder = Folder::new("linked");
+    let urdf = folder.model("a.stl", &stl(8, 12, 0.3), "");
+    folder.kept(&urdf);
+    let (entry, other) = (folder.entry(), folder.0.join("other.txt"));
+    let whole = std::fs::read(&entry).unwrap();
+    std::fs::write(&other, "theirs").unwrap();
+    std::fs::remove_file(&entry).unwrap();
+    std::os::unix::fs::symlink(&other, &entry).unwrap();
+    folder.kept(&urdf);
+    assert_eq!(std::fs::read_to_string(&other).unwrap(), "theirs");
+    assert!(!std::fs::symlink_metadata(&entry).unwrap().is_symlink() && std::fs::read(&entry).unwrap() == whole);
+}
+
+/// On a full disk nothing is kept, and nothing is said or left behind.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_a_miss() {
+    let folder = Folder::new("full");
+    std::fs::create_dir(folder.cache()).unwrap();
+    let at = folder.cache();
+    let system = |command: &str, arguments: &[&str]| {
+        let status = Command::new(command).args(arguments).arg(&at).stderr(std::process::Stdio::null()).status();
+        status.is_ok_and(|status| status.success())
+    };
+    if !system("mount", &["-t", "tmpfs", "-o", "size=16k", "none"]) {
+        eprintln!("skipped: mount is not allowed");
+        return;
+    }
+    let urdf = folder.model("a.stl", &stl(40, 80, 0.3), "");
+    let (found, plain) = (folder.kept(&urdf), read(&urdf, None));
+    let entries = folder.entries();
+    assert!(system("umount", &[]));
+    assert_same(mesh(&found), mesh(&plain));
+    assert_eq!(remarks(&found), Vec::<String>::new());
+    assert_eq!(entries, Vec::<PathBuf>::new());
 }
 
 #[test]

@@ -3,9 +3,9 @@
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test that cannot go on says so")]
 
 use foliate::Planner;
-use foliate::check::{CheckOptions, CheckReport, check};
+use foliate::check::{CheckOptions, CheckReport, SceneChoice, check};
 use foliate::path_file::{PathContext, PathFile, save, write_path};
-use foliate::scene::{PackagePath, Scene, UpAxis, load_scene, read_model, sha256};
+use foliate::scene::{ModelFile, Origin, PackagePath, Scene, UpAxis, load_scene, read_model, sha256};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -218,4 +218,32 @@ fn the_path_file_says_where_its_scene_is() {
     let scene = load(&folder.0.join("demo")).unwrap();
     let names = save::model_names(&scene, &folder.0.join("path.json")).unwrap();
     assert_eq!(names.scene_file.unwrap().file, "./demo");
+}
+
+/// Models that live in the program are written beside the path file: two of one name and different content both.
+#[test]
+fn models_of_one_name_are_written_beside_under_two() {
+    let folder = Folder::new();
+    let mut scene = load_scene("demo", &PackagePath::only(&[])).unwrap();
+    // The second box has another file of the first one's name; the spaces in it change nothing but its bytes.
+    let boxes: Vec<usize> = (0..scene.parts.len()).filter(|&i| scene.parts[i].urdf.url.contains("box")).collect();
+    let Origin::Program(content) = scene.parts[boxes[1]].urdf.origin else { panic!("it is in the program") };
+    let other: &'static str = Box::leak(format!("{content}  \n").into_boxed_str());
+    let sum = sha256(other.as_bytes());
+    scene.parts[boxes[1]].urdf =
+        ModelFile { url: "other/BOX.urdf".into(), origin: Origin::Program(other), sha256: sum.clone() };
+    scene.parts[boxes[1]].sha256.insert("urdf".into(), sum);
+    let out = folder.0.join("out/path.json");
+    let file = planned(&scene, &out);
+    let names: Vec<&str> = boxes.iter().map(|&i| file.parts[i].urdf.as_str()).collect();
+    assert_eq!(names, ["path.models/box.urdf", "path.models/BOX-2.urdf"]);
+    for (name, content) in names.iter().zip([content, other]) {
+        assert_eq!(std::fs::read_to_string(out.with_file_name(name)).unwrap(), content);
+    }
+    // The SRDF of both is one file.
+    assert_eq!(file.parts[boxes[0]].srdf, file.parts[boxes[1]].srdf);
+    assert_eq!(save::model_names(&scene, &out).unwrap().parts[boxes[1]].urdf, names[1]);
+    let alone = CheckOptions { scene: SceneChoice::Nothing, ..CheckOptions::default() };
+    let report = check(&file, out.parent().unwrap(), &PackagePath::only(&[]), &alone).unwrap();
+    assert!(report.violations.is_empty(), "{:?}", report.violations);
 }

@@ -1,8 +1,8 @@
 //! A problem of a batch.
 
-use crate::scene::{PackagePath, Scene, SceneError, load_scene};
+use crate::scene::{LoadStop, PackagePath, Scene, SceneError, load_scene};
 use foliate_components::problem::Problem;
-use foliate_systems::model::{Model, ModelError, PlanningModel};
+use foliate_systems::model::{Model, ModelError, PlanningModel, ProblemTables};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -15,16 +15,21 @@ pub struct Entry {
 }
 
 impl Entry {
-    /// Loads a scene (a shipped one by its name, or a file) and builds its model.
+    /// Loads a scene (a shipped one by its name, or a file) and builds its model, as long as the limits of `packages` allow.
     ///
     /// # Errors
-    /// The first thing that is wrong with the scene.
+    /// The first thing that is wrong with the scene; that loading was stopped.
     pub fn load(name_or_path: &str, packages: &PackagePath) -> Result<Self, SceneError> {
         let started = Instant::now();
         let scene = load_scene(name_or_path, packages)?;
-        let entry = Self::of_problem(scene.problem.clone());
-        let entry = entry.map_err(|error| SceneError::new(name_or_path, "problem", error.to_string()))?;
-        Ok(Self { load_time: started.elapsed(), scene: Some(scene), ..entry })
+        let tables = ProblemTables::new_until(scene.problem.clone(), &packages.limits().stop);
+        let Some(tables) = tables else {
+            packages.limits().reached(name_or_path)?;
+            return Err(SceneError::stopped(name_or_path, LoadStop::Deadline));
+        };
+        let model = Model::of(Arc::new(tables));
+        let model = model.map_err(|error| SceneError::new(name_or_path, "problem", error.to_string()))?;
+        Ok(Self { model: PlanningModel(Arc::new(model)), load_time: started.elapsed(), scene: Some(scene) })
     }
 
     /// A problem that was made in code. No path files are written for it: its models have no names that one could give.

@@ -44,7 +44,7 @@ pub struct Settings {
     pub seeds: Seeds,
     /// Solves side by side; each of them uses one thread.
     pub threads: usize,
-    /// Wall time after which one solve gives up.
+    /// Wall time after which one solve gives up. The time that its problem took to load, once for all its solves, counts for each.
     pub time_limit: Duration,
     /// Settings of every search; the seed in them is not used.
     pub search: SearchSettings,
@@ -257,7 +257,7 @@ impl Batch {
                 .seed(seed)
                 .scheduler(Arc::clone(&self.scheduler))
                 .cancelled_by(self.token.clone())
-                .time_limit(self.settings.time_limit);
+                .time_limit(self.settings.time_limit.saturating_sub(entry.load_time()));
             let planner = match self.memory_limit {
                 Some(limit) => planner.memory_limit(limit),
                 None => planner,

@@ -1,12 +1,13 @@
 //! `foliate bench`: many seeds of some scenes, a row each, and the table of the papers.
 
 use super::solve::{Tuning, deadline, no_scheduler};
-use super::{Ending, Refusal, interrupt, print, print_json, say};
-use foliate::batch::{Batch, Entry, Row, Seeds, Settings, Spread, Table};
+use super::{Ending, Refusal, interrupt, loading, print, print_json, say};
+use foliate::batch::{Batch, Row, Seeds, Settings, Spread, Table};
 use foliate::scene::PackagePath;
 use foliate::systems::schedulers;
 use serde_json::{Value, json};
 use std::path::PathBuf;
+use std::time::Instant;
 
 /// Solves scenes for many seeds and tabulates times and nodes
 #[derive(clap::Args)]
@@ -20,7 +21,8 @@ pub(crate) struct Arguments {
     /// Solves side by side; each of them uses one thread
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=512))]
     threads: u16,
-    /// Seconds after which one solve gives up
+    /// Seconds after which one solve gives up. A scene is read once, and the time that this took counts for each of its solves; one
+    /// that cannot be read within the limit ends the bench before anything is solved
     #[arg(long, default_value_t = 60.0, value_name = "S")]
     time_limit: f64,
     /// Folder for results.csv, table.md and paths/; a new one, unless --resume is given
@@ -47,7 +49,19 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
         search: arguments.tuning.settings(arguments.seeds.first()),
     };
     let scheduler = schedulers::named(&arguments.scheduler).ok_or_else(|| no_scheduler(&arguments.scheduler))?;
-    let entries = load(&arguments.scenes, packages)?;
+    let mut entries = Vec::with_capacity(arguments.scenes.len());
+    // All before anything is solved.
+    for name in &arguments.scenes {
+        let started = Instant::now();
+        let entry = match loading::entry(name, packages, settings.time_limit)? {
+            Ok(entry) => entry,
+            Err(cut) => return cut.tell(name, started.elapsed(), arguments.json),
+        };
+        for warning in entry.scene().into_iter().flat_map(|scene| &scene.warnings) {
+            say(&format!("warning: {warning}\n"));
+        }
+        entries.push(entry);
+    }
     let refused = |error: foliate::batch::BatchError| Refusal(error.to_string());
     let batch = Batch::new(entries, settings).map_err(refused)?.scheduler(scheduler.into());
     let token = interrupt::token();
@@ -77,18 +91,6 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
         return Ok(Ending::Interrupted);
     }
     Ok(if rows.iter().all(Row::is_solved) { Ending::Done } else { Ending::Failed })
-}
-
-/// Loads all scenes before anything is solved.
-fn load(scenes: &[String], packages: &PackagePath) -> Result<Vec<Entry>, Refusal> {
-    let load = |name: &String| {
-        let entry = Entry::load(name, packages)?;
-        for warning in entry.scene().into_iter().flat_map(|scene| &scene.warnings) {
-            say(&format!("warning: {warning}\n"));
-        }
-        Ok(entry)
-    };
-    scenes.iter().map(load).collect()
 }
 
 /// A row while the batch runs.

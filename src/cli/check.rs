@@ -1,13 +1,14 @@
 //! `foliate check`: prove that a path answers its scene.
 
-use super::{Ending, Refusal, print, print_json};
+use super::loading::{self, Cut, Failure};
+use super::{Ending, Refusal, print, print_json, say};
 use foliate::check::{CheckOptions, CheckReport, Extreme, SceneChoice, Section, Verdict, check};
 use foliate::path_file::{PathFile, save};
 use foliate::scene::PackagePath;
+use foliate::systems::events::StopSignal;
 use serde_json::json;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 /// How much longer than its time limit a check may take to say what it has found, before it is left to itself.
@@ -48,17 +49,15 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
     let started = Instant::now();
     let limit = super::solve::deadline(arguments.time_limit)?;
-    // Reading a file cannot be interrupted: it is done beside, and waited for no longer than the limit.
-    let (sender, receiver) = channel();
     let (mine, packages) = (arguments.clone(), packages.clone());
-    std::thread::spawn(move || {
-        let _gone = sender.send(proved(&mine, &packages, limit));
-    });
-    let patience = limit.checked_add(GRACE).unwrap_or(Duration::MAX);
-    let (file, report) = match receiver.recv_timeout(patience) {
-        Ok(answer) => answer?,
-        Err(RecvTimeoutError::Timeout) => return out_of_time(arguments, started.elapsed()),
-        Err(RecvTimeoutError::Disconnected) => return Err(Refusal("the check ended without an answer".into())),
+    let proved = loading::beside(limit, GRACE, move |stop| proved(&mine, &packages, limit, stop))?;
+    let (file, report) = match proved {
+        Ok(proved) => proved,
+        Err(Cut::OutOfTime) => return out_of_time(arguments, started.elapsed()),
+        Err(Cut::Interrupted) => {
+            say(&format!("{}: interrupted, nothing is proved\n", arguments.path.display()));
+            return Ok(Ending::Interrupted);
+        }
     };
     let (time, verdict) = (started.elapsed(), report.verdict());
     match arguments.json {
@@ -73,7 +72,12 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     })
 }
 
-fn proved(arguments: &Arguments, packages: &PackagePath, limit: Duration) -> Result<(PathFile, CheckReport), Refusal> {
+fn proved(
+    arguments: &Arguments,
+    packages: &PackagePath,
+    limit: Duration,
+    stop: &StopSignal,
+) -> Result<(PathFile, CheckReport), Failure> {
     let started = Instant::now();
     let file = save::read(&arguments.path).map_err(|e| Refusal(e.to_string()))?;
     let base = arguments.path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -90,7 +94,10 @@ fn proved(arguments: &Arguments, packages: &PackagePath, limit: Duration) -> Res
         pairs: arguments.pairs,
     };
     let report =
-        check(&file, base, packages, &options).map_err(|e| Refusal(format!("{}: {e}", arguments.path.display())))?;
+        check(&file, base, &loading::until(packages, stop), &options).map_err(|error| match stop.is_raised() {
+            true => Failure::Stopped,
+            false => Refusal(format!("{}: {error}", arguments.path.display())).into(),
+        })?;
     Ok((file, report))
 }
 

@@ -1,11 +1,10 @@
 //! `foliate demo`: the embedded scene, explained.
 
 use super::solve::{self, SearchArguments};
-use super::{Ending, Refusal, print, story, summary};
-use foliate::scene::{PackagePath, load_scene};
-use foliate::systems::model::ProblemTables;
+use super::{Ending, Refusal, loading, print, story, summary};
+use foliate::scene::PackagePath;
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::time::Instant;
 
 /// Solves the embedded scene and says what happens
 #[derive(clap::Args)]
@@ -21,8 +20,12 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     if let Some(out) = &arguments.out {
         solve::writable(out)?;
     }
-    let scene = load_scene("demo", packages)?;
-    let planner = arguments.search.planner(Arc::new(ProblemTables::new(scene.problem.clone())))?;
+    let (started, limit) = (Instant::now(), arguments.search.deadline()?);
+    let (scene, tables) = match loading::scene("demo", packages, limit)? {
+        Ok(loaded) => loaded,
+        Err(cut) => return cut.tell("demo", started.elapsed(), false),
+    };
+    let planner = arguments.search.planner(tables)?.time_limit(limit.saturating_sub(started.elapsed()));
     let model = planner.model();
     print(&format!(
         "{}.\n\n\

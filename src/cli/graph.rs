@@ -1,6 +1,6 @@
 //! `foliate graph`: the constraint graph of a scene as text, DOT or Mermaid.
 
-use super::{Ending, Refusal, print};
+use super::{Ending, Refusal, loading, print};
 use foliate::components::graph::{ConstraintGraph, StateId, TransitionKind};
 use foliate::components::problem::Problem;
 use foliate::diagram;
@@ -10,6 +10,7 @@ use foliate::systems::model::{Model, PlanningModel};
 use foliate::systems::settings::SearchSettings;
 use std::fmt::Write;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// Shows the constraint graph of a scene
 #[derive(clap::Args)]
@@ -25,8 +26,14 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
-    let scene = load_scene(&arguments.scene, packages)?;
-    let graph = shown(scene.problem)?;
+    let (name, mine) = (arguments.scene.clone(), packages.clone());
+    let Ok(graph) = loading::beside(Duration::MAX, Duration::ZERO, move |stop| {
+        let scene = load_scene(&name, &loading::until(&mine, stop))?;
+        Ok(shown(scene.problem)?)
+    })?
+    else {
+        return Ok(Ending::Interrupted);
+    };
     print(&match (arguments.dot, arguments.mermaid) {
         (true, _) => diagram::dot(&graph),
         (_, true) => diagram::mermaid(&graph),

@@ -1,6 +1,6 @@
 //! `foliate inspect`: what was read from a model.
 
-use super::{Ending, Refusal, coverage, print, print_json};
+use super::{Ending, Refusal, coverage, loading, print, print_json};
 use foliate::components::Pose;
 use foliate::components::pose::pose_to_array;
 use foliate::components::robot::model::{JointKind, JointModel, Model};
@@ -10,6 +10,7 @@ use foliate::inspection::{Inspection, inspect_pairs};
 use foliate::scene::{PackagePath, SceneError, UpAxis, read_model};
 use serde_json::{Value, json};
 use std::fmt::Write;
+use std::time::Duration;
 
 /// Reads a model as a scene would, and tells what it found
 #[derive(clap::Args)]
@@ -29,9 +30,16 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
-    let mut read = read_model(&arguments.urdf, arguments.srdf.as_deref(), UpAxis::AsWritten, packages)?;
-    let robot = read.compose_alone()?;
-    let pairs = inspect_pairs(&robot);
+    let (urdf, srdf, mine) = (arguments.urdf.clone(), arguments.srdf.clone(), packages.clone());
+    let Ok((read, robot, pairs)) = loading::beside(Duration::MAX, Duration::ZERO, move |stop| {
+        let mut read = read_model(&urdf, srdf.as_deref(), UpAxis::AsWritten, &loading::until(&mine, stop))?;
+        let robot = read.compose_alone()?;
+        let pairs = inspect_pairs(&robot);
+        Ok((read, robot, pairs))
+    })?
+    else {
+        return Ok(Ending::Interrupted);
+    };
     let found = Found {
         pairs: pairs.as_ref(),
         lists_pairs: arguments.pairs,

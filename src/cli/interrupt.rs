@@ -3,15 +3,20 @@
 use foliate::systems::events::CancelToken;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use std::io;
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, OnceLock};
 
 /// Exit code of what was interrupted: 128 + SIGINT, as shells have it.
 pub(crate) const EXIT_CODE: u8 = 130;
 
-/// From now on the first SIGINT or SIGTERM cancels the token; a second one ends the process at once. Commands that look at no
-/// token do without, so that the first one ends them.
+/// From now on the first SIGINT or SIGTERM cancels the token, which is the same for all who ask; a second one ends the process at
+/// once. Commands that look at no token do without, so that the first one ends them.
 pub(crate) fn token() -> CancelToken {
+    static TOKEN: OnceLock<CancelToken> = OnceLock::new();
+    TOKEN.get_or_init(registered).clone()
+}
+
+fn registered() -> CancelToken {
     let flag = Arc::new(AtomicBool::new(false));
     let registered = [SIGINT, SIGTERM].into_iter().try_for_each(|signal| {
         // In this order: the flag is looked at before the same signal raises it.

@@ -9,6 +9,7 @@ mod demo;
 mod graph;
 mod inspect;
 mod interrupt;
+mod loading;
 mod models;
 mod scenes;
 mod solve;

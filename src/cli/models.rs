@@ -2,10 +2,13 @@
 
 mod unpack;
 
-use super::{Ending, Refusal, print, say};
+use super::{Ending, Refusal, interrupt, print, say};
 use foliate::scene::{PackagePath, model_cache};
+use foliate::systems::events::CancelToken;
+use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
 
 /// Tells which published robot models are at hand, and fetches them from PyPI on request
 #[derive(clap::Args)]
@@ -56,8 +59,13 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
         print(&format!("All packages are in {} ({}).\n", cache.display(), megabytes(size_of(&cache))));
         return Ok(Ending::Done);
     }
+    let token = interrupt::token();
     for published in missing {
-        if let Err(message) = install(published, &cache) {
+        if let Err(message) = install(published, &cache, &token) {
+            if token.is_cancelled() {
+                say(&format!("interrupted; {} is not installed\n", published.package));
+                return Ok(Ending::Interrupted);
+            }
             say(&format!("error: {}: {message}\n{}", published.distribution, by_hand(&cache)));
             return Ok(Ending::Failed);
         }
@@ -96,14 +104,16 @@ fn by_hand(cache: &Path) -> String {
 }
 
 /// Downloads a wheel and unpacks its models; the cache sees either all of them or nothing.
-fn install(published: &Published, cache: &Path) -> Result<(), String> {
-    let work = cache.join(format!(".installing-{}-{}", published.package, std::process::id()));
+///
+/// The thousands of files are not written one by one through [`foliate::output`]: all of them lie in a folder that nobody else has
+/// until its one renaming puts them in their place. A failure or a signal removes that folder.
+fn install(published: &Published, cache: &Path, token: &CancelToken) -> Result<(), String> {
+    let work = fresh(cache, published.package)?;
     let told = |e: std::io::Error| format!("{}: {e}", work.display());
-    std::fs::create_dir_all(&work).map_err(told)?;
-    let result = fetch(published, &work).and_then(|wheel| {
+    let result = fetch(published, &work, token).and_then(|wheel| {
         let downloaded = std::fs::metadata(&wheel).map_or(0, |m| m.len());
         let unpacked = work.join(published.package);
-        let bytes = unpack::unpack(&wheel, published.package, &unpacked)?;
+        let bytes = unpack::unpack(&wheel, published.package, &unpacked, token)?;
         std::fs::rename(&unpacked, cache.join(published.package)).map_err(told)?;
         print(&format!(
             "{} {}: {} downloaded, {} unpacked into {}\n",
@@ -119,17 +129,34 @@ fn install(published: &Published, cache: &Path) -> Result<(), String> {
     result
 }
 
+/// A new folder in the cache; one that was left by a process that had this number and was killed is not used.
+fn fresh(cache: &Path, package: &str) -> Result<PathBuf, String> {
+    let told = |path: &Path, e: std::io::Error| format!("{}: {e}", path.display());
+    std::fs::create_dir_all(cache).map_err(|e| told(cache, e))?;
+    let mut count = 0;
+    loop {
+        let work = cache.join(format!(".installing-{package}-{}-{count}", std::process::id()));
+        match std::fs::create_dir(&work) {
+            Ok(()) => return Ok(work),
+            Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists => count += 1,
+            Err(e) => return Err(told(&work, e)),
+        }
+    }
+}
+
 /// Has pip download one wheel into a directory.
-fn fetch(published: &Published, directory: &Path) -> Result<PathBuf, String> {
+fn fetch(published: &Published, directory: &Path, token: &CancelToken) -> Result<PathBuf, String> {
     print(&format!("{} {}: downloading\n", published.distribution, published.version));
-    let output = Command::new("python3")
-        .args(["-m", "pip", "download", "--quiet", "--disable-pip-version-check", "--no-input", "--no-deps"])
+    let mut pip = Command::new("python3");
+    pip.args(["-m", "pip", "download", "--quiet", "--disable-pip-version-check", "--no-input", "--no-deps"])
         .args(["--only-binary", ":all:", "--python-version", "3.11", "--implementation", "py", "--abi", "none"])
         .args(["--platform", "any", "--dest"])
         .arg(directory)
         .arg(format!("{}=={}", published.distribution, published.version))
-        .output()
-        .map_err(|e| format!("python3 does not run: {e}"))?;
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped());
+    let output = run_until(&mut pip, token)?;
     if !output.status.success() {
         let said = String::from_utf8_lossy(&output.stderr);
         let last = said.lines().rev().find(|l| !l.trim().is_empty()).unwrap_or("no message");
@@ -138,6 +165,33 @@ fn fetch(published: &Published, directory: &Path) -> Result<PathBuf, String> {
     let entries = std::fs::read_dir(directory).map_err(|e| e.to_string())?;
     let wheel = entries.flatten().map(|e| e.path()).find(|p| p.extension().is_some_and(|e| e == "whl"));
     wheel.ok_or_else(|| "pip has left no wheel".into())
+}
+
+/// Runs python to its end, or until a signal comes.
+fn run_until(command: &mut Command, token: &CancelToken) -> Result<Output, String> {
+    let failed = |e: std::io::Error| format!("python3 does not run: {e}");
+    let mut child = command.spawn().map_err(failed)?;
+    // What it says is read beside: a full pipe would make it wait.
+    let stderr = child.stderr.take().map(|mut pipe| {
+        std::thread::spawn(move || {
+            let mut said = Vec::new();
+            let _cut_short = pipe.read_to_end(&mut said);
+            said
+        })
+    });
+    let status = loop {
+        if let Some(status) = child.try_wait().map_err(failed)? {
+            break status;
+        }
+        if token.is_cancelled() {
+            let _ended = child.kill();
+            let _status = child.wait();
+            return Err("interrupted".into());
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    };
+    let stderr = stderr.and_then(|said| said.join().ok()).unwrap_or_default();
+    Ok(Output { status, stdout: Vec::new(), stderr })
 }
 
 /// Bytes of all files below a directory.

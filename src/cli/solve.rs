@@ -2,24 +2,22 @@
 
 use super::coverage::LeftOut;
 use super::summary::{self, Loaded};
-use super::{Ending, Refusal, interrupt, print, print_json, say};
+use super::{Ending, Refusal, interrupt, loading, print, print_json, say};
 use foliate::components::outcome::SearchOutcome;
 use foliate::kernels::lanes::Level;
 use foliate::memory::MemoryLimit;
 use foliate::output;
 use foliate::path_file::{PathContext, save, write_path};
-use foliate::scene::{PackagePath, Scene, load_scene};
+use foliate::scene::{PackagePath, Scene};
 use foliate::systems::events::SearchEvent;
 use foliate::systems::model::ProblemTables;
 use foliate::systems::schedulers;
 use foliate::systems::settings::{SearchSettings, Selection};
 use foliate::{Planner, Solution};
 use indicatif::{ProgressBar, ProgressStyle};
-use serde_json::json;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
 
 /// Plans a path for a scene and writes it
@@ -57,7 +55,7 @@ pub(crate) struct SearchArguments {
     pub threads: u16,
     #[command(flatten)]
     pub tuning: Tuning,
-    /// Seconds after which to give up
+    /// Seconds after which to give up, reading included
     #[arg(long, default_value_t = 60.0, value_name = "S")]
     pub time_limit: f64,
 }
@@ -166,13 +164,13 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
         writable(out)?;
     }
     let limit = arguments.search.deadline()?;
-    let Some(scene) = load_within(&arguments.scene, packages, limit)? else {
-        return out_of_time(arguments, started.elapsed());
+    let (scene, tables) = match loading::scene(&arguments.scene, packages, limit)? {
+        Ok(loaded) => loaded,
+        Err(cut) => return cut.tell(&arguments.scene, started.elapsed(), arguments.json),
     };
     for warning in &scene.warnings {
         say(&format!("warning: {warning}\n"));
     }
-    let tables = Arc::new(ProblemTables::new(scene.problem.clone()));
     let load_time = started.elapsed();
     let left_out = LeftOut::of(&tables);
     if let Some(warning) = left_out.warning() {
@@ -195,33 +193,6 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
         print(&summary::text(&loaded, &solution));
     }
     ending(&solution.outcome)
-}
-
-/// Loads a scene; none where that takes longer than it may. Reading a file cannot be interrupted: it is done beside.
-fn load_within(name: &str, packages: &PackagePath, limit: Duration) -> Result<Option<Scene>, Refusal> {
-    let (sender, receiver) = std::sync::mpsc::channel();
-    let (name, packages) = (name.to_owned(), packages.clone());
-    std::thread::spawn(move || {
-        let _gone = sender.send(load_scene(&name, &packages));
-    });
-    match receiver.recv_timeout(limit) {
-        Ok(scene) => Ok(Some(scene?)),
-        Err(RecvTimeoutError::Timeout) => Ok(None),
-        Err(RecvTimeoutError::Disconnected) => Err(Refusal("reading the scene ended without an answer".into())),
-    }
-}
-
-/// The limit ran out while the scene was read.
-fn out_of_time(arguments: &Arguments, time: Duration) -> Result<Ending, Refusal> {
-    let (name, ms) = (&arguments.scene, time.as_secs_f64() * 1e3);
-    match arguments.json {
-        true => print_json(&json!({
-            "scene": name, "outcome": SearchOutcome::Timeout.name(), "load_ms": ms,
-            "reason": "the time limit was reached while the scene was read",
-        }))?,
-        false => print(&format!("{name}: timeout after {ms:.0} ms, while the scene was read\n")),
-    }
-    Ok(Ending::Failed)
 }
 
 /// Refuses a place where no path could be written before anything is searched.

@@ -4,6 +4,8 @@ pub use super::read::read;
 use super::{FileNames, PartFiles, PathFile, SceneFileEntry};
 use crate::output;
 use crate::scene::{ModelFile, Origin, PartSource, Scene, SceneFile, SceneOrigin, folder_of, shipped_scenes};
+use std::collections::HashMap;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 /// Why a path file was not written or read.
@@ -19,22 +21,23 @@ pub enum PathFileError {
 }
 
 /// The files of a scene as a path file at `out` has to name them. Models that live only in the program are written beside it,
-/// into `PATH.models/`, unless `out` is a device or a pipe.
+/// into `PATH.models/`, two of one name and different content under different names, unless `out` is a device or a pipe.
 ///
 /// # Errors
 /// A model cannot be written.
 pub fn model_names(scene: &Scene, out: &Path) -> Result<FileNames, PathFileError> {
-    let name = |file: &ModelFile| model_name(file, out);
-    let files = |part: &PartSource| -> Result<PartFiles, PathFileError> {
+    let mut beside = NamesBeside::default();
+    let mut name = |file: &ModelFile| model_name(file, out, &mut beside);
+    let mut files = |part: &PartSource| -> Result<PartFiles, PathFileError> {
         Ok(PartFiles {
             urdf: name(&part.urdf)?,
-            srdf: part.srdf.as_ref().map(name).transpose()?,
+            srdf: part.srdf.as_ref().map(&mut name).transpose()?,
             mesh_up_axis: part.mesh_up_axis,
             sha256: part.sha256.clone(),
             joint_values: part.joint_values.clone(),
         })
     };
-    let parts = scene.parts.iter().map(files).collect::<Result<_, _>>()?;
+    let parts = scene.parts.iter().map(&mut files).collect::<Result<_, _>>()?;
     Ok(FileNames { scene_file: scene.file.as_ref().map(|file| scene_file(file, out)), parts })
 }
 
@@ -51,7 +54,34 @@ fn scene_file(file: &SceneFile, out: &Path) -> SceneFileEntry {
     SceneFileEntry { file: name, sha256: file.sha256.clone() }
 }
 
-fn model_name(file: &ModelFile, out: &Path) -> Result<String, PathFileError> {
+/// Names of models that are written beside one path file: files of different content have different names, also where a file
+/// system takes small and capital letters for the same.
+#[derive(Default)]
+struct NamesBeside {
+    /// Content by the name in small letters.
+    taken: HashMap<String, &'static str>,
+}
+
+impl NamesBeside {
+    /// The name that the model has, or, where another one has that already, with `-2`, `-3` and so on.
+    fn of(&mut self, url: &str, content: &'static str) -> String {
+        let name = Path::new(url).file_name().unwrap_or_default();
+        let part = |part: Option<&OsStr>| part.map(|part| part.to_string_lossy().into_owned()).unwrap_or_default();
+        let (stem, ending) = (part(Path::new(name).file_stem()), part(Path::new(name).extension()));
+        let dot = if ending.is_empty() { "" } else { "." };
+        let mut number = 1_u32;
+        loop {
+            let again = if number == 1 { String::new() } else { format!("-{number}") };
+            let name = format!("{stem}{again}{dot}{ending}");
+            if *self.taken.entry(name.to_lowercase()).or_insert(content) == content {
+                return name;
+            }
+            number += 1;
+        }
+    }
+}
+
+fn model_name(file: &ModelFile, out: &Path, beside: &mut NamesBeside) -> Result<String, PathFileError> {
     if file.url.starts_with("package://") {
         return Ok(file.url.clone());
     }
@@ -59,7 +89,7 @@ fn model_name(file: &ModelFile, out: &Path) -> Result<String, PathFileError> {
         Origin::File(path) => Ok(relative(path, out)),
         Origin::Program(content) => {
             let folder = models_folder(out);
-            let place = folder.join(Path::new(&file.url).file_name().unwrap_or_default());
+            let place = folder.join(beside.of(&file.url, content));
             // Beside a device or a pipe there is no place; the file then says what it would say.
             if output::is_file(out) {
                 let failed = |source| PathFileError::Io { path: place.clone(), source };

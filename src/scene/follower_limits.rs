@@ -4,6 +4,7 @@ use super::error::SceneError;
 use super::source::{ModelFile, Opened, Origin, open_path};
 use super::xml::Xml;
 use foliate_components::robot::{JointIndex, NarrowedLimits, NoRoom, PartIndex, Robot};
+use foliate_systems::events::StopSignal;
 
 /// Why a model has no motion at all for a joint.
 pub(crate) fn refusal(urdf: &Opened, room: &NoRoom) -> SceneError {
@@ -38,7 +39,7 @@ fn at_joint(urdf: &Opened, name: &str, message: String) -> SceneError {
 
 /// The line of a joint in a URDF that has been read.
 fn line_of(urdf: &Opened, joint: &str) -> Option<u32> {
-    let xml = Xml::parse(&urdf.label, &urdf.text).ok()?;
+    let xml = Xml::parse(&urdf.label, &urdf.text, &StopSignal::default()).ok()?;
     let is_joint = |node: &roxmltree::Node<'_, '_>| {
         node.has_tag_name("joint") && node.attribute("name") == Some(joint) && node.parent_element().is_some()
     };

@@ -26,10 +26,15 @@ pub enum LoadStop {
 impl LoadLimits {
     /// Why reading has to stop, if it has.
     pub(crate) fn reached(&self, at: &str) -> Result<(), SceneError> {
-        match stopped_by(&self.stop) {
-            None => Ok(()),
-            Some(stop) => Err(SceneError::stopped(at, stop)),
-        }
+        look(&self.stop, at)
+    }
+}
+
+/// The error that reading ends with, where the signal is raised.
+pub(crate) fn look(signal: &StopSignal, at: &str) -> Result<(), SceneError> {
+    match stopped_by(signal) {
+        None => Ok(()),
+        Some(stop) => Err(SceneError::stopped(at, stop)),
     }
 }
 

@@ -130,7 +130,7 @@ pub fn read_model(
     sha256.insert("urdf".into(), urdf.file.sha256.clone());
     if let Some(srdf) = srdf {
         let srdf = open(srdf)?;
-        srdf::read(&srdf.label, &srdf.text, &mut model, &mut warnings)?;
+        srdf::read(&srdf.label, &srdf.text, &mut model, &mut warnings, &packages.limits().stop)?;
         sha256.insert("srdf".into(), srdf.file.sha256);
     }
     warnings.extend(meshes.finish());

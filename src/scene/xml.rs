@@ -1,6 +1,8 @@
 //! XML from strangers: a scan for depth, counts and document types first, then a tree with line numbers.
 
 use super::error::{SceneError, quoted};
+use super::limits::look;
+use foliate_systems::events::StopSignal;
 use roxmltree::{Document, Node};
 
 /// Deepest nesting of elements.
@@ -14,27 +16,52 @@ const ATTRIBUTES_OF_ONE: usize = 128;
 /// Most namespace declarations in a file; the parser searches them linearly.
 const NAMESPACES: usize = 64;
 
+/// Between two looks at the signal that stops the reading there are as many tags.
+const TAGS_BETWEEN_LOOKS: usize = 1 << 12;
+/// As many numbers.
+const NUMBERS_BETWEEN_LOOKS: usize = 1 << 16;
+
 /// A parsed file that knows its name.
 pub(crate) struct Xml<'a> {
     pub file: &'a str,
     pub document: Document<'a>,
     /// Byte offset at which each line begins, for line numbers in logarithmic time.
     line_starts: Vec<usize>,
+    /// Ends the reading.
+    stop: StopSignal,
 }
 
 impl<'a> Xml<'a> {
-    /// Parses a text after the scan.
+    /// Parses a text after the scan. Of files with thousands of elements or numbers the reading ends once the signal is raised.
     ///
     /// # Errors
     /// Malformed XML, a document type, or more of anything than the caps allow; with the line.
-    pub fn parse(file: &'a str, text: &'a str) -> Result<Self, SceneError> {
-        scan(file, text)?;
+    pub fn parse(file: &'a str, text: &'a str, stop: &StopSignal) -> Result<Self, SceneError> {
+        scan(file, text, stop)?;
         let options = roxmltree::ParsingOptions { allow_dtd: false, nodes_limit: 4_000_000 };
         let document = Document::parse_with_options(text, options).map_err(|error| {
             SceneError::new(file, "XML", error.to_string()).at(error.pos().row).hint("the file is not well-formed XML")
         })?;
         let line_starts = std::iter::once(0).chain(text.match_indices('\n').map(|(i, _)| i + 1)).collect();
-        Ok(Self { file, document, line_starts })
+        Ok(Self { file, document, line_starts, stop: stop.clone() })
+    }
+
+    /// Now and then, by the number of elements that were understood so far, looks at the signal.
+    pub fn look(&self, elements: usize) -> Result<(), SceneError> {
+        match elements > 0 && elements.is_multiple_of(TAGS_BETWEEN_LOOKS) {
+            true => look(&self.stop, self.file),
+            false => Ok(()),
+        }
+    }
+
+    /// The words of a text that holds numbers; the signal is looked at now and then.
+    pub fn words<'t>(&self, text: &'t str) -> impl Iterator<Item = Result<&'t str, SceneError>> {
+        text.split_ascii_whitespace().enumerate().map(|(index, word)| {
+            if index > 0 && index.is_multiple_of(NUMBERS_BETWEEN_LOOKS) {
+                look(&self.stop, self.file)?;
+            }
+            Ok(word)
+        })
     }
 
     /// The line of a node, counted from 1.
@@ -102,13 +129,15 @@ impl<'a> Xml<'a> {
 
     /// All numbers of a text, each of them finite.
     pub fn numbers(&self, node: Node<'_, '_>, what: &str, text: &str) -> Result<Vec<f64>, SceneError> {
-        text.split_ascii_whitespace()
-            .map(|word| match word.parse::<f64>() {
-                Ok(x) if x.is_finite() => Ok(x),
-                Ok(_) => Err(self.error(node, format!("{what} holds `{}`, which is not finite", quoted(word)))),
-                Err(_) => Err(self
-                    .error(node, format!("{what} holds `{}`, which is not a number", quoted(word)))
-                    .hint("numbers are separated by blanks and use a decimal point")),
+        self.words(text)
+            .map(|word| {
+                word.and_then(|word| match word.parse::<f64>() {
+                    Ok(x) if x.is_finite() => Ok(x),
+                    Ok(_) => Err(self.error(node, format!("{what} holds `{}`, which is not finite", quoted(word)))),
+                    Err(_) => Err(self
+                        .error(node, format!("{what} holds `{}`, which is not a number", quoted(word)))
+                        .hint("numbers are separated by blanks and use a decimal point")),
+                })
             })
             .collect()
     }
@@ -143,11 +172,15 @@ struct Counts {
 }
 
 /// Walks over the markup without building anything, and refuses what the parser could choke on.
-fn scan(file: &str, text: &str) -> Result<(), SceneError> {
+fn scan(file: &str, text: &str, stop: &StopSignal) -> Result<(), SceneError> {
     let bytes = text.as_bytes();
     let mut counts = Counts::default();
-    let mut at = 0;
+    let (mut at, mut tags) = (0_usize, 0_usize);
     while let Some(open) = text[at..].find('<').map(|i| at + i) {
+        tags += 1;
+        if tags.is_multiple_of(TAGS_BETWEEN_LOOKS) {
+            look(stop, file)?;
+        }
         let rest = &bytes[open..];
         let refuse = |element: &str, message: String| {
             let line = 1 + bytes[..open].iter().filter(|&&b| b == b'\n').count() as u32;

@@ -28,17 +28,34 @@ impl Surface {
     /// solids that touch, or a fin): every piece has to have something left that bounds it.
     #[must_use]
     pub fn of(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Self {
+        Self::of_while(vertices, triangles, &|| true).unwrap_or_default()
+    }
+
+    /// As [`Self::of`]; none once `go_on` says no. It is asked between passes over all triangles, of which each takes some tenths of a
+    /// second for four million.
+    #[must_use]
+    pub fn of_while(vertices: &[DVec3], triangles: &[[u32; 3]], go_on: &dyn Fn() -> bool) -> Option<Self> {
+        let goes_on = || go_on().then_some(());
+        goes_on()?;
         let same = first_at_position(vertices);
+        goes_on()?;
         if is_plainly_closed(&same, triangles) {
-            return Self { closed: true, doubled: Vec::new() };
+            return Some(Self { closed: true, doubled: Vec::new() });
         }
+        goes_on()?;
         let exact = Faces::of(&same, triangles);
+        goes_on()?;
         let found = exact.judge();
         if found.closed {
-            return found;
+            return Some(found);
         }
-        let welded = Faces::of(&welded(vertices), triangles).judge();
-        if welded.closed { welded } else { found }
+        goes_on()?;
+        let near = welded(vertices);
+        goes_on()?;
+        let faces = Faces::of(&near, triangles);
+        goes_on()?;
+        let welded = faces.judge();
+        Some(if welded.closed { welded } else { found })
     }
 }
 

@@ -58,17 +58,28 @@ impl Mesh {
     /// # Panics
     /// Never: triangles whose indices are out of range are dropped.
     #[must_use]
-    pub fn new(source: String, vertices: Vec<DVec3>, mut triangles: Vec<[u32; 3]>) -> Self {
+    pub fn new(source: String, vertices: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Self {
+        Self::new_while(source, vertices, triangles, &|| true).unwrap_or_default()
+    }
+
+    /// As [`Self::new`]; none once `go_on` says no, see [`Surface::of_while`](super::closed_surface::Surface::of_while).
+    #[must_use]
+    pub fn new_while(
+        source: String,
+        vertices: Vec<DVec3>,
+        mut triangles: Vec<[u32; 3]>,
+        go_on: &dyn Fn() -> bool,
+    ) -> Option<Self> {
         let count = vertices.len() as u32;
         triangles.retain(|t| t.iter().all(|&i| i < count));
-        let surface = Surface::of(&vertices, &triangles);
+        let surface = Surface::of_while(&vertices, &triangles, go_on)?;
         let mut doubled = surface.doubled.iter().copied().peekable();
         let mut number = 0;
         triangles.retain(|_| {
             number += 1;
             doubled.next_if_eq(&(number - 1)).is_none()
         });
-        Self { source, vertices, triangles, closed: surface.closed, record: None }
+        Some(Self { source, vertices, triangles, closed: surface.closed, record: None })
     }
 }
 

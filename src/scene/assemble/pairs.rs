@@ -1,11 +1,12 @@
 //! `ignore` and `margins`: pairs of links.
 
+use super::Loader;
 use super::part::LoadedPart;
 use crate::scene::error::{SceneError, did_you_mean, quoted};
 use crate::scene::keys::{Item, Keys};
 use foliate_components::problem::Margin;
 use foliate_components::robot::{DisabledPair, LinkIndex, Part, PartIndex, Robot};
-use foliate_kernels::collision::adjacent_links;
+use foliate_kernels::collision::adjacent_links_while;
 use std::collections::{BTreeSet, HashSet};
 
 /// Most pairs that a scene's lists unfold to.
@@ -13,13 +14,22 @@ const PAIRS: usize = 4_000_000;
 
 /// What the parts' own `ignore` asks for: where a part has no SRDF and does not say otherwise, links that one joint joins and
 /// that touch wherever it is.
-pub(super) fn of_parts(parts: &[LoadedPart<'_>], robot: &Robot) -> Result<Vec<DisabledPair>, SceneError> {
+pub(super) fn of_parts(
+    parts: &[LoadedPart<'_>],
+    robot: &Robot,
+    loader: &Loader<'_>,
+) -> Result<Vec<DisabledPair>, SceneError> {
+    let limits = loader.packages.limits();
     let mut pairs = Vec::new();
     for (index, (loaded, part)) in parts.iter().zip(&robot.parts).enumerate() {
-        let neighbours = || adjacent_links(robot, PartIndex(index as u32));
+        // Trees of its meshes are built for that, which may take long.
+        let neighbours = || {
+            let found = adjacent_links_while(robot, PartIndex(index as u32), &|| !limits.stop.is_raised());
+            limits.reached(&loaded.source.urdf.url).map(|()| found.unwrap_or_default())
+        };
         match &loaded.ignore {
             None if part.has_srdf => {}
-            None => pairs.extend(neighbours()),
+            None => pairs.extend(neighbours()?),
             Some(item) if item.is_string() => pairs.extend(word(item, neighbours)?),
             Some(item) => {
                 for item in item.list()? {
@@ -34,9 +44,12 @@ pub(super) fn of_parts(parts: &[LoadedPart<'_>], robot: &Robot) -> Result<Vec<Di
     Ok(pairs)
 }
 
-fn word(item: &Item<'_>, neighbours: impl FnOnce() -> Vec<DisabledPair>) -> Result<Vec<DisabledPair>, SceneError> {
+fn word(
+    item: &Item<'_>,
+    neighbours: impl FnOnce() -> Result<Vec<DisabledPair>, SceneError>,
+) -> Result<Vec<DisabledPair>, SceneError> {
     match item.string()? {
-        "adjacent" => Ok(neighbours()),
+        "adjacent" => neighbours(),
         "none" => Ok(Vec::new()),
         other => {
             let message = format!("`{}` is neither \"adjacent\" nor \"none\" nor a pair of links", quoted(other));

@@ -64,7 +64,7 @@ pub(super) fn read<'f>(item: &Item<'f>, loader: &mut Loader<'_>) -> Result<Loade
     sha256.insert("urdf".into(), urdf_file.file.sha256.clone());
     let srdf_file = keys.optional("srdf").map(|item| opened(&item, loader)).transpose()?;
     if let Some(file) = &srdf_file {
-        srdf::read(&file.label, &file.text, &mut model, &mut loader.warnings)?;
+        srdf::read(&file.label, &file.text, &mut model, &mut loader.warnings, &loader.packages.limits().stop)?;
         sha256.insert("srdf".into(), file.file.sha256.clone());
     }
     documents(&mut keys, &mut model)?;

@@ -15,7 +15,7 @@ const NODE_DEPTH: usize = 200;
 const NUMBERS: usize = 40_000_000;
 
 pub(super) fn read(file: &str, content: &str, up_axis: UpAxis, mesh: Triangles) -> Result<Triangles, SceneError> {
-    let xml = Xml::parse(file, content)?;
+    let xml = Xml::parse(file, content, &mesh.stop)?;
     let root = xml.document.root_element();
     if root.tag_name().name() != "COLLADA" {
         return Err(xml.error(root, "is not the root of a COLLADA file, <COLLADA> is"));
@@ -359,8 +359,10 @@ impl Kind {
 
 fn indices(xml: &Xml<'_>, p: Node<'_, '_>) -> Result<Vec<u32>, SceneError> {
     let text = p.text().unwrap_or_default();
-    text.split_ascii_whitespace()
-        .map(|word| word.parse().map_err(|_| xml.error(p, format!("`{}` is no index", quoted(word)))))
+    xml.words(text)
+        .map(|word| {
+            word.and_then(|word| word.parse().map_err(|_| xml.error(p, format!("`{}` is no index", quoted(word)))))
+        })
         .collect()
 }
 

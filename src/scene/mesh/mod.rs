@@ -10,7 +10,7 @@ mod stl;
 
 use super::error::SceneError;
 use super::input;
-use super::limits::LoadStop;
+use super::limits::{LoadLimits, LoadStop};
 use super::mesh_cache::{Kept, Key, SMALLEST_FILE};
 use super::package::{Contained, PackagePath, contained, is_below};
 use foliate_components::robot::shape::Mesh;
@@ -186,6 +186,11 @@ impl<'a> Meshes<'a> {
         }
     }
 
+    /// How much reading may take.
+    pub fn limits(&self) -> &LoadLimits {
+        self.packages.limits()
+    }
+
     /// Refuses a file of so many bytes that would take more memory than is left, before it is read.
     fn check_memory(&self, path: &Path, reader: Reader, bytes: u64) -> Result<(), SceneError> {
         let name = path.display().to_string();
@@ -242,7 +247,10 @@ impl<'a> Meshes<'a> {
             return Err(SceneError::new(path.display().to_string(), "file", "has changed while the model was read"));
         }
         let cache = self.packages.mesh_cache().filter(|_| bytes.len() >= SMALLEST_FILE);
-        let mut mesh = meant(reader.read(path, bytes, request.up_axis, stop)?, request);
+        let go_on = || !stop.is_raised();
+        let Some(mut mesh) = meant(reader.read(path, bytes, request.up_axis, stop)?, request, &go_on) else {
+            return Err(SceneError::stopped(&path.display().to_string(), LoadStop::Deadline));
+        };
         let Some(cache) = cache else { return Ok((mesh, sum)) };
         let key = Key::new(&sum, reader.name(), request.up_axis, request.scale);
         let why = match cache.find(&key, entry) {
@@ -259,7 +267,7 @@ impl<'a> Meshes<'a> {
             let remark = SceneError::new(entry, "kept mesh", format!("is not used: {why}"));
             self.remarks.push(remark.hint("it is written anew"));
         }
-        mesh.record = mesh_record::record(&mesh);
+        mesh.record = mesh_record::record_while(&mesh, &go_on);
         self.has_kept |= mesh.record.as_ref().is_some_and(|record| cache.keep(&key, record));
         Ok((mesh, sum))
     }
@@ -304,15 +312,15 @@ impl<'a> Meshes<'a> {
     }
 }
 
-/// The mesh that a model means by a file's triangles.
-fn meant(mut content: Triangles, request: &MeshRequest<'_>) -> Mesh {
+/// The mesh that a model means by a file's triangles; none once `go_on` says no.
+fn meant(mut content: Triangles, request: &MeshRequest<'_>, go_on: &dyn Fn() -> bool) -> Option<Mesh> {
     for vertex in &mut content.vertices {
         *vertex *= request.scale;
     }
     if request.scale.to_array().iter().filter(|s| **s < 0.0).count() % 2 == 1 {
         content.triangles.iter_mut().for_each(|t| t.swap(1, 2)); // a mirror turns the inside out
     }
-    Mesh::new(request.url.to_owned(), content.vertices, content.triangles)
+    Mesh::new_while(request.url.to_owned(), content.vertices, content.triangles, go_on)
 }
 
 /// What understands the files of an extension.

@@ -1,15 +1,13 @@
 //! The files of the cache: read whole, written so that nobody ever sees half of one, the oldest deleted where there are too many.
 
-use std::fs::{self, File, OpenOptions};
-use std::io::{self, ErrorKind, Read, Write};
+use crate::output::{self, UNFINISHED};
+use std::fs::{self, File};
+use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::SystemTime;
 
 /// Of entries, after 64 hexadecimal digits.
 pub(super) const EXTENSION: &str = ".mesh";
-/// Of files that are being written.
-const UNFINISHED: &str = ".unfinished";
 
 /// Reads a file of at most `cap` bytes into `bytes`; whether it exists.
 ///
@@ -41,20 +39,10 @@ pub(super) fn read(path: &Path, cap: u64, bytes: &mut Vec<u8>) -> Result<bool, S
     Ok(true)
 }
 
-/// Writes a file under a name that nobody else has, then gives it its own.
+/// Writes a file; the directory is made where it is missing.
 pub(super) fn write(directory: &Path, name: &str, bytes: &[u8]) -> io::Result<()> {
-    static COUNT: AtomicU64 = AtomicU64::new(0);
     fs::create_dir_all(directory)?;
-    let count = COUNT.fetch_add(1, Ordering::Relaxed);
-    let unfinished = directory.join(format!("{name}.{}-{count}{UNFINISHED}", std::process::id()));
-    let mut file = OpenOptions::new().write(true).create_new(true).open(&unfinished)?;
-    let written = file.write_all(bytes);
-    drop(file);
-    let named = written.and_then(|()| fs::rename(&unfinished, directory.join(name)));
-    if named.is_err() {
-        let _it_stays = fs::remove_file(&unfinished);
-    }
-    named
+    output::write_kept(&directory.join(name), bytes)
 }
 
 /// Deletes the oldest files of the cache until these have at most so many bytes together. Files with other names are left alone.
@@ -95,7 +83,9 @@ fn ours(directory: &Path) -> Vec<Ours> {
 }
 
 fn is_ours(name: &str) -> bool {
+    // Files that are being written have a dot in front; so have those of processes that were killed meanwhile.
+    let (name, is_finished) = name.strip_prefix('.').map_or((name, true), |name| (name, false));
     let Some((digits, rest)) = name.split_at_checked(64) else { return false };
-    let is_entry = rest == EXTENSION || (rest.starts_with(EXTENSION) && rest.ends_with(UNFINISHED));
+    let is_entry = (is_finished && rest == EXTENSION) || (rest.starts_with(EXTENSION) && rest.ends_with(UNFINISHED));
     digits.bytes().all(|b| b.is_ascii_hexdigit()) && is_entry
 }

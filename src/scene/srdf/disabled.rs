@@ -22,13 +22,20 @@ impl<'a> Reader<'a, '_> {
     /// All pairs of links that are disabled by default, but for those that are enabled. A pair that is also disabled by name
     /// stays disabled.
     pub(super) fn default_pairs(&mut self, root: Node<'a, '_>) -> Result<(), SceneError> {
-        let mut by_default: Vec<(String, Node<'a, '_>)> = Vec::new();
-        for node in elements(root, "disable_default_collisions") {
+        let links: HashSet<&str> = self.model.links.iter().map(|l| l.name.as_str()).collect();
+        let (mut by_default, mut unknown) = (Vec::new(), Vec::new());
+        let mut named = HashSet::new();
+        for (count, node) in elements(root, "disable_default_collisions").enumerate() {
+            self.xml.look(count)?;
             let link = self.xml.attribute(node, "link")?;
-            match self.model.links.iter().any(|l| l.name == link) {
-                true => by_default.push((link.to_owned(), node)),
-                false => self.warn(node, format!("link `{}` is not in the URDF", quoted(link)), "it is left out"),
+            match links.contains(link) {
+                true if named.insert(link) => by_default.push((link, node)),
+                true => {}
+                false => unknown.push((link, node)),
             }
+        }
+        for (link, node) in unknown {
+            self.warn(node, format!("link `{}` is not in the URDF", quoted(link)), "it is left out");
         }
         let ordered =
             |a: &'_ str, b: &'_ str| if a <= b { (a.to_owned(), b.to_owned()) } else { (b.to_owned(), a.to_owned()) };
@@ -37,16 +44,17 @@ impl<'a> Reader<'a, '_> {
         known.extend(self.model.disabled_pairs.iter().map(|(a, b, _)| ordered(a, b)));
         let shaped = self.model.links.iter().filter(|link| !link.shapes.is_empty()).map(|link| link.name.as_str());
         let shaped: Vec<&str> = shaped.collect();
+        let has_shape: HashSet<&str> = shaped.iter().copied().collect();
         let mut pairs = Vec::new();
-        for (link, node) in &by_default {
-            for other in shaped.iter().filter(|other| *other != link && shaped.contains(&link.as_str())) {
+        for (link, node) in by_default.iter().filter(|(link, _)| has_shape.contains(link)) {
+            for other in shaped.iter().filter(|other| *other != link) {
                 if !known.insert(ordered(link, other)) {
                     continue;
                 }
                 if pairs.len() == PAIRS {
                     return Err(self.xml.error(*node, format!("disables more than {PAIRS} pairs")));
                 }
-                pairs.push((link.clone(), (*other).to_owned(), "disabled by default".to_owned()));
+                pairs.push(((*link).to_owned(), (*other).to_owned(), "disabled by default".to_owned()));
             }
         }
         self.model.disabled_pairs.extend(pairs);
@@ -61,7 +69,8 @@ impl<'a> Reader<'a, '_> {
     ) -> Result<Vec<(&'a str, &'a str, Node<'a, 'i>)>, SceneError> {
         let links: HashSet<&str> = self.model.links.iter().map(|l| l.name.as_str()).collect();
         let (mut pairs, mut unknown) = (Vec::new(), BTreeMap::new());
-        for node in elements(root, tag) {
+        for (count, node) in elements(root, tag).enumerate() {
+            self.xml.look(count)?;
             let (first, second) = (self.xml.attribute(node, "link1")?, self.xml.attribute(node, "link2")?);
             match [first, second].iter().find(|l| !links.contains(**l)) {
                 Some(missing) => unknown.entry(*missing).or_insert((node, 0)).1 += 1,

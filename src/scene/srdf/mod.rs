@@ -14,6 +14,7 @@ pub(crate) use frames::check_mask;
 use super::error::{SceneError, did_you_mean, quoted};
 use super::xml::{Xml, elements, label};
 use foliate_components::robot::model::Model;
+use foliate_systems::events::StopSignal;
 use roxmltree::Node;
 use std::collections::HashSet;
 
@@ -26,23 +27,27 @@ pub(crate) fn read(
     text: &str,
     model: &mut Model,
     warnings: &mut Vec<SceneError>,
+    stop: &StopSignal,
 ) -> Result<(), SceneError> {
-    let xml = Xml::parse(file, text)?;
+    let xml = Xml::parse(file, text, stop)?;
     let root = xml.document.root_element();
     if root.tag_name().name() != "robot" {
         return Err(xml.error(root, "is not the root of an SRDF").hint("an SRDF begins with <robot name=…>"));
     }
     let mut reader = Reader { xml: &xml, model, warnings, names: HashSet::new() };
     reader.model.has_srdf = true;
-    for node in elements(root, "gripper") {
+    for (count, node) in elements(root, "gripper").enumerate() {
+        xml.look(count)?;
         let gripper = reader.gripper(node)?;
         reader.model.grippers.push(gripper);
     }
-    for node in elements(root, "handle") {
+    for (count, node) in elements(root, "handle").enumerate() {
+        xml.look(count)?;
         let handle = reader.handle(node)?;
         reader.model.handles.push(handle);
     }
-    for node in elements(root, "contact") {
+    for (count, node) in elements(root, "contact").enumerate() {
+        xml.look(count)?;
         let surface = reader.contact(node)?;
         reader.model.surfaces.push(surface);
     }

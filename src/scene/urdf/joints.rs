@@ -19,6 +19,7 @@ pub(super) fn read(
     let mut by_name = HashMap::new();
     let mut joints = Vec::with_capacity(nodes.len());
     for (index, &node) in nodes.iter().enumerate() {
+        xml.look(index)?;
         let name = xml.attribute(node, "name")?;
         if let Some(first) = by_name.insert(name, index) {
             let line = xml.line(nodes[first]);

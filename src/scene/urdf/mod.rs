@@ -50,11 +50,12 @@ impl<'a, 'p> Context<'a, 'p> {
 /// # Errors
 /// The first thing that is wrong, with its line.
 pub(crate) fn read(file: &str, text: &str, context: &mut Context<'_, '_>) -> Result<Model, SceneError> {
-    let xml = Xml::parse(file, text)?;
+    let xml = Xml::parse(file, text, &context.meshes.limits().stop)?;
     let root = robot_element(&xml)?;
     let mut model = Model { name: xml.attribute(root, "name")?.to_owned(), ..Model::default() };
     let mut lines = HashMap::new();
-    for node in elements(root, "link") {
+    for (count, node) in elements(root, "link").enumerate() {
+        xml.look(count)?;
         let name = xml.attribute(node, "name")?;
         if let Some(first) = lines.insert(name, xml.line(node)) {
             return Err(xml

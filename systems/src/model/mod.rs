@@ -10,6 +10,7 @@ mod hanging;
 pub use hanging::{hanging, solid_grasp};
 
 use crate::constraint_programs::LegProgram;
+use crate::events::StopSignal;
 use crate::graph::building::GraphError;
 use crate::graph::carriers::{Carriers, grasp_of, root_of};
 use crate::graph::cases::Case;
@@ -385,9 +386,22 @@ impl ProblemTables {
     /// Builds them: bounds of all shapes first.
     #[must_use]
     pub fn new(problem: Problem) -> Self {
-        let robot = &problem.robot;
         let still = locked_joints(&problem);
-        let collision = CollisionScene::new(robot, &pair_rule(&problem, &still));
+        let collision = CollisionScene::new(&problem.robot, &pair_rule(&problem, &still));
+        Self::on_scene(problem, still, collision)
+    }
+
+    /// As [`Self::new`]; none once the signal is raised: to build the bounds of large meshes takes long.
+    #[must_use]
+    pub fn new_until(problem: Problem, stop: &StopSignal) -> Option<Self> {
+        let still = locked_joints(&problem);
+        let rule = pair_rule(&problem, &still);
+        let collision = CollisionScene::new_while(&problem.robot, &rule, &|| !stop.is_raised())?;
+        Some(Self::on_scene(problem, still, collision))
+    }
+
+    fn on_scene(problem: Problem, still: Vec<JointIndex>, collision: CollisionScene) -> Self {
+        let robot = &problem.robot;
         Self {
             kinematics: Kinematics::new(robot),
             weights: coordinate_weights(robot),

@@ -21,8 +21,14 @@ const VALUES: u32 = 17;
 /// joins are not among them.
 #[must_use]
 pub fn adjacent_links(robot: &Robot, part: PartIndex) -> Vec<DisabledPair> {
+    adjacent_links_while(robot, part, &|| true).unwrap_or_default()
+}
+
+/// As [`adjacent_links`]; none once `go_on` says no, which is asked while trees of meshes are built and between pairs.
+#[must_use]
+pub fn adjacent_links_while(robot: &Robot, part: PartIndex, go_on: &dyn Fn() -> bool) -> Option<Vec<DisabledPair>> {
     let joined = robot.joined_links(&robot.parts[part.at()]);
-    let mut solids = Solids::default();
+    let mut solids = Solids::new(go_on);
     let mut of_link: HashMap<LinkIndex, Vec<SceneSolid>> = HashMap::new();
     for pair in &joined {
         of_link.entry(pair.first).or_default();
@@ -30,14 +36,18 @@ pub fn adjacent_links(robot: &Robot, part: PartIndex) -> Vec<DisabledPair> {
     }
     for shape in &robot.shapes {
         if let Some(of_link) = of_link.get_mut(&shape.link) {
-            of_link.push(SceneSolid::new(robot, shape, solids.of(&shape.geometry)));
+            of_link.push(SceneSolid::new(robot, shape, solids.of(&shape.geometry)?));
         }
     }
     let touches = |pair: &JoinedLinks| {
+        if !go_on() {
+            return false;
+        }
         let (Some(first), Some(second)) = (of_link.get(&pair.first), of_link.get(&pair.second)) else { return false };
         touch_always(&robot.joints[pair.joint.at()], first, second)
     };
-    joined.into_iter().filter(touches).map(|pair| pair.disabled(DisabledPair::ADJACENT)).collect()
+    let found = joined.into_iter().filter(touches).map(|pair| pair.disabled(DisabledPair::ADJACENT)).collect();
+    go_on().then_some(found)
 }
 
 /// Whether some solid of the body that a joint moves touches one of the body that carries it, at all values.

@@ -17,7 +17,13 @@ use glam::DVec3;
 /// coordinate that is not finite, and nothing could be proved of it. The result [holds](proves).
 #[must_use]
 pub fn record(mesh: &Mesh) -> Option<MeshRecord> {
-    Some(findings(mesh)).filter(|record| proves(mesh, record))
+    record_while(mesh, &|| true)
+}
+
+/// As [`record`]; none too once `go_on` says no.
+#[must_use]
+pub fn record_while(mesh: &Mesh, go_on: &dyn Fn() -> bool) -> Option<MeshRecord> {
+    findings(mesh, go_on).filter(|record| go_on() && proves(mesh, record))
 }
 
 /// Whether a tree may be built from a record: all that an answer hangs on is computed anew from the mesh. Costs a tenth of finding
@@ -37,8 +43,10 @@ pub fn proves(mesh: &Mesh, record: &MeshRecord) -> bool {
 }
 
 /// What a tree is built from where there is no record that holds. Nothing is refused here; of meshes that are not as they should be
-/// little is found.
-pub(super) fn findings(mesh: &Mesh) -> MeshRecord {
+/// little is found. None once `go_on` says no.
+pub(super) fn findings(mesh: &Mesh, go_on: &dyn Fn() -> bool) -> Option<MeshRecord> {
+    let goes_on = || go_on().then_some(());
+    goes_on()?;
     let corners = corners_of(mesh);
     let triangles: Vec<[DVec3; 3]> = (0..mesh.triangles.len()).map(corners).collect();
     // Around numbers that are none, or too large for a box, there is nothing.
@@ -47,11 +55,14 @@ pub(super) fn findings(mesh: &Mesh) -> MeshRecord {
         true => FoundHull::of(&mesh.vertices, extreme_points(&mesh.vertices)),
         false => FoundHull::default(),
     };
+    goes_on()?;
     let mut same = first_at_position(&mesh.vertices);
     if same.iter().enumerate().all(|(i, &first)| i == first as usize) {
         same.clear();
     }
-    MeshRecord { same, order: triangle_order(&triangles), hull: hull.points, near: hull.near, slack: hull.slack }
+    goes_on()?;
+    let order = triangle_order(&triangles, go_on)?;
+    Some(MeshRecord { same, order, hull: hull.points, near: hull.near, slack: hull.slack })
 }
 
 /// Whether every number below `count` is there, once.

@@ -88,14 +88,23 @@ impl MeshTree {
     /// coordinate that is not finite are kept and make every answer *in collision*.
     #[must_use]
     pub fn new(mesh: &Mesh) -> Self {
+        Self::new_while(mesh, &|| true).unwrap_or_default()
+    }
+
+    /// As [`Self::new`]; none once `go_on` says no. It is asked between passes over all triangles, of which each takes some tenths of
+    /// a second for four million.
+    #[must_use]
+    pub fn new_while(mesh: &Mesh, go_on: &dyn Fn() -> bool) -> Option<Self> {
         match mesh.record.as_ref().filter(|record| proves(mesh, record)) {
-            Some(record) => Self::of_record(mesh, record),
-            None => Self::of_record(mesh, &findings(mesh)),
+            Some(record) => Self::of_record(mesh, record, go_on),
+            None => Self::of_record(mesh, &findings(mesh, go_on)?, go_on),
         }
     }
 
     /// What a record that holds makes of a mesh.
-    fn of_record(mesh: &Mesh, record: &MeshRecord) -> Self {
+    fn of_record(mesh: &Mesh, record: &MeshRecord, go_on: &dyn Fn() -> bool) -> Option<Self> {
+        let goes_on = || go_on().then_some(());
+        goes_on()?;
         let corners = corners_of(mesh);
         let mut tree = Self {
             triangles: record.order.iter().map(|&t| corners(t as usize)).collect(),
@@ -104,13 +113,15 @@ impl MeshTree {
             lanes: Level::detected(),
             ..Self::default()
         };
+        goes_on()?;
         if !tree.triangles.is_empty() {
             tree.fill_blocks();
         }
+        goes_on()?;
         let vertex = |i: &u32| mesh.vertices.get(*i as usize).copied();
         tree.hull = Hull::of(record.hull.iter().filter_map(vertex).collect(), record.slack);
         tree.around = Around::of(mesh, &tree);
-        tree
+        Some(tree)
     }
 
     /// Level by level, so that what a block leads to stands side by side.

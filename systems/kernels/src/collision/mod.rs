@@ -45,7 +45,7 @@ pub mod velocity_bound;
 pub mod verdict;
 mod verdicts;
 
-pub use adjacent::adjacent_links;
+pub use adjacent::{adjacent_links, adjacent_links_while};
 pub use certificate::{CertificateSettings, MotionVerdict, certify_motion};
 pub use distance::{Ask, Solid, clearance};
 pub use minimum::{MinimumClearance, MinimumSettings, Nearest, minimum_clearance_along};

@@ -9,7 +9,7 @@ use super::solids::Solids;
 use foliate_components::Pose;
 use foliate_components::configuration::ConfigurationSpace;
 use foliate_components::coverage::{LeftOut, PairCounts};
-use foliate_components::robot::{JointIndex, LinkIndex, Motion, Robot, ShapeIndex, Source};
+use foliate_components::robot::{JointIndex, LinkIndex, Motion, Robot, Shape, ShapeIndex, Source};
 use glam::{DQuat, DVec3};
 
 /// Index of a pair in [`CollisionScene::pairs`].
@@ -119,9 +119,23 @@ impl CollisionScene {
     /// Prepares all shapes of a robot and lists the pairs that `rule` leaves.
     #[must_use]
     pub fn new(robot: &Robot, rule: &PairRule<'_>) -> Self {
-        let mut solids = Solids::default();
+        let mut solids = Solids::new(&|| true);
+        let solid = |s: &Shape| solids.of(&s.geometry).unwrap_or_else(|| Solid::of(&s.geometry));
+        let solids = robot.shapes.iter().map(solid).collect();
+        Self::of_solids(robot, rule, solids)
+    }
+
+    /// As [`Self::new`]; none once `go_on` says no. It is asked while trees of meshes are built.
+    #[must_use]
+    pub fn new_while(robot: &Robot, rule: &PairRule<'_>, go_on: &dyn Fn() -> bool) -> Option<Self> {
+        let mut solids = Solids::new(go_on);
+        let solids = robot.shapes.iter().map(|s| solids.of(&s.geometry)).collect::<Option<_>>()?;
+        Some(Self::of_solids(robot, rule, solids))
+    }
+
+    fn of_solids(robot: &Robot, rule: &PairRule<'_>, solids: Vec<Solid>) -> Self {
         let mut scene = Self {
-            solids: robot.shapes.iter().map(|s| SceneSolid::new(robot, s, solids.of(&s.geometry))).collect(),
+            solids: robot.shapes.iter().zip(solids).map(|(s, solid)| SceneSolid::new(robot, s, solid)).collect(),
             clusters: Vec::new(),
             groups: Vec::new(),
             pairs: Vec::new(),

@@ -3,6 +3,7 @@
 use super::bounds::{Ball, Capsule};
 use super::distance::Solid;
 use super::inner::Inner;
+use super::mesh_tree::MeshTree;
 use super::outer::Outer;
 use super::scene::SceneSolid;
 use foliate_components::robot::shape::{Geometry, Mesh};
@@ -10,20 +11,25 @@ use foliate_components::robot::{Robot, Shape};
 use std::sync::Arc;
 
 /// Solids of shapes; a mesh that many share has one tree.
-#[derive(Default)]
-pub(super) struct Solids {
+pub(super) struct Solids<'a> {
     meshes: Vec<(Arc<Mesh>, Solid)>,
+    go_on: &'a dyn Fn() -> bool,
 }
 
-impl Solids {
-    pub(super) fn of(&mut self, geometry: &Geometry) -> Solid {
-        let Geometry::Mesh(mesh) = geometry else { return Solid::of(geometry) };
+impl<'a> Solids<'a> {
+    /// None yet. Once `go_on` says no there are no more.
+    pub(super) fn new(go_on: &'a dyn Fn() -> bool) -> Self {
+        Self { meshes: Vec::new(), go_on }
+    }
+
+    pub(super) fn of(&mut self, geometry: &Geometry) -> Option<Solid> {
+        let Geometry::Mesh(mesh) = geometry else { return Some(Solid::of(geometry)) };
         if let Some((_, solid)) = self.meshes.iter().find(|(known, _)| Arc::ptr_eq(known, mesh)) {
-            return solid.clone();
+            return Some(solid.clone());
         }
-        let solid = Solid::of(geometry);
+        let solid = Solid::Mesh(Arc::new(MeshTree::new_while(mesh, self.go_on)?));
         self.meshes.push((mesh.clone(), solid.clone()));
-        solid
+        Some(solid)
     }
 }
 

@@ -5,8 +5,12 @@ use super::mesh_tree::{Extent, WIDE};
 use glam::DVec3;
 use std::ops::Range;
 
-/// The numbers of `triangles` in the order of the last blocks. Whatever it is, a tree over it is a tree; this one has small boxes.
-pub(super) fn triangle_order(triangles: &[[DVec3; 3]]) -> Vec<u32> {
+/// A range of as many triangles takes a millisecond: of smaller ones nobody is asked whether to go on.
+const LOOK: usize = 1 << 14;
+
+/// The numbers of `triangles` in the order of the last blocks. Whatever it is, a tree over it is a tree; this one has small boxes. None
+/// once `go_on` says no.
+pub(super) fn triangle_order(triangles: &[[DVec3; 3]], go_on: &dyn Fn() -> bool) -> Option<Vec<u32>> {
     let boxes: Vec<Extent> = triangles.iter().map(Extent::of).collect();
     let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
     let mut keyed: Vec<(f64, u32)> = Vec::with_capacity(triangles.len());
@@ -14,6 +18,9 @@ pub(super) fn triangle_order(triangles: &[[DVec3; 3]]) -> Vec<u32> {
     while let Some(range) = ranges.pop() {
         if range.len() <= WIDE {
             continue;
+        }
+        if range.len() >= LOOK && !go_on() {
+            return None;
         }
         ranges.extend(parts_of(range, |part, middle| {
             let part = &mut order[part];
@@ -26,7 +33,7 @@ pub(super) fn triangle_order(triangles: &[[DVec3; 3]]) -> Vec<u32> {
             part.iter_mut().zip(&keyed).for_each(|(place, &(_, t))| *place = t);
         }));
     }
-    order
+    Some(order)
 }
 
 /// Cuts a range of more than eight triangles three times in two; all but the last of eight triangles are full. `cut` gets each part
