@@ -188,6 +188,7 @@ impl Certifier {
             let start = motion.starts();
             notes.push(format!("the first point is at {start} s: the way there is not part of the motion"));
         }
+        notes.extend(limits::not_looked_at(self.robot(), motion, phases));
         CertifyReport {
             verdict: Verdict::Free,
             span: [motion.starts(), motion.ends()],
