@@ -10,6 +10,7 @@ mod graph;
 mod inspect;
 mod interrupt;
 mod models;
+mod processor_time;
 mod scenes;
 mod solve;
 mod story;
