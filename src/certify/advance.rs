@@ -80,8 +80,6 @@ pub(super) struct Window<'a> {
     pub phase: &'a Phase,
     pub from: f64,
     pub to: f64,
-    /// By which everything has to stay farther apart than its margin, metres.
-    pub keep: f64,
     moved: Moved,
     q: Vec<f64>,
     X_WJ: Vec<Pose>,
@@ -94,7 +92,6 @@ impl<'a> Window<'a> {
     pub(super) fn new(
         (certifier, motion, phase): (&'a Certifier, &'a Motion, &'a Phase),
         (from, to): (f64, f64),
-        keep: f64,
     ) -> Self {
         let index = (from as usize).min(motion.segments.len().saturating_sub(1));
         let local = (from - index as f64, (to - index as f64).min(1.0));
@@ -104,7 +101,7 @@ impl<'a> Window<'a> {
         };
         let moved = phase.levers.moved(&rates);
         let (q, X_WJ) = (Vec::new(), Vec::new());
-        Self { certifier, motion, phase, from, to, keep, moved, q, X_WJ, placed: f64::NAN }
+        Self { certifier, motion, phase, from, to, moved, q, X_WJ, placed: f64::NAN }
     }
 
     /// How fast a pair can approach, metres per segment.
@@ -125,25 +122,22 @@ impl<'a> Window<'a> {
     pub(super) fn gap(&mut self, pair: PairId, place: f64, enough: f64, budget: &mut Budget<'_>) -> f64 {
         self.go_to(place);
         budget.spend();
-        let wanted = self.phase.pairs.margin(pair) + self.keep;
+        let wanted = self.phase.pairs.margin(pair);
         // A distance beyond what counts, or one that is asked for itself, is wanted as it is.
         let relative = if wanted > 0.0 || enough > MEASURED { 0.0 } else { 0.02 };
         let ask = Ask { absolute: 1e-9, relative, ..Ask::exact(wanted + enough) };
         pair_clearance(&self.certifier.scene, pair, &self.X_WJ, ask, &mut DVec3::ZERO.clone()) - wanted
     }
 
-    /// Looks for the first contact in the window, among all pairs or one.
-    pub(super) fn advance(&mut self, only: Option<PairId>, budget: &mut Budget<'_>) -> Advanced {
+    /// Looks for the first contact in the window, among all pairs.
+    pub(super) fn advance(&mut self, budget: &mut Budget<'_>) -> Advanced {
         let (from, to) = (self.from, self.to);
         let mut found = Advanced { free_until: to, met: None, grazing: None };
         let mut heap: BinaryHeap<Reverse<(u64, u32)>> = BinaryHeap::new();
         let scene = &self.certifier.scene;
-        let pairs: Vec<PairId> = match only {
-            Some(pair) => vec![pair],
-            None => self.phase.pairs.moving_pairs(scene).collect(),
-        };
         let key = |place: f64, pair: PairId| Reverse((place.max(0.0).to_bits(), pair.0));
-        heap.extend(pairs.into_iter().filter(|&p| self.speed(p) > 0.0).map(|p| key(from, p)));
+        let moving = self.phase.pairs.moving_pairs(scene).filter(|&p| self.speed(p) > 0.0);
+        heap.extend(moving.map(|p| key(from, p)));
         let mut end = to;
         while let Some(Reverse((bits, pair))) = heap.pop() {
             let (place, pair) = (f64::from_bits(bits), PairId(pair));
@@ -221,6 +215,6 @@ impl<'a> Window<'a> {
                 (at, gap) = (middle, found);
             }
         }
-        Met { at, pair, distance: gap + self.phase.pairs.margin(pair) + self.keep }
+        Met { at, pair, distance: gap + self.phase.pairs.margin(pair) }
     }
 }

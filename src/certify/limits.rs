@@ -3,7 +3,8 @@
 use super::motion::{Curve, Motion};
 use super::polynomial::Polynomial;
 use super::report::{LimitKind, LimitViolation, LimitsReport, Peak};
-use foliate_components::robot::{Joint, Motion as JointMotion, PartKind, Robot, Source};
+use super::world::Phase;
+use foliate_components::robot::{Joint, JointIndex, Motion as JointMotion, PartKind, Robot, Source};
 
 /// Values outside of a limit by less than this are on it: radians, metres, and per second.
 const TOLERANCE: f64 = 1e-9;
@@ -80,10 +81,29 @@ pub(super) fn look(robot: &Robot, motion: &Motion, rates: &Rates) -> LimitsRepor
     report
 }
 
+/// Says of which objects that move the bounds of their roots are not looked at.
+pub(super) fn not_looked_at(robot: &Robot, motion: &Motion, phases: &[Phase]) -> Option<String> {
+    let moves = |root: JointIndex| {
+        let joint = &robot.joints[root.at()];
+        let driven = match joint.source {
+            Source::Coordinates { q, .. } => q..q + joint.motion.configuration_size(),
+            Source::Follows { .. } => 0..0,
+        };
+        motion.coordinates.iter().any(|c| driven.contains(c))
+            || phases.iter().any(|phase| phase.carriages.iter().any(|c| c.object == root))
+    };
+    let objects = robot.parts.iter().filter(|part| part.kind == PartKind::Object && part.root_joint.is_some_and(moves));
+    let names: Vec<&str> = objects.map(|part| part.name.as_str()).collect();
+    (!names.is_empty()).then(|| {
+        let names = names.join(", ");
+        format!("bounds of the roots of objects are not looked at, neither on the way nor where they are put: {names}")
+    })
+}
+
 fn axes<'a>(robot: &'a Robot, motion: &Motion) -> Vec<Axis<'a>> {
     let mut axes = Vec::new();
     for (index, joint) in robot.joints.iter().enumerate() {
-        // Bounds of an object's root say where it may be put, not where it may be carried.
+        // Bounds of an object's root say where it may be put, not where it may be carried: `not_looked_at` tells.
         let part = &robot.parts[joint.part.at()];
         if part.kind == PartKind::Object && part.root_joint.is_some_and(|root| root.at() == index) {
             continue;

@@ -100,14 +100,14 @@ impl Certifier {
         let mut report = self.report(motion, &phases, options);
         let mut proof = Proof::new(self, motion, scratch);
         let mut distance = f64::INFINITY;
-        let mut still: Option<(f64, f64, PairId)> = None;
+        let mut still: Option<f64> = None;
         let mut grazing: Option<(f64, PairId)> = None;
         let mut free_until = 0.0;
         for phase in &phases {
             let found = self.go_through(&mut proof, phase, &mut budget);
             distance = distance.min(found.distance);
             let standing = nearest::still(&proof, phase, &mut budget);
-            still = [still, standing].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
+            still = [still, standing].into_iter().flatten().min_by(f64::total_cmp);
             if grazing.is_none() {
                 (grazing, free_until) = (found.grazing, found.free_until);
             }
@@ -152,7 +152,7 @@ impl Certifier {
         &self,
         proof: &mut Proof<'_>,
         phases: &[Phase],
-        (distance, still): (f64, Option<(f64, f64, PairId)>),
+        (distance, still): (f64, Option<f64>),
         options: &CertifyOptions,
         budget: &mut Budget<'_>,
     ) -> Option<ClearanceReport> {
@@ -161,10 +161,10 @@ impl Certifier {
         }
         let margins = self.scene.pairs().iter().map(|p| p.margin).fold(0.0, f64::max);
         let moving = (distance - margins).max(0.0);
-        let at_least = still.map_or(moving, |(value, ..)| moving.min(value));
+        let at_least = still.map_or(moving, |value| moving.min(value));
         let mut report = ClearanceReport { at_least, measured: None, at: None, pair: None };
         if options.clearance {
-            let found = nearest::nearest(proof, phases, still, budget);
+            let found = nearest::nearest(proof, phases, budget);
             report.at_least = report.at_least.max(found.at_least);
             if let Some((value, at, pair)) = found.measured {
                 report.measured = Some(value);
@@ -188,6 +188,7 @@ impl Certifier {
             let start = motion.starts();
             notes.push(format!("the first point is at {start} s: the way there is not part of the motion"));
         }
+        notes.extend(limits::not_looked_at(self.robot(), motion, phases));
         CertifyReport {
             verdict: Verdict::Free,
             span: [motion.starts(), motion.ends()],

@@ -11,11 +11,12 @@ use super::levers::Drives;
 use super::motion::{Curve, Motion, Segment};
 use super::world::{Certifier, Phase};
 use foliate_kernels::collision::{
-    CertificateSettings, CollisionScratch, Contact, PairId, PolylineVerdict, certify_polyline, first_collision,
+    CertificateSettings, CollisionScratch, Contact, MinimumClearance, MinimumSettings, PairId, PolylineVerdict,
+    certify_polyline, first_collision, minimum_clearance_while,
 };
 
 /// How far chords may be off their curves, metres.
-const DEVIATION: f64 = 1e-4;
+pub(super) const DEVIATION: f64 = 1e-4;
 /// Added to margins in lanes: rounding, metres.
 const GUARD: f64 = 2e-9;
 /// Between two knots no joint turns farther than this, radians: kernels take the shortest way round.
@@ -39,11 +40,17 @@ pub(super) struct Proved {
     pub distance: f64,
 }
 
-/// Lanes could not show it.
+/// The least clearance of a part of a phase.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Refuted {
-    pub free_until: f64,
-    pub pair: Option<PairId>,
+pub(super) struct Part {
+    /// Up to here.
+    pub to: f64,
+    /// On the chords.
+    pub found: MinimumClearance,
+    /// The place of the nearest.
+    pub place: f64,
+    /// How far chords are off their curves, metres.
+    pub off: f64,
 }
 
 /// Buffers and tables of one proof.
@@ -108,7 +115,7 @@ impl<'a> Proof<'a> {
         let mut step = FIRST_STEP;
         let mut proved = Proved { free_until: phase.to, met: None, grazing: None, distance: f64::INFINITY };
         while from < phase.to {
-            let refuted = match self.refute(phase, from, 0.0) {
+            let free_until = match self.refute(phase, from) {
                 Ok(to) => {
                     proved.distance = proved.distance.min(self.distance);
                     from = to;
@@ -118,14 +125,14 @@ impl<'a> Proof<'a> {
                     }
                     continue;
                 }
-                Err(refuted) => refuted,
+                Err(free_until) => free_until,
             };
             // Lanes came no farther than the last window: look at more of the curve at once.
-            step = if refuted.free_until > from { self.step_at(refuted.free_until) } else { 2.0 * step };
-            from = from.max(refuted.free_until);
+            step = if free_until > from { self.step_at(free_until) } else { 2.0 * step };
+            from = from.max(free_until);
             let to = (from + step).min(phase.to).min(from.floor() + 1.0);
-            let mut window = Window::new((self.certifier, self.motion, phase), (from, to), 0.0);
-            let Advanced { free_until, met, grazing } = window.advance(None, budget);
+            let mut window = Window::new((self.certifier, self.motion, phase), (from, to));
+            let Advanced { free_until, met, grazing } = window.advance(budget);
             proved.distance = 0.0;
             if proved.grazing.is_none() {
                 proved.free_until = if free_until < to || met.is_some() { free_until } else { phase.to };
@@ -144,13 +151,38 @@ impl<'a> Proof<'a> {
         proved
     }
 
-    /// Certifies in lanes that from a place on all pairs of a phase keep their margins and `keep` more; up to which place, where they
-    /// do.
-    pub(super) fn refute(&mut self, phase: &Phase, from: f64, keep: f64) -> Result<f64, Refuted> {
-        let deviation = if keep > 0.0 { DEVIATION.min(0.02 * keep).max(1e-6) } else { DEVIATION };
+    /// The least clearance of all pairs of a phase, from a place on as far as one search goes.
+    pub(super) fn minimum(
+        &mut self,
+        phase: &Phase,
+        from: f64,
+        deviation: f64,
+        settings: &MinimumSettings,
+        budget: &mut Budget<'_>,
+    ) -> Part {
         self.cut(phase, from, deviation);
+        let (scene, kinematics) = (&self.certifier.scene, &self.certifier.kinematics);
+        let settings = MinimumSettings { max_queries: budget.limit.saturating_sub(budget.spent), ..*settings };
+        let (knots, pairs, how) = (&self.knots, &phase.pairs, (&settings, budget.go_on));
+        let found = minimum_clearance_while(scene, kinematics, &phase.carriages, knots, pairs, how, self.scratch);
+        budget.spent += found.queries;
+        budget.is_over |= found.is_cut_short;
+        let last = self.places.len() - 1;
+        let place = |t: f64| {
+            let piece = (t as usize).min(last);
+            let (a, b) = (self.places[piece], self.places[(piece + 1).min(last)]);
+            a + (t - piece as f64) * (b - a)
+        };
+        let place = found.nearest.map_or(from, |nearest| place(nearest.t));
+        Part { to: self.places[last], found, place, off: self.guard + GUARD }
+    }
+
+    /// Certifies in lanes that from a place on all pairs of a phase keep their margins: up to which place they do as far as one
+    /// search goes, or up to which they do for sure where lanes could not show it.
+    fn refute(&mut self, phase: &Phase, from: f64) -> Result<f64, f64> {
+        self.cut(phase, from, DEVIATION);
         let settings = CertificateSettings {
-            clearance_guard: self.guard + GUARD + keep,
+            clearance_guard: self.guard + GUARD,
             start_is_free: true,
             max_samples: SAMPLES,
             ..CertificateSettings::default()
@@ -162,17 +194,16 @@ impl<'a> Proof<'a> {
                 self.distance = min_clearance_lower_bound - self.guard;
                 Ok(self.places.last().map_or(phase.to, |&to| to.max(from)))
             }
-            PolylineVerdict::FreeUntil { piece, t, blocked_by } => {
+            PolylineVerdict::FreeUntil { piece, t, .. } => {
                 let (a, b) = (self.places[piece], self.places[(piece + 1).min(self.places.len() - 1)]);
                 // The place is rounded, and with it how the robot stands: a little before is free for sure.
-                let free_until = (a + t * (b - a) - 1e-12 * (1.0 + b)).max(from);
-                Err(Refuted { free_until, pair: blocked_by.map(|contact| contact.pair) })
+                Err((a + t * (b - a) - 1e-12 * (1.0 + b)).max(from))
             }
         }
     }
 
     /// How much of a segment to look at on the curve itself, to begin with.
-    pub(super) fn step_at(&self, place: f64) -> f64 {
+    fn step_at(&self, place: f64) -> f64 {
         let next = self.places.partition_point(|&p| p <= place);
         let piece = match (self.places.get(next.wrapping_sub(1)), self.places.get(next)) {
             (Some(a), Some(b)) => b - a,

@@ -11,6 +11,7 @@ mod inspect;
 mod interrupt;
 mod loading;
 mod models;
+mod processor_time;
 mod scenes;
 mod solve;
 mod story;

@@ -4,7 +4,7 @@ mod arguments;
 mod text;
 
 use super::loading::{self, Cut};
-use super::{Ending, Refusal, interrupt, print, print_json, say};
+use super::{Ending, Refusal, interrupt, print, print_json, processor_time, say};
 use arguments::{attachments, rates, start, touch};
 use foliate::certify::formats::{Format, ReadOptions, read};
 use foliate::certify::{Certifier, CertifyOptions, CertifyReport, Interpolation, Turns};
@@ -68,11 +68,19 @@ pub(crate) struct Arguments {
     pub(crate) level: Level,
 }
 
+/// What a certification took, reading and loading aside.
+#[derive(Clone, Copy)]
+struct Spent {
+    wall: Duration,
+    /// None where the system does not tell.
+    processor: Option<Duration>,
+}
+
 /// How it went with one motion.
 struct Answer {
     result: Result<CertifyReport, String>,
     read: Duration,
-    certify: Duration,
+    spent: Spent,
 }
 
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
@@ -122,8 +130,8 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
         }
         match arguments.json {
             true => print_json(&as_json(arguments, motion, &answer, loaded))?,
-            false if many => print(&text::line(motion, &answer.result, answer.certify)),
-            false => print(&text::page(motion, &arguments.scene, &answer.result, answer.certify)),
+            false if many => print(&text::line(motion, &answer.result, answer.spent)),
+            false => print(&text::page(motion, &arguments.scene, &answer.result, answer.spent)),
         }
     }
     match refusals {
@@ -149,12 +157,13 @@ fn one(
     let started = Instant::now();
     let motion = read(path, certifier.robot(), &how);
     let read = started.elapsed();
-    let started = Instant::now();
+    let (started, before) = (Instant::now(), processor_time::of_this_thread());
     let result = motion.map_err(|e| e.to_string()).and_then(|motion| {
         let report = certifier.certify_while(&motion, options, scratch, go_on);
         report.map_err(|e| format!("{}: {e}", path.display()))
     });
-    Answer { result, read, certify: started.elapsed() }
+    let spent = Spent { wall: started.elapsed(), processor: processor_time::since(before) };
+    Answer { result, read, spent }
 }
 
 /// A failure outweighs what is undecided.
@@ -212,6 +221,7 @@ fn as_json(arguments: &Arguments, path: &Path, answer: &Answer, loaded: Duration
         "report": report,
         "load_ms": ms(loaded),
         "read_ms": ms(answer.read),
-        "certify_ms": ms(answer.certify),
+        "certify_ms": ms(answer.spent.wall),
+        "certify_processor_ms": answer.spent.processor.map(ms),
     })
 }

@@ -1,12 +1,12 @@
 //! What `foliate certify` says to people.
 
+use super::Spent;
 use foliate::certify::{CertifyReport, ClearanceReport, ContactReport, LimitKind, LimitViolation, PairName, Verdict};
 use std::fmt::Write;
 use std::path::Path;
-use std::time::Duration;
 
 /// One of many motions, in one line.
-pub(super) fn line(path: &Path, result: &Result<CertifyReport, String>, time: Duration) -> String {
+pub(super) fn line(path: &Path, result: &Result<CertifyReport, String>, spent: Spent) -> String {
     let name = path.display();
     let report = match result {
         Ok(report) => report,
@@ -24,11 +24,11 @@ pub(super) fn line(path: &Path, result: &Result<CertifyReport, String>, time: Du
         Verdict::Free if report.limits.violations.is_empty() => "free     ",
         Verdict::Free => "LIMIT    ",
     };
-    format!("{verdict}  {name}  {:.2} ms  {what}\n", time.as_secs_f64() * 1e3)
+    format!("{verdict}  {name}  {:.2} ms  {what}\n", spent.wall.as_secs_f64() * 1e3)
 }
 
 /// One motion alone.
-pub(super) fn page(path: &Path, scene: &str, result: &Result<CertifyReport, String>, time: Duration) -> String {
+pub(super) fn page(path: &Path, scene: &str, result: &Result<CertifyReport, String>, spent: Spent) -> String {
     let Ok(report) = result else { return String::new() };
     let mut out = String::new();
     let curves = match report.degree {
@@ -64,7 +64,11 @@ pub(super) fn page(path: &Path, scene: &str, result: &Result<CertifyReport, Stri
         (false, Verdict::Undecided) => "undecided",
         _ => "proved",
     };
-    let _ = writeln!(out, "{verdict} in {:.2} ms", time.as_secs_f64() * 1e3);
+    let _ = write!(out, "{verdict} in {:.2} ms", spent.wall.as_secs_f64() * 1e3);
+    let _ = match spent.processor {
+        Some(processor) => writeln!(out, ", {:.2} ms of processor time", processor.as_secs_f64() * 1e3),
+        None => writeln!(out),
+    };
     out
 }
 
@@ -108,7 +112,11 @@ fn kept(report: &CertifyReport, clearance: Option<&ClearanceReport>) -> String {
             at(report, *time),
             pair(name)
         ),
-        _ => format!(": at least {:.3} mm beyond margins", found.at_least * 1e3),
+        _ => format!(
+            ": at least {:.3} mm beyond margins (a bound that the proof brings along, often far below the least clearance; \
+             --clearance finds that, and where)",
+            found.at_least * 1e3
+        ),
     }
 }
 

@@ -20,6 +20,8 @@ use std::ops::Range;
 const DEEPEST: u32 = 40;
 /// Distances that are asked for exactly are within this, metres.
 const EXACT: f64 = 1e-6;
+/// Once in so many distances and parts the caller is asked whether to go on.
+pub const ASK_EVERY: u32 = 64;
 /// Distances are asked for to within this share of what the minimum may be off.
 const QUERY_SHARE: f64 = 0.1;
 
@@ -54,8 +56,10 @@ pub struct MinimumClearance {
     /// Where a pair comes as close as that, to within the settings. `None` without pairs, and where none comes closer than
     /// [`MinimumSettings::below`].
     pub nearest: Option<Nearest>,
-    /// Whether [`MinimumSettings::max_queries`] ran out, so that the bound may be poor.
+    /// Whether [`MinimumSettings::max_queries`] ran out, or the caller's patience, so that the bound may be poor.
     pub is_cut_short: bool,
+    /// Distances of shapes that were asked for.
+    pub queries: u64,
 }
 
 /// A pair at a place of a motion.
@@ -90,8 +94,27 @@ pub fn minimum_clearance_along(
     settings: &MinimumSettings,
     scratch: &mut CollisionScratch,
 ) -> MinimumClearance {
+    minimum_clearance_while(scene, kinematics, carriages, knots, pairs, (settings, &|| true), scratch)
+}
+
+/// As [`minimum_clearance_along`], as long as the closure says so: it is asked once in [`ASK_EVERY`] distances and parts. What
+/// is proved by then is returned.
+///
+/// # Panics
+/// As [`minimum_clearance_along`].
+#[must_use]
+#[allow(clippy::too_many_arguments, reason = "as certify_polyline")]
+pub fn minimum_clearance_while(
+    scene: &CollisionScene,
+    kinematics: &Kinematics,
+    carriages: &[Carriage],
+    knots: &[f64],
+    pairs: &PairSet,
+    (settings, go_on): (&MinimumSettings, &dyn Fn() -> bool),
+    scratch: &mut CollisionScratch,
+) -> MinimumClearance {
     if !knots.iter().all(|x| x.is_finite()) {
-        return MinimumClearance { lower: f64::NEG_INFINITY, nearest: None, is_cut_short: false };
+        return MinimumClearance { lower: f64::NEG_INFINITY, nearest: None, is_cut_short: false, queries: 0 };
     }
     scratch.course.begin((scene, kinematics, carriages), pairs, knots);
     scratch.forget_hints(scene);
@@ -104,6 +127,7 @@ pub fn minimum_clearance_along(
         lower: f64::INFINITY,
         queries: 0,
         touches: false,
+        patience: Patience { go_on, asked: 0, is_over: false },
     };
     let moves = |active: &&ActiveGroup| scratch.course.moves_between(active);
     let moving: Vec<ActiveGroup> = pairs.moving.iter().filter(moves).copied().collect();
@@ -123,6 +147,23 @@ struct Minimum<'a> {
     lower: f64,
     queries: u64,
     touches: bool,
+    patience: Patience<'a>,
+}
+
+/// Whether the caller still wants an answer.
+struct Patience<'a> {
+    go_on: &'a dyn Fn() -> bool,
+    asked: u32,
+    is_over: bool,
+}
+
+impl Patience<'_> {
+    fn ask(&mut self) {
+        self.asked = self.asked.wrapping_add(1);
+        if self.asked.is_multiple_of(ASK_EVERY) && !(self.go_on)() {
+            self.is_over = true;
+        }
+    }
 }
 
 /// Part of a piece, and the pairs that are open there.
@@ -163,13 +204,17 @@ impl Minimum<'_> {
     }
 
     fn is_over(&self) -> bool {
-        self.touches || self.queries >= self.settings.max_queries
+        self.touches || self.is_spent()
+    }
+
+    fn is_spent(&self) -> bool {
+        self.patience.is_over || self.queries >= self.settings.max_queries
     }
 
     fn found(&self) -> MinimumClearance {
         let lower = if self.touches { f64::NEG_INFINITY } else { self.lower };
-        let is_cut_short = !self.touches && self.queries >= self.settings.max_queries;
-        MinimumClearance { lower, nearest: self.nearest, is_cut_short }
+        let is_cut_short = !self.touches && self.is_spent();
+        MinimumClearance { lower, nearest: self.nearest, is_cut_short, queries: self.queries }
     }
 
     /// Looks at all pairs where the motion begins, the nearest by bounds first: that is all there is to pairs that do not move.
@@ -219,6 +264,7 @@ impl Minimum<'_> {
             let (mut halves, mut left) = (Vec::new(), Vec::new());
             let mut begun = None;
             for (number, part) in parts.iter().enumerate() {
+                self.patience.ask();
                 if self.is_over() {
                     let rest = parts[number..].iter().flat_map(|part| &open[part.open.clone()]).chain(&left);
                     self.lower = rest.fold(self.lower, |lower, open| lower.min(open.lower));
@@ -325,6 +371,7 @@ impl Minimum<'_> {
             return rough - here.closer - margin;
         }
         self.queries += 1;
+        self.patience.ask();
         let pair = &scene.pairs[id.at()];
         let X = [pair.first, pair.second]
             .map(|s| scene.solids[s.at()].body.map_or(foliate_components::Pose::IDENTITY, |body| poses[body.at()]));

@@ -48,7 +48,7 @@ mod verdicts;
 pub use adjacent::{adjacent_links, adjacent_links_while};
 pub use certificate::{CertificateSettings, MotionVerdict, certify_motion};
 pub use distance::{Ask, Solid, clearance};
-pub use minimum::{MinimumClearance, MinimumSettings, Nearest, minimum_clearance_along};
+pub use minimum::{MinimumClearance, MinimumSettings, Nearest, minimum_clearance_along, minimum_clearance_while};
 pub use pair_rule::PairRule;
 pub use pairs::PairSet;
 pub use polyline::{PolylineVerdict, certify_polyline};
