@@ -18,7 +18,7 @@ const VERTICES: usize = 400;
 const CLIMBS: usize = 4;
 /// A point that is outside by less is on the surface, metres.
 const ON: f64 = 1e-9;
-/// How often steps are halved: from a quarter of a shape's size to below a thousandth of a millimetre.
+/// How often steps are halved: from a quarter of the smaller shape to two millionths of its size.
 const HALVINGS: u32 = 17;
 
 /// A shape at its place in the world.
