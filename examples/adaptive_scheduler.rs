@@ -23,7 +23,7 @@ use bevy_ecs::prelude::*;
 use foliate::Planner;
 use foliate::components::graph::{TransitionId, TransitionKind};
 use foliate::components::outcome::{Prior, TransitionStatistics};
-use foliate::components::sample_problems::swap_two_boxes;
+use foliate::components::samples::swap_two_boxes;
 use foliate::systems::model::PlanningModel;
 use foliate::systems::schedule::SearchSet;
 use foliate::systems::schedulers::{Scheduler, mrrt::Mrrt};

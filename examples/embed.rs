@@ -2,7 +2,7 @@
 //!
 //! Run with `cargo run --release --example embed`.
 
-use foliate::components::sample_problems::swap_two_boxes;
+use foliate::components::samples::swap_two_boxes;
 use foliate::systems::events::SearchEvent;
 use foliate::{Planner, Solution};
 use std::time::Duration;

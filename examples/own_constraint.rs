@@ -6,7 +6,7 @@
 use foliate::components::Pose;
 use foliate::components::constraint::{Constraint, Curvature, Custom, Frame, Function, Gradient, Row};
 use foliate::components::problem::NamedConstraint;
-use foliate::components::sample_problems::swap_two_boxes;
+use foliate::components::samples::swap_two_boxes;
 use foliate::{Planner, Solution};
 use glam::DVec3;
 use std::sync::Arc;

@@ -9,7 +9,7 @@
 use bevy_ecs::prelude::*;
 use foliate::Planner;
 use foliate::components::outcome::TransitionStatistics;
-use foliate::components::sample_problems::swap_two_boxes;
+use foliate::components::samples::swap_two_boxes;
 use foliate::systems::schedule::SearchSet;
 use foliate::systems::schedulers::{Scheduler, mrrt::Mrrt};
 use foliate::systems::selection::Weight;

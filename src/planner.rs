@@ -336,7 +336,7 @@ impl Planner {
             worlds,
             nodes: roadmap.nodes().len(),
             edges: roadmap.edges().len(),
-            leaves: search.world().resource::<foliate_components::leaf::LeafIndex>().leaves().len(),
+            leaves: search.world().resource::<foliate_components::graph::leaf::LeafIndex>().leaves().len(),
             fingerprint: roadmap.fingerprint(),
             path_length: path.map(|p| p.segments.iter().map(|s| self.model.length(&s.knots.concat())).sum()),
             funnel,

@@ -10,7 +10,7 @@ use foliate::components::Pose;
 use foliate::components::constraint::{Constraint, Curvature, Custom, Frame, Function, Gradient, Row};
 use foliate::components::outcome::SearchOutcome;
 use foliate::components::problem::{NamedConstraint, Problem};
-use foliate::components::sample_problems::{carry_a_box_with_its_lid, move_one_box, swap_two_boxes};
+use foliate::components::samples::{carry_a_box_with_its_lid, move_one_box, swap_two_boxes};
 use foliate::memory::MemoryLimit;
 use foliate::scene::{PackagePath, load_scene};
 use foliate::systems::schedule::SearchSet;

@@ -9,7 +9,7 @@ use foliate::components::path::Attachment;
 use foliate::components::problem::{Margin, Problem};
 use foliate::components::roadmap::NodeId;
 use foliate::components::robot::{LinkIndex, PartKind};
-use foliate::components::sample_problems::swap_with_crossed_foliations;
+use foliate::components::samples::swap_with_crossed_foliations;
 use foliate::kernels::collision::CollisionScratch;
 
 /// Boxes that stand 1 mm above a table and keep 20 mm from it; the table's link.

@@ -6,7 +6,7 @@
 use foliate::Planner;
 use foliate::components::outcome::SearchOutcome;
 use foliate::components::problem::{Goal, Problem};
-use foliate::components::sample_problems::{boxes_on_a_table, crowd, swap_two_boxes};
+use foliate::components::samples::{boxes_on_a_table, crowd, swap_two_boxes};
 use foliate::memory::{MemoryLimit, peak, resident};
 use std::process::Command;
 use std::time::{Duration, Instant};

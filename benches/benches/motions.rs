@@ -4,7 +4,7 @@ use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterio
 use foliate_benches::humanoid::Humanoid;
 use foliate_benches::{criterion, one_thread};
 use foliate_components::Pose;
-use foliate_components::configuration::ConfigurationSpace;
+use foliate_components::robot::configuration::ConfigurationSpace;
 use foliate_kernels::kinematics::Kinematics;
 use foliate_kernels::projection::{
     ConstraintProgram, MotionEnd, MotionJob, MotionScratch, MotionSettings, project_motion, project_motions,

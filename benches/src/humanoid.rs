@@ -7,7 +7,7 @@ use foliate_components::Pose;
 use foliate_components::constraint::{CentreOfMass, Constraint, Frame, Masses, PlaneRow, Reference, RelativePose, Row};
 use foliate_components::robot::model::Model as RobotModel;
 use foliate_components::robot::{PartIndex, PartKind, PartPlacement, Robot, RootJoint, Source};
-use foliate_components::sample_models;
+use foliate_components::samples::models as sample_models;
 use foliate_kernels::constraints::{centre_of_mass, placement_of};
 use foliate_kernels::kinematics::Kinematics;
 use foliate_kernels::projection::{ConstraintProgram, Scratch, Settings, project};

@@ -8,7 +8,7 @@ use criterion::Criterion;
 use foliate::batch::Entry;
 use foliate::scene::PackagePath;
 use foliate_components::robot::Robot;
-use foliate_components::sample_problems::{boxes_on_a_table, swap_two_boxes};
+use foliate_components::samples::{boxes_on_a_table, swap_two_boxes};
 use foliate_systems::events::{EventSink, StopSignal};
 use foliate_systems::model::{Model, PlanningModel};
 use foliate_systems::schedulers::mrrt::Mrrt;

@@ -1,10 +1,10 @@
 //! Candidates: extensions under way. A fixed pool of them is spawned once; systems change their fields.
 
+use crate::graph::leaf::{LeafId, Parameter, ParameterId};
 use crate::graph::{StateId, TransitionId};
-use crate::leaf::{LeafId, Parameter, ParameterId};
 use crate::outcome::Rejection;
 use crate::roadmap::{ComponentId, NodeId};
-use crate::robot::ShapeIndex;
+use crate::robot::indices::ShapeIndex;
 
 /// One extension: which node, along which transition, towards which leaf, and how far it has come.
 ///

@@ -1,6 +1,6 @@
 //! Which pairs of collision shapes a proof looks at, and why it leaves out the others.
 
-use crate::robot::ShapeIndex;
+use crate::robot::indices::ShapeIndex;
 
 /// Why a pair of shapes is not tested.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

@@ -1,7 +1,7 @@
 //! The nouns of Foliate: plain data with invariants, no search.
 //!
 //! A [`robot::Robot`] is the *hybrid robot* of the papers (P0 §II-A): robots, objects and environment as one kinematic
-//! tree. [`graph`] holds states and transitions, [`leaf`] the leaves of their foliations, [`roadmap`] what a search has
+//! tree. [`graph`] holds states and transitions, [`leaf`](crate::graph::leaf) the leaves of their foliations, [`roadmap`] what a search has
 //! reached, [`path`] what it answers.
 //!
 //! Units are SI and radians, world z points up, quaternions are stored x y z w. `X_AB` and `a_from_b` both name the pose of
@@ -9,18 +9,15 @@
 #![forbid(unsafe_code)]
 
 pub mod candidate;
-pub mod configuration;
 pub mod constraint;
 pub mod coverage;
 pub mod graph;
-pub mod leaf;
 pub mod outcome;
 pub mod path;
 pub mod pose;
 pub mod problem;
 pub mod roadmap;
 pub mod robot;
-pub mod sample_models;
-pub mod sample_problems;
+pub mod samples;
 
-pub use pose::Pose;
+pub use crate::pose::Pose;

@@ -1,6 +1,7 @@
 //! How extensions and searches end, with reasons (P0 §III-A asks for this feedback; HPP keeps part of it).
 
-use crate::robot::{PartIndex, Robot, ShapeIndex};
+use crate::robot::hybrid_robot::Robot;
+use crate::robot::indices::{PartIndex, ShapeIndex};
 use std::collections::BTreeMap;
 
 /// Why a candidate gave no motion, or only part of one.

@@ -1,10 +1,10 @@
 //! What a search answers: a manipulation path, leg by leg, with what holds along each and what was proven.
 
 use crate::Pose;
-use crate::constraint::Constraint;
+use crate::constraint::kind::Constraint;
 use crate::coverage::PairCounts;
 use crate::graph::{StateId, TransitionId};
-use crate::robot::{GripperIndex, HandleIndex, JointIndex, LinkIndex, SurfaceIndex};
+use crate::robot::indices::{GripperIndex, HandleIndex, JointIndex, LinkIndex, SurfaceIndex};
 
 /// A path from the start to a goal. Consecutive segments share the joint knot bit for bit.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,8 +1,9 @@
 //! A manipulation problem (P0 §II-E): the hybrid robot, who may hold what and where things may lie, a start and goals.
 
 use crate::Pose;
-use crate::constraint::Constraint;
-use crate::robot::{DisabledPair, GripperIndex, HandleIndex, JointIndex, LinkIndex, PartIndex, Robot, SurfaceIndex};
+use crate::constraint::kind::Constraint;
+use crate::robot::hybrid_robot::{DisabledPair, Robot};
+use crate::robot::indices::{GripperIndex, HandleIndex, JointIndex, LinkIndex, PartIndex, SurfaceIndex};
 
 /// Everything that defines a problem; how it is searched is not part of it.
 #[derive(Clone, Debug)]

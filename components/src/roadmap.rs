@@ -4,8 +4,8 @@
 //! dense ids, because a random access by entity costs more than ten times a slice index. Only
 //! `foliate_systems::commit` writes here.
 
+use crate::graph::leaf::LeafId;
 use crate::graph::{StateId, TransitionId};
-use crate::leaf::LeafId;
 
 macro_rules! dense_id {
     ($(#[$doc:meta])* $name:ident) => {

@@ -259,7 +259,7 @@ mod tests {
     use foliate_components::constraint::Mask;
     use foliate_components::pose::{exp_so3, log_so3, pose_from_array};
     use foliate_components::robot::JointIndex;
-    use foliate_components::sample_problems::boxes_on_a_table;
+    use foliate_components::samples::boxes_on_a_table;
     use foliate_kernels::constraints::{placement_of, relative_pose};
     use foliate_kernels::kinematics::Kinematics;
     use glam::DVec3;

@@ -1,6 +1,6 @@
 //! The values of one constraint, leaf by leaf, and which of them there are.
 
-use foliate_components::leaf::ParameterId;
+use foliate_components::graph::leaf::ParameterId;
 use std::collections::HashSet;
 
 /// Values in order of leaf. Most leaves have some value that no other has, so whoever compares many leaves with one asks first

@@ -10,8 +10,8 @@ use crate::schedule::StepCounter;
 use crate::selection::Families;
 use bevy_ecs::prelude::{Entity, Mut, Resource, World};
 use foliate_components::candidate::{Candidate, CandidateArena, LegParameter, PlannedLeg};
+use foliate_components::graph::leaf::{Leaf, LeafId, LeafIndex, ParameterId};
 use foliate_components::graph::{ConstraintId, StateId, TransitionId};
-use foliate_components::leaf::{Leaf, LeafId, LeafIndex, ParameterId};
 use foliate_components::outcome::{Rejection, StateStatistics, TransitionStatistics};
 use foliate_components::roadmap::{
     Along, Between, ComponentId, ConfigurationId, EdgeId, InComponent, InState, Motion, NodeId, OfFoliation, OnLeaf,

@@ -10,7 +10,7 @@ use crate::sequences::leaf_graph::LeafGraph;
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Query, Res, ResMut, Resource};
 use foliate_components::candidate::Candidate;
-use foliate_components::leaf::LeafIndex;
+use foliate_components::graph::leaf::LeafIndex;
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::roadmap::{NodeId, Roadmap};
 

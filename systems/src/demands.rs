@@ -3,8 +3,8 @@
 use crate::graph::resting::Resting;
 use crate::model::Model;
 use foliate_components::Pose;
+use foliate_components::graph::leaf::{Leaf, LeafIndex};
 use foliate_components::graph::{ConstraintId, ConstraintKind};
-use foliate_components::leaf::{Leaf, LeafIndex};
 use foliate_components::path::PathConstraint;
 
 impl Model {

@@ -10,7 +10,7 @@ use crate::passages::Passages;
 use crate::scratch_pool::ScratchPool;
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::Resource;
-use foliate_components::leaf::LeafIndex;
+use foliate_components::graph::leaf::LeafIndex;
 use foliate_components::roadmap::{NodeId, Roadmap};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -134,9 +134,9 @@ mod tests {
     use crate::schedulers::mrrt::Mrrt;
     use crate::search::Search;
     use crate::settings::SearchSettings;
-    use foliate_components::leaf::LeafIndex;
+    use foliate_components::graph::leaf::LeafIndex;
     use foliate_components::roadmap::NodeId;
-    use foliate_components::sample_problems::boxes_on_a_table;
+    use foliate_components::samples::boxes_on_a_table;
     use std::sync::Arc;
 
     #[test]

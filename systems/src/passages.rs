@@ -6,7 +6,7 @@
 
 use bevy_ecs::prelude::Resource;
 use foliate_components::graph::TransitionId;
-use foliate_components::leaf::LeafId;
+use foliate_components::graph::leaf::LeafId;
 use foliate_components::roadmap::{Motion, NodeId};
 use std::collections::BTreeMap;
 
@@ -87,7 +87,7 @@ fn bytes(passage: &Passage) -> u64 {
 mod tests {
     use super::{Passage, Passages};
     use foliate_components::graph::TransitionId;
-    use foliate_components::leaf::LeafId;
+    use foliate_components::graph::leaf::LeafId;
     use foliate_components::roadmap::{Motion, NodeId};
 
     #[test]

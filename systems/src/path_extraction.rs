@@ -3,11 +3,11 @@
 use crate::model::PlanningModel;
 use crate::path_clearance::{pair_counts, path_clearance};
 use crate::settings::SearchSettings;
-use foliate_components::configuration::{Group, quaternion, wrap};
+use foliate_components::graph::leaf::{LeafId, LeafIndex};
 use foliate_components::graph::{StateId, TransitionId};
-use foliate_components::leaf::{LeafId, LeafIndex};
 use foliate_components::path::{Certificate, ManipulationPath, Segment};
 use foliate_components::roadmap::{EdgeId, Motion, NodeId, Roadmap};
+use foliate_components::robot::configuration::{Group, quaternion, wrap};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::f64::consts::TAU;

@@ -4,7 +4,7 @@ use crate::column::Column;
 use crate::visited_leaves::VisitedLeaves;
 use bevy_ecs::prelude::Resource;
 use foliate_components::graph::StateId;
-use foliate_components::leaf::{Leaf, LeafId};
+use foliate_components::graph::leaf::{Leaf, LeafId};
 use foliate_components::roadmap::ComponentId;
 use std::collections::HashSet;
 use std::ops::Range;
@@ -174,7 +174,7 @@ fn insert(states: &mut Vec<StateLeaves>, state: StateId, new: &[LeafId]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use foliate_components::leaf::ParameterId;
+    use foliate_components::graph::leaf::ParameterId;
 
     fn leaf(state: u32, parameter: u32) -> Leaf {
         Leaf { state: StateId(state), parameters: Box::new([ParameterId(parameter)]) }

@@ -14,7 +14,7 @@ use bevy_ecs::prelude::{Local, Query, Res, ResMut};
 use foliate_components::Pose;
 use foliate_components::candidate::{Candidate, CandidateArena, LegParameter, PlannedLeg};
 use foliate_components::graph::StateId;
-use foliate_components::leaf::{Leaf, LeafIndex};
+use foliate_components::graph::leaf::{Leaf, LeafIndex};
 use foliate_components::outcome::Rejection;
 use foliate_kernels::projection::{
     MotionEnd, MotionJob, MotionScratch, MotionSettings, Settings, project_motion, project_motions,

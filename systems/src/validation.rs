@@ -10,8 +10,8 @@ use crate::waypoints::waypoints_are_free;
 use bevy_ecs::prelude::{Local, Query, Res, ResMut};
 use foliate_components::Pose;
 use foliate_components::candidate::{Candidate, CandidateArena, PlannedLeg};
+use foliate_components::graph::leaf::LeafIndex;
 use foliate_components::graph::{StateId, TransitionId, TransitionKind};
-use foliate_components::leaf::LeafIndex;
 use foliate_components::outcome::Rejection;
 use foliate_components::robot::ShapeIndex;
 use foliate_kernels::collision::{

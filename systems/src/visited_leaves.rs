@@ -5,7 +5,7 @@
 
 use crate::column::Column;
 use foliate_components::graph::StateId;
-use foliate_components::leaf::{Leaf, LeafId, ParameterId};
+use foliate_components::graph::leaf::{Leaf, LeafId, ParameterId};
 use foliate_components::roadmap::ComponentId;
 use foliate_kernels::lanes::{Isa, Kernel, Level};
 

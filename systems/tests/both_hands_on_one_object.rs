@@ -14,7 +14,7 @@ use foliate_components::pose::log_so3;
 use foliate_components::problem::{Goal, GraphOptions, ObjectOptions, Problem, Rule};
 use foliate_components::roadmap::{NodeId, Roadmap};
 use foliate_components::robot::{DisabledPair, GripperIndex, HandleIndex, PartIndex, Robot};
-use foliate_components::sample_models::{block, environment, fixed_robot, movable_object, seven_axis_arm, table};
+use foliate_components::samples::models::{block, environment, fixed_robot, movable_object, seven_axis_arm, table};
 use foliate_kernels::collision::{
     CollisionScene, CollisionScratch, PairRule, PairSet, adjacent_links, first_collision,
 };

@@ -11,7 +11,7 @@ use foliate_components::graph::{ConstraintGraph, TransitionKind};
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::problem::{NamedConstraint, Problem, Rule, WrittenLeg, WrittenState, WrittenTransition};
 use foliate_components::robot::{Gripper, GripperIndex};
-use foliate_components::sample_problems::{
+use foliate_components::samples::{
     boxes_on_a_table, hold_a_lid_by_a_magnet, make_a_step, put_a_lid_on_a_box, swap_two_boxes,
 };
 use foliate_systems::graph::building::{GraphError, build_constraint_graph};

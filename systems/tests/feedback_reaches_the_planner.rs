@@ -7,9 +7,9 @@ mod common;
 
 use common::{model, search, seeded, stop_within};
 use foliate_components::graph::TransitionId;
-use foliate_components::leaf::LeafIndex;
+use foliate_components::graph::leaf::LeafIndex;
 use foliate_components::outcome::{Prior, SearchOutcome};
-use foliate_components::sample_problems::{boxes_on_a_table, swap_two_boxes};
+use foliate_components::samples::{boxes_on_a_table, swap_two_boxes};
 use foliate_systems::events::{EventSink, SearchEvent};
 use foliate_systems::feedback::Feedback;
 use foliate_systems::schedulers::mrrt::Mrrt;

@@ -12,7 +12,7 @@ use foliate_components::outcome::{Rejection, SearchOutcome};
 use foliate_components::path::ManipulationPath;
 use foliate_components::problem::{JointRest, Margin, Problem};
 use foliate_components::robot::{LinkIndex, Source};
-use foliate_components::sample_problems::{
+use foliate_components::samples::{
     carry_a_box_with_its_lid, hold_a_lid_by_a_magnet, make_a_step, move_one_box, move_one_box_with_a_level_hand,
     open_a_box_and_move_it, open_a_drawer, open_a_drawer_with_a_box_in_it, put_a_lid_on_a_box,
 };

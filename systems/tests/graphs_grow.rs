@@ -10,7 +10,7 @@ use foliate_components::outcome::SearchOutcome;
 use foliate_components::pose::pose_from_array;
 use foliate_components::problem::{Goal, Problem, Rule};
 use foliate_components::robot::{Gripper, GripperIndex};
-use foliate_components::sample_problems::{
+use foliate_components::samples::{
     carry_a_box_with_its_lid, eight_arms_and_ten_boxes, hold_a_lid_by_a_magnet, make_a_step, move_one_box,
     move_one_box_with_a_level_hand, open_a_box_and_move_it, open_a_drawer_with_a_box_in_it, put_a_lid_on_a_box,
     swap_two_boxes, swap_with_crossed_foliations,

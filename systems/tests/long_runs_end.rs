@@ -9,7 +9,7 @@ use common::{model, search, seeded};
 use foliate_components::candidate::Candidate;
 use foliate_components::outcome::{Rejection, SearchOutcome};
 use foliate_components::problem::{Goal, PartialGoal};
-use foliate_components::sample_problems::{boxes_on_a_table, move_one_box};
+use foliate_components::samples::{boxes_on_a_table, move_one_box};
 use foliate_systems::events::{EventSink, StopSignal};
 use foliate_systems::schedule::SearchSet;
 use foliate_systems::schedulers::{Scheduler, mrrt::Mrrt};

@@ -13,7 +13,7 @@ use foliate_components::outcome::SearchOutcome;
 use foliate_components::pose::pose_from_array;
 use foliate_components::problem::{Goal, GraphOptions, ObjectOptions, Problem};
 use foliate_components::robot::{PartIndex, PartKind, PartPlacement, Robot, RootJoint};
-use foliate_components::sample_models::{block, environment, movable_object, part, seven_axis_arm, table};
+use foliate_components::samples::models::{block, environment, movable_object, part, seven_axis_arm, table};
 use foliate_kernels::collision::adjacent_links;
 use foliate_systems::events::EventSink;
 use foliate_systems::model::{Model, ModelError};

@@ -9,7 +9,7 @@ use bevy_ecs::schedule::ScheduleCleanupPolicy;
 use common::{model, search, seeded};
 use foliate_components::graph::TransitionId;
 use foliate_components::roadmap::{ComponentId, NodeId, Roadmap};
-use foliate_components::sample_problems::boxes_on_a_table;
+use foliate_components::samples::boxes_on_a_table;
 use foliate_systems::model::PlanningModel;
 use foliate_systems::neighbours::{Neighbours, Question, Region};
 use foliate_systems::schedule::SearchSet;

@@ -10,9 +10,7 @@ use common::{model, search, seeded, stop_within};
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::path::ManipulationPath;
 use foliate_components::problem::{Goal, Problem};
-use foliate_components::sample_problems::{
-    boxes_on_a_table, move_one_box, swap_two_boxes, swap_with_crossed_foliations,
-};
+use foliate_components::samples::{boxes_on_a_table, move_one_box, swap_two_boxes, swap_with_crossed_foliations};
 use foliate_systems::events::{EventSink, SearchEvent, StopSignal};
 use foliate_systems::model::PlanningModel;
 use foliate_systems::schedulers::{Scheduler, shipped};

@@ -12,7 +12,7 @@ use foliate_components::candidate::Candidate;
 use foliate_components::graph::TransitionId;
 use foliate_components::outcome::{Rejection, SearchOutcome};
 use foliate_components::roadmap::{InState, NodeId, Roadmap};
-use foliate_components::sample_problems::swap_two_boxes;
+use foliate_components::samples::swap_two_boxes;
 use foliate_systems::model::PlanningModel;
 use foliate_systems::schedule::{SearchSet, StepCounter};
 use foliate_systems::schedulers::{Scheduler, mrrt::Mrrt};

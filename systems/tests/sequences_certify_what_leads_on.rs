@@ -6,12 +6,12 @@
 mod common;
 
 use common::{model, search, seeded};
+use foliate_components::graph::leaf::LeafId;
 use foliate_components::graph::{StateId, TransitionId};
-use foliate_components::leaf::LeafId;
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::problem::Goal;
 use foliate_components::roadmap::{ComponentId, EdgeId, NodeId, Roadmap};
-use foliate_components::sample_problems::{move_one_box, swap_two_boxes, swap_with_crossed_foliations};
+use foliate_components::samples::{move_one_box, swap_two_boxes, swap_with_crossed_foliations};
 use foliate_systems::conclusion::Roots;
 use foliate_systems::passages::{Passage, Passages};
 use foliate_systems::schedulers::{mrrt::Mrrt, sequence::Sequence};

@@ -8,7 +8,7 @@
 mod common;
 
 use common::{model, search, seeded};
-use foliate_components::sample_problems::{
+use foliate_components::samples::{
     boxes_on_a_table, hold_a_lid_by_a_magnet, make_a_step, open_a_box_and_move_it, put_a_lid_on_a_box, swap_two_boxes,
 };
 use foliate_systems::schedulers::shipped;

@@ -13,7 +13,7 @@ use foliate_components::graph::TransitionKind;
 use foliate_components::outcome::Rejection;
 use foliate_components::problem::{Margin, Problem};
 use foliate_components::robot::{LinkIndex, PartKind, ShapeIndex};
-use foliate_components::sample_problems::{swap_two_boxes, swap_with_crossed_foliations};
+use foliate_components::samples::{swap_two_boxes, swap_with_crossed_foliations};
 use foliate_kernels::collision::CollisionScratch;
 use foliate_systems::model::PlanningModel;
 use foliate_systems::schedule::SearchSet;

@@ -8,7 +8,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleCleanupPolicy;
 use common::{model, search, seeded, stop_within};
 use foliate_components::outcome::SearchOutcome;
-use foliate_components::sample_problems::{boxes_on_a_table, eight_arms_and_ten_boxes, swap_two_boxes};
+use foliate_components::samples::{boxes_on_a_table, eight_arms_and_ten_boxes, swap_two_boxes};
 use foliate_systems::connection::{certify_connections, propose_connections};
 use foliate_systems::events::EventSink;
 use foliate_systems::schedule::{SearchSet, empty_schedule};

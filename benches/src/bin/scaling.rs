@@ -9,7 +9,7 @@
 use bevy_ecs::prelude::{IntoScheduleConfigs, ResMut, Resource, Schedule, World};
 use bevy_ecs::schedule::ScheduleCleanupPolicy;
 use foliate_benches::{long_model, one_thread, scene_model};
-use foliate_components::leaf::LeafIndex;
+use foliate_components::graph::leaf::LeafIndex;
 use foliate_systems::commit;
 use foliate_systems::connection::{Connections, certify_connections, propose_connections};
 use foliate_systems::events::{EventSink, StopSignal};

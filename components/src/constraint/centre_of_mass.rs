@@ -1,7 +1,8 @@
 //! The centre of mass of some bodies, seen from frames: quasi-static balance (P0 §IV-A d).
 
 use super::{Frame, Reference, Row};
-use crate::robot::{JointIndex, PartIndex, Robot};
+use crate::robot::hybrid_robot::Robot;
+use crate::robot::indices::{JointIndex, PartIndex};
 use glam::DVec3;
 use std::sync::Arc;
 

@@ -7,7 +7,8 @@
 use super::row::{Rows, rows};
 use super::{Frame, Mask, MaskError, Reference, RelativePose};
 use crate::Pose;
-use crate::robot::{GripperIndex, HandleIndex, Robot};
+use crate::robot::hybrid_robot::Robot;
+use crate::robot::indices::{GripperIndex, HandleIndex};
 use glam::DVec3;
 
 /// Which gripper holds which handle, with the frames of both.

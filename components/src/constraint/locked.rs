@@ -1,6 +1,6 @@
 //! A joint of one coordinate that keeps its value.
 
-use crate::robot::JointIndex;
+use crate::robot::indices::JointIndex;
 
 /// A joint with its value; radians or metres.
 #[derive(Clone, Copy, Debug, PartialEq)]

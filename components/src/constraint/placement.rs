@@ -7,7 +7,8 @@
 
 use super::Frame;
 use crate::Pose;
-use crate::robot::{JointIndex, Robot, Surface, SurfaceIndex};
+use crate::robot::hybrid_robot::{Robot, Surface};
+use crate::robot::indices::{JointIndex, SurfaceIndex};
 use glam::{DMat3, DQuat, DVec2, DVec3, Vec3Swizzles};
 
 /// A convex planar polygon on a body, in its own frame.

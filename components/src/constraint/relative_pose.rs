@@ -2,7 +2,8 @@
 
 use super::row::{Row, Rows};
 use crate::Pose;
-use crate::robot::{JointIndex, LinkIndex, Robot};
+use crate::robot::hybrid_robot::Robot;
+use crate::robot::indices::{JointIndex, LinkIndex};
 
 /// A frame on a body.
 #[derive(Clone, Copy, Debug, PartialEq)]

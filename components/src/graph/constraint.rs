@@ -1,8 +1,8 @@
 //! The constraints that states and waypoints share, named as HPP names them.
 
-use crate::robot::{GripperIndex, HandleIndex, JointIndex};
+use crate::robot::indices::{GripperIndex, HandleIndex, JointIndex};
 
-/// Index of a constraint in [`super::ConstraintGraph::constraints`].
+/// Index of a constraint in [`crate::graph::constraint_graph::ConstraintGraph::constraints`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ConstraintId(pub u32);
 
@@ -25,7 +25,7 @@ pub struct GraphConstraint {
     pub foliates: bool,
 }
 
-/// What a constraint demands. Objects are indices into [`super::ConstraintGraph::objects`].
+/// What a constraint demands. Objects are indices into [`crate::graph::constraint_graph::ConstraintGraph::objects`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ConstraintKind {
     /// The handle sits in the gripper, up to the handle's mask.

@@ -1,9 +1,9 @@
 //! States: "gripper A holds handle B, object C stands on surface D".
 
 use super::ConstraintId;
-use crate::robot::{GripperIndex, HandleIndex};
+use crate::robot::indices::{GripperIndex, HandleIndex};
 
-/// Index of a state in [`super::ConstraintGraph::states`].
+/// Index of a state in [`crate::graph::constraint_graph::ConstraintGraph::states`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[cfg_attr(feature = "ecs", derive(bevy_ecs::prelude::Component))]
 pub struct StateId(pub u32);

@@ -2,7 +2,7 @@
 
 use super::{ConstraintId, StateId};
 
-/// Index of a transition in [`super::ConstraintGraph::transitions`].
+/// Index of a transition in [`crate::graph::constraint_graph::ConstraintGraph::transitions`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[cfg_attr(feature = "ecs", derive(bevy_ecs::prelude::Component))]
 pub struct TransitionId(pub u32);

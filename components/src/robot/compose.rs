@@ -3,70 +3,16 @@
 //! Order is pinocchio's, so that configurations read alike in both: depth first, the children of a link in alphabetical
 //! order of their joints' names, parts in the order in which they are given.
 
-use super::model::{JointKind, JointModel, Model};
-use super::{
-    DisabledPair, Gripper, Handle, Joint, JointIndex, Link, LinkIndex, Motion, NoRoom, Part, PartIndex, Robot, Shape,
-    Source, Surface,
-};
-use crate::Pose;
-use crate::configuration::ConfigurationSpace;
+use crate::pose::Pose;
+use crate::robot::configuration::ConfigurationSpace;
+use crate::robot::error::ComposeError;
+use crate::robot::hybrid_robot::{DisabledPair, Gripper, Handle, Link, Part, Robot, Shape, Surface};
+use crate::robot::indices::{JointIndex, LinkIndex, PartIndex};
+use crate::robot::joint::{Joint, Motion, PartPlacement, RootJoint, Source};
+use crate::robot::model::{JointKind, Model};
+use crate::robot::model_tree::{Follow, Tree, follows, moved};
 use glam::{DQuat, DVec3};
 use std::collections::HashMap;
-
-/// What the planner may do with a part.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum PartKind {
-    /// Has grippers or actuators: its joints move on their own.
-    Robot,
-    /// Moves only while it is held.
-    Object,
-    /// Never moves.
-    Environment,
-}
-
-/// How a part's root link hangs in the world.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum RootJoint {
-    /// Rigidly.
-    Fixed,
-    /// By a free-flyer, R³ × SO(3).
-    FreeFlyer,
-    /// By a planar joint, R² × SO(2).
-    Planar,
-}
-
-/// Where and how a model enters the world.
-#[derive(Clone, Debug)]
-pub struct PartPlacement {
-    /// Part name, the prefix of its elements; unique, without `/`.
-    pub name: String,
-    /// Kind.
-    pub kind: PartKind,
-    /// Root joint.
-    pub root: RootJoint,
-    /// Pose of the root link (fixed) or of the root joint's frame (otherwise) in the world.
-    pub world_from_root: Pose,
-    /// Whether mimic joints follow (true) or are coordinates of their own (false).
-    pub mimic_follows: bool,
-    /// Bounds of the root's first coordinates as (lower, upper): x y z qx qy qz qw (free-flyer) or x y θ (planar), metres
-    /// and radians; those that are left out are unlimited. A root whose bounds are all equal never moves. Bounds on a
-    /// quaternion have no other use.
-    pub root_bounds: Vec<(f64, f64)>,
-    /// Bounds that replace the model's: joint name without prefix, lower, upper.
-    pub joint_bounds: Vec<(String, f64, f64)>,
-}
-
-/// Why models do not make a robot.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[allow(missing_docs, reason = "the messages are the documentation")]
-pub enum ComposeError {
-    #[error("two parts are called `{0}`")]
-    DuplicatePart(String),
-    #[error("part `{part}`: {message}")]
-    InPart { part: String, message: String },
-    #[error("part `{part}`: {room}")]
-    NoRoom { part: String, room: NoRoom },
-}
 
 impl Robot {
     /// Hangs the models into one tree.
@@ -221,154 +167,6 @@ impl Robot {
     }
 }
 
-/// The tree of a model: its root link, and below each link its joints in alphabetical order of names.
-struct Tree {
-    root: usize,
-    children: Vec<Vec<usize>>,
-}
-
-impl Tree {
-    fn of(model: &Model) -> Result<Self, String> {
-        if model.links.is_empty() {
-            return Err("the model has no links".into());
-        }
-        unique("link", model.links.iter().map(|l| l.name.as_str()))?;
-        unique("joint", model.joints.iter().map(|j| j.name.as_str()))?;
-        let mut children = vec![Vec::new(); model.links.len()];
-        let mut is_child = vec![false; model.links.len()];
-        for (index, joint) in model.joints.iter().enumerate() {
-            if joint.parent >= model.links.len() || joint.child >= model.links.len() {
-                return Err(format!("joint `{}` names a link that does not exist", joint.name));
-            }
-            if std::mem::replace(&mut is_child[joint.child], true) {
-                let child = &model.links[joint.child].name;
-                return Err(format!("link `{child}` is the child of two joints (one is `{}`)", joint.name));
-            }
-            children[joint.parent].push(index);
-        }
-        for joints in &mut children {
-            joints.sort_by(|&a, &b| model.joints[a].name.cmp(&model.joints[b].name));
-        }
-        let mut roots = (0..model.links.len()).filter(|&l| !is_child[l]);
-        let root = roots.next().ok_or("the joints form a cycle: every link is some joint's child")?;
-        if let Some(second) = roots.next() {
-            let (a, b) = (&model.links[root].name, &model.links[second].name);
-            return Err(format!("links `{a}` and `{b}` are both roots; a model has one"));
-        }
-        let tree = Self { root, children };
-        tree.refuse_cycles(model)?;
-        Ok(tree)
-    }
-
-    /// With one root and one parent per link, a link that the root does not reach lies on a cycle.
-    fn refuse_cycles(&self, model: &Model) -> Result<(), String> {
-        let mut reached = vec![false; model.links.len()];
-        let mut stack = vec![self.root];
-        while let Some(link) = stack.pop() {
-            reached[link] = true;
-            stack.extend(self.children[link].iter().map(|&j| model.joints[j].child));
-        }
-        match reached.iter().position(|r| !r) {
-            Some(link) => Err(format!("link `{}` is on a cycle of joints", model.links[link].name)),
-            None => Ok(()),
-        }
-    }
-}
-
-fn unique<'a>(what: &str, names: impl Iterator<Item = &'a str>) -> Result<(), String> {
-    let mut seen = std::collections::HashSet::new();
-    for name in names {
-        if !seen.insert(name) {
-            return Err(format!("two {what}s are called `{name}`"));
-        }
-    }
-    Ok(())
-}
-
-/// Whom a joint of a model follows, chains resolved.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Follow {
-    /// Nobody: it has coordinates of its own.
-    Nothing,
-    /// A joint (by its number in the model) that has a coordinate of its own.
-    Joint { leader: usize, multiplier: f64, offset: f64 },
-    /// A fixed joint, so that it never moves either: the value at which it stands.
-    Constant(f64),
-}
-
-/// Resolves `mimic` of all joints: chains end at a joint with a coordinate, or at a fixed one; cycles are refused.
-fn follows(model: &Model, mimic_follows: bool) -> Result<Vec<Follow>, String> {
-    let mut resolved: Vec<Option<Follow>> = vec![None; model.joints.len()];
-    let by_name: HashMap<&str, usize> = model.joints.iter().enumerate().map(|(i, j)| (j.name.as_str(), i)).collect();
-    let scalar = |kind| matches!(kind, JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic);
-    let mut walked_in = vec![usize::MAX; model.joints.len()];
-    for index in 0..model.joints.len() {
-        let mut chain = Vec::new();
-        let mut at = index;
-        // Towards the leader, as far as nobody has been.
-        let mut end = loop {
-            let joint = &model.joints[at];
-            let leader = joint.mimic.as_ref().filter(|_| mimic_follows);
-            match (resolved[at], leader) {
-                _ if joint.kind == JointKind::Fixed => break Follow::Constant(0.0),
-                (Some(known), _) => break known.carried_by(at),
-                (None, None) => {
-                    resolved[at] = Some(Follow::Nothing);
-                    break Follow::Nothing.carried_by(at);
-                }
-                (None, Some((leader, multiplier, offset))) => {
-                    let name = &joint.name;
-                    let Some(&next) = by_name.get(leader.as_str()) else {
-                        return Err(format!("joint `{name}` mimics `{leader}`, which is not a joint of this part"));
-                    };
-                    let next_kind = model.joints[next].kind;
-                    if !scalar(joint.kind) || !(scalar(next_kind) || next_kind == JointKind::Fixed) {
-                        return Err(format!(
-                            "joint `{name}` mimics `{leader}`: only joints of one coordinate can be coupled"
-                        ));
-                    }
-                    chain.push((at, *multiplier, *offset));
-                    walked_in[at] = index;
-                    if walked_in[next] == index {
-                        return Err(format!("joint `{name}` mimics itself, by way of `{leader}`"));
-                    }
-                    at = next;
-                }
-            }
-        };
-        for (joint, multiplier, offset) in chain.into_iter().rev() {
-            end = match end {
-                Follow::Joint { leader, multiplier: m, offset: o } => {
-                    Follow::Joint { leader, multiplier: multiplier * m, offset: multiplier * o + offset }
-                }
-                Follow::Constant(value) => Follow::Constant(multiplier * value + offset),
-                Follow::Nothing => Follow::Nothing,
-            };
-            resolved[joint] = Some(end);
-        }
-    }
-    Ok(resolved.into_iter().map(|r| r.unwrap_or(Follow::Nothing)).collect())
-}
-
-impl Follow {
-    /// What a follower of the joint `index` follows, where this is what that joint itself follows.
-    fn carried_by(self, index: usize) -> Self {
-        match self {
-            Self::Nothing => Self::Joint { leader: index, multiplier: 1.0, offset: 0.0 },
-            other => other,
-        }
-    }
-}
-
-/// The motion of a described joint of one coordinate at a value.
-fn moved(joint: &JointModel, value: f64) -> Pose {
-    match joint.kind {
-        JointKind::Revolute | JointKind::Continuous => Pose::from_rotation(DQuat::from_axis_angle(joint.axis, value)),
-        JointKind::Prismatic => Pose::from_translation(joint.axis * value),
-        JointKind::Planar | JointKind::Floating | JointKind::Fixed => Pose::identity(),
-    }
-}
-
 /// The depth-first walk that numbers links, shapes and joints of one part.
 struct Walk<'a> {
     robot: &'a mut Robot,
@@ -489,8 +287,14 @@ impl Walk<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::model::LinkModel;
-    use super::*;
+    use crate::pose::Pose;
+
+    use crate::robot::hybrid_robot::Robot;
+    use crate::robot::indices::JointIndex;
+    use crate::robot::joint::{PartKind, PartPlacement, RootJoint, Source};
+
+    use crate::robot::model::{JointKind, JointModel, LinkModel, Model};
+    use glam::DVec3;
 
     /// A chain of links by joints of the given kinds; joint i is called by its number.
     fn chain(kinds: &[JointKind]) -> Model {

@@ -1,63 +1,13 @@
 //! Joints that lead others move only where every follower keeps its own limits.
 
-use super::{JointIndex, PartIndex, Robot, Source};
-use std::fmt;
-
-/// Values that differ by less than this, radians or metres, are one: limits in files are rounded.
-const SAME: f64 = 1e-9;
-
-/// A leader whose range its followers make smaller.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NarrowedLimits {
-    /// The leader.
-    pub leader: JointIndex,
-    /// The followers whose limits end its range.
-    pub followers: Vec<JointIndex>,
-    /// Its own limits, radians or metres.
-    pub own: (f64, f64),
-    /// What is left of them.
-    pub left: (f64, f64),
-}
-
-impl NarrowedLimits {
-    /// Whether so little is left that something is likely wrong with the model: one value, or less than half of the range.
-    #[must_use]
-    pub fn is_suspicious(&self) -> bool {
-        let width = |(low, high): (f64, f64)| high - low;
-        width(self.left) <= SAME || width(self.left) < 0.5 * width(self.own)
-    }
-}
-
-/// A leader that has no value at which all its followers keep their limits. Names are without the part's.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NoRoom {
-    /// The leader.
-    pub leader: String,
-    /// What its limits and those of the followers before leave it.
-    pub range: (f64, f64),
-    /// The follower that leaves nothing of it.
-    pub follower: String,
-    /// The follower's own limits.
-    pub follower_range: (f64, f64),
-    /// The leader's values at which the follower keeps them.
-    pub allowed: (f64, f64),
-}
-
-impl fmt::Display for NoRoom {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { leader, range, follower, follower_range, allowed } = self;
-        write!(
-            f,
-            "joint `{follower}` follows `{leader}`, which moves in [{}, {}]; to keep its own limits [{}, {}] it needs \
-             `{leader}` in [{}, {}]: there is no such value",
-            range.0, range.1, follower_range.0, follower_range.1, allowed.0, allowed.1
-        )
-    }
-}
+use crate::robot::hybrid_robot::Robot;
+use crate::robot::indices::{JointIndex, PartIndex};
+use crate::robot::joint::Source;
+use crate::robot::limits::{NarrowedLimits, NoRoom, SAME};
 
 impl Robot {
     /// Narrows the bounds of a part's leaders to where all their followers keep their own.
-    pub(super) fn narrow_leaders(&mut self, part: PartIndex) -> Result<(), NoRoom> {
+    pub(crate) fn narrow_leaders(&mut self, part: PartIndex) -> Result<(), NoRoom> {
         for index in self.parts[part.at()].joints.clone() {
             let follower = JointIndex(index as u32);
             let Source::Follows { leader, multiplier, offset } = self.joints[index].source else { continue };
@@ -115,12 +65,14 @@ fn allowed((low, high): (f64, f64), multiplier: f64, offset: f64) -> (f64, f64) 
 
 #[cfg(test)]
 mod tests {
-    use super::super::model::{JointKind, JointModel, LinkModel, Model};
-    use super::*;
-    use crate::Pose;
-    use crate::configuration::Group;
-    use crate::robot::{ComposeError, PartPlacement};
-    use crate::sample_models::fixed_robot;
+    use crate::pose::Pose;
+    use crate::robot::configuration::Group;
+    use crate::robot::hybrid_robot::Robot;
+
+    use crate::robot::error::ComposeError;
+    use crate::robot::joint::PartPlacement;
+    use crate::robot::model::{JointKind, JointModel, LinkModel, Model};
+    use crate::samples::models::fixed_robot;
     use glam::DVec3;
 
     /// A leader, and followers with multiplier, offset and limits, side by side on one base.

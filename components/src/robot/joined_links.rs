@@ -1,6 +1,7 @@
 //! Neighbours: the two links that one joint joins.
 
-use super::{DisabledPair, JointIndex, LinkIndex, Part, Robot};
+use crate::robot::hybrid_robot::{DisabledPair, Part, Robot};
+use crate::robot::indices::{JointIndex, LinkIndex};
 
 /// Two links with shapes that one moving joint joins: how they stand to one another depends on that joint alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,10 +95,10 @@ impl Seen {
 #[cfg(test)]
 mod tests {
     use super::super::model::{JointKind, JointModel, LinkModel, Model};
-    use super::super::shape::Geometry;
     use super::*;
     use crate::Pose;
-    use crate::sample_models::fixed_robot;
+    use crate::robot::shape::geometry::Geometry;
+    use crate::samples::models::fixed_robot;
     use glam::DVec3;
 
     /// Links by name, `-` before those without shapes; joints as (parent, child, whether it moves).

@@ -2,8 +2,8 @@
 //!
 //! Readers (URDF, SRDF) and code produce a [`Model`]; nothing here knows a file format.
 
-use super::shape::Geometry;
 use crate::Pose;
+use crate::robot::shape::geometry::Geometry;
 use glam::DVec3;
 
 /// A robot, object or environment as described. Names carry no prefix. Indices refer to `links`.

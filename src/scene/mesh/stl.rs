@@ -2,7 +2,7 @@
 
 use super::{TRIANGLES, Triangles, lines};
 use crate::scene::error::{SceneError, quoted};
-use foliate_components::robot::positions::Positions;
+use foliate_components::robot::shape::positions::Positions;
 use glam::DVec3;
 
 /// Bytes before the first triangle: a comment, and their number.

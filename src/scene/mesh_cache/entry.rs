@@ -3,7 +3,7 @@
 
 use super::Key;
 use crate::scene::mesh::TRIANGLES;
-use foliate_components::robot::mesh_record::MeshRecord;
+use foliate_components::robot::shape::mesh_record::MeshRecord;
 use sha2::{Digest, Sha256};
 
 /// Counts changes of the form. It is part of the key.

@@ -10,7 +10,7 @@ mod entry;
 
 use super::mesh::UpAxis;
 use super::package::user_cache;
-use foliate_components::robot::mesh_record::MeshRecord;
+use foliate_components::robot::shape::mesh_record::MeshRecord;
 use glam::DVec3;
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};

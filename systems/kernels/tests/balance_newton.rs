@@ -11,9 +11,8 @@ use foliate_components::constraint::{
     Reference, RelativePose, Row,
 };
 use foliate_components::robot::model::Inertial;
-use foliate_components::robot::{PartIndex, Robot, RootJoint};
-use foliate_components::robot::{PartKind, PartPlacement};
-use foliate_components::sample_models as models;
+use foliate_components::robot::{PartIndex, PartKind, PartPlacement, Robot, RootJoint};
+use foliate_components::samples::models;
 use foliate_kernels::constraints::{centre_of_mass, parameter, placement_of, residual};
 use foliate_kernels::kinematics::{Carriage, Kinematics};
 use foliate_kernels::projection::{

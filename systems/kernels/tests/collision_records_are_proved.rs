@@ -5,8 +5,8 @@
 mod collision_models;
 
 use collision_models::{box_mesh, random_vector, star};
-use foliate_components::robot::mesh_record::MeshRecord;
 use foliate_components::robot::shape::Mesh;
+use foliate_components::robot::shape::mesh_record::MeshRecord;
 use foliate_kernels::collision::mesh_record::{proves, record};
 use foliate_kernels::collision::mesh_tree::MeshTree;
 use glam::DVec3;

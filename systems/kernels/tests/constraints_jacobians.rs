@@ -6,7 +6,7 @@ use foliate_components::Pose;
 use foliate_components::constraint::{Frame, Grasp, Mask, Placement as Contact, Reference, RelativePose, Row, rows};
 use foliate_components::pose::exp_so3;
 use foliate_components::robot::{JointIndex, LinkIndex, PartKind, Robot, RootJoint};
-use foliate_components::sample_models as models;
+use foliate_components::samples::models;
 use foliate_kernels::constraints::{RowsOut, locked, placement, placement_of, relative_pose};
 use foliate_kernels::kinematics::{AttachmentTree, Carriage, Kinematics, geometric_jacobian};
 use glam::DVec3;

@@ -11,7 +11,7 @@ use foliate_components::constraint::{
 };
 use foliate_components::pose::exp_so3;
 use foliate_components::robot::{JointIndex, PartKind, PartPlacement, Robot, RootJoint};
-use foliate_components::sample_models as models;
+use foliate_components::samples::models;
 use foliate_kernels::constraints::centre_of_mass;
 use foliate_kernels::kinematics::Kinematics;
 use foliate_kernels::lanes::Level;

@@ -4,7 +4,7 @@
 
 use foliate_components::Pose;
 use foliate_components::robot::{GripperIndex, JointIndex, PartKind, Robot, RootJoint};
-use foliate_components::sample_models as models;
+use foliate_components::samples::models;
 use foliate_kernels::kinematics::{
     AttachmentTree, Kinematics, LaneJacobian, LaneKinematics, POSE_ROWS, geometric_jacobian,
 };

@@ -6,7 +6,7 @@ use foliate_components::Pose;
 use foliate_components::constraint::{Constraint, Frame, Grasp, Placement as Contact, Reference, RelativePose, Row};
 use foliate_components::pose::exp_so3;
 use foliate_components::robot::Robot;
-use foliate_components::sample_models as models;
+use foliate_components::samples::models;
 use foliate_kernels::constraints::{placement, placement_of};
 use foliate_kernels::kinematics::Kinematics;
 use foliate_kernels::lanes::Level;

@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on says so")]
 
 use foliate_components::Pose;
-use foliate_components::configuration::ConfigurationSpace;
+use foliate_components::robot::configuration::ConfigurationSpace;
 use foliate_components::robot::{Joint, Motion, PartIndex, Source};
 use foliate_kernels::lanes::Level;
 use foliate_kernels::nearest::{Bucket, BucketQueries, Metric, Seeker, nearest};
@@ -59,7 +59,7 @@ fn crowd(space: &ConfigurationSpace, rng: &mut ChaCha8Rng, count: usize) -> Vec<
             space.random(rng, &mut q);
         }
         for f in &space.factors {
-            use foliate_components::configuration::Group;
+            use foliate_components::robot::configuration::Group;
             match f.group {
                 Group::Circle => q[f.q] += TAU * f64::from(rng.random_range(-3..=3)),
                 Group::Plane => q[f.q + 2] += TAU * f64::from(rng.random_range(-3..=3)),

@@ -8,7 +8,7 @@ use foliate_components::constraint::{
 };
 use foliate_components::pose::exp_so3;
 use foliate_components::robot::{PartKind, Robot, RootJoint};
-use foliate_components::sample_models as models;
+use foliate_components::samples::models;
 use foliate_kernels::constraints::{placement, placement_of, relative_pose};
 use foliate_kernels::kinematics::Kinematics;
 use foliate_kernels::projection::{

@@ -8,7 +8,7 @@ use foliate_components::Pose;
 use foliate_components::constraint::{CentreOfMass, Constraint, Frame, Masses, PlaneRow, Reference, RelativePose, Row};
 use foliate_components::pose::{exp_so3, log_so3};
 use foliate_components::robot::{JointIndex, PartKind, Robot, RootJoint};
-use foliate_components::sample_models as models;
+use foliate_components::samples::models;
 use foliate_kernels::constraints::{centre_of_mass, placement_of, residual};
 use foliate_kernels::kinematics::{AttachmentTree, Kinematics, Standing, geometric_jacobian};
 use foliate_kernels::lanes::Level;

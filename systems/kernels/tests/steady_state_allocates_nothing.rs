@@ -15,7 +15,7 @@ use foliate_components::constraint::{Constraint, Frame, Grasp, Reference, Relati
 use foliate_components::pose::exp_so3;
 use foliate_components::robot::shape::Geometry;
 use foliate_components::robot::{PartKind, Robot, RootJoint};
-use foliate_components::sample_models as models;
+use foliate_components::samples::models;
 use foliate_kernels::collision::{
     CertificateSettings, CollisionScene, CollisionScratch, MotionVerdict, PairRule, PairSet, PolylineVerdict, Verdicts,
     certify_motion, certify_polyline, first_collision,

@@ -21,7 +21,7 @@ use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Mut, Resource, World};
 use foliate_components::Pose;
 use foliate_components::graph::StateId;
-use foliate_components::leaf::{Leaf, LeafIndex};
+use foliate_components::graph::leaf::{Leaf, LeafIndex};
 use foliate_components::outcome::GoalStatistics;
 use foliate_components::problem::{Goal, PartialGoal};
 use foliate_components::roadmap::{NodeId, Roadmap};

@@ -10,8 +10,8 @@
 //! yet is far.
 
 use super::state_pair::{Row, StatePair};
+use foliate_components::graph::leaf::Leaf;
 use foliate_components::graph::{ConstraintGraph, ConstraintId, ConstraintKind, StateId, Transition, TransitionKind};
-use foliate_components::leaf::Leaf;
 use std::collections::HashMap;
 
 /// Farther than this is as far.

@@ -1,7 +1,7 @@
 //! Draws among leaves that many trees have reached, near ones first.
 
 use crate::reached_leaves::LeafColumns;
-use foliate_components::leaf::LeafId;
+use foliate_components::graph::leaf::LeafId;
 use foliate_kernels::lanes::{Isa, Kernel, Level};
 
 /// A leaf that is so many changes of grasp farther than the nearest is as good as never drawn.
@@ -135,7 +135,7 @@ mod tests {
     use crate::random::draw;
     use crate::reached_leaves::ReachedLeaves;
     use foliate_components::graph::StateId;
-    use foliate_components::leaf::{Leaf, ParameterId};
+    use foliate_components::graph::leaf::{Leaf, ParameterId};
     use foliate_components::roadmap::ComponentId;
 
     #[test]

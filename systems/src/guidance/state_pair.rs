@@ -1,7 +1,7 @@
 //! How far one leaf is from many of one state: a pass over the columns of their parameters.
 
 use crate::column::Column;
-use foliate_components::leaf::ParameterId;
+use foliate_components::graph::leaf::ParameterId;
 use foliate_kernels::lanes::{Isa, Kernel, Level};
 
 /// Leaves that are measured at once.

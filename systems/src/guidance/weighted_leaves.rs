@@ -2,7 +2,7 @@
 //! new leaf or a changed weight costs one block and a draw goes from block to block.
 
 use foliate_components::graph::StateId;
-use foliate_components::leaf::LeafId;
+use foliate_components::graph::leaf::LeafId;
 
 /// Leaves per block.
 const BLOCK: usize = 64;

@@ -13,7 +13,7 @@ pub use nearest_of_each::{Question, Region};
 use crate::model::PlanningModel;
 use crate::settings::{SearchSettings, Selection};
 use bevy_ecs::prelude::Resource;
-use foliate_components::leaf::LeafId;
+use foliate_components::graph::leaf::LeafId;
 use foliate_components::roadmap::{ComponentId, NodeId, Roadmap};
 use foliate_kernels::lanes::Level;
 use foliate_kernels::nearest::{Bucket, Metric};

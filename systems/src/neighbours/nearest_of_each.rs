@@ -4,7 +4,7 @@ use super::{ByTree, Neighbours};
 use crate::model::PlanningModel;
 use crate::parallel::runs;
 use foliate_components::graph::StateId;
-use foliate_components::leaf::LeafId;
+use foliate_components::graph::leaf::LeafId;
 use foliate_components::roadmap::{ComponentId, NodeId, Roadmap};
 use foliate_kernels::nearest::{BucketQueries, nearest};
 

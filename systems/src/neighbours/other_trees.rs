@@ -3,7 +3,7 @@
 use super::Neighbours;
 use crate::model::PlanningModel;
 use crate::parallel::runs;
-use foliate_components::leaf::LeafId;
+use foliate_components::graph::leaf::LeafId;
 use foliate_components::roadmap::{ComponentId, NodeId, Roadmap};
 use foliate_kernels::nearest::{Bucket, BucketQueries, Seeker};
 

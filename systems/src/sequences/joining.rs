@@ -17,7 +17,7 @@ use crate::selection::Families;
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Query, Res, ResMut, Resource};
 use foliate_components::candidate::{Candidate, CandidateArena};
-use foliate_components::leaf::LeafIndex;
+use foliate_components::graph::leaf::LeafIndex;
 use foliate_components::roadmap::{ComponentId, NodeId, Roadmap};
 use rand::RngExt;
 

@@ -6,10 +6,10 @@
 
 use crate::conclusion::Roots;
 use crate::passages::Passages;
-use foliate_components::configuration::ConfigurationSpace;
 use foliate_components::graph::StateId;
-use foliate_components::leaf::LeafId;
+use foliate_components::graph::leaf::LeafId;
 use foliate_components::roadmap::{ComponentId, NodeId, Roadmap};
+use foliate_components::robot::configuration::ConfigurationSpace;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 

@@ -7,7 +7,7 @@ use crate::schedule::StepCounter;
 use crate::search::{AnswerIn, Search};
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Res, ResMut, World};
-use foliate_components::leaf::LeafIndex;
+use foliate_components::graph::leaf::LeafIndex;
 use foliate_components::outcome::SearchOutcome;
 
 /// Ends the portfolio when a world has solved the problem, when all together have spent a budget, when none of them goes on,

@@ -9,8 +9,8 @@ use crate::conclusion::Roots;
 use crate::worlds::rooted::{Rooted, other_end};
 use bevy_ecs::prelude::{Mut, Resource, World};
 use crossbeam_channel::{Receiver, Sender, unbounded};
+use foliate_components::graph::leaf::{Leaf, LeafId, LeafIndex, Parameter, ParameterId};
 use foliate_components::graph::{StateId, TransitionId};
-use foliate_components::leaf::{Leaf, LeafId, LeafIndex, Parameter, ParameterId};
 use foliate_components::roadmap::{EdgeId, Motion, NodeId, Roadmap};
 use std::collections::{HashMap, HashSet};
 

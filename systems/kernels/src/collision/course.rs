@@ -13,8 +13,8 @@ use super::velocity_bound::FINE;
 use crate::kinematics::{Carriage, Kinematics};
 use crate::lanes::{F32Row, F64Row, Level};
 use foliate_components::Pose;
-use foliate_components::configuration::quaternion;
 use foliate_components::pose::exp_so3;
+use foliate_components::robot::configuration::quaternion;
 use foliate_components::robot::{JointIndex, Motion};
 use glam::{DMat3, DQuat, DVec3};
 

@@ -8,9 +8,9 @@ use super::hull::{FoundHull, MOST_POINTS, is_around};
 use super::mesh_tree::{Extent, corners_of};
 use super::point_rows::PointRows;
 use super::triangle_order::triangle_order;
-use foliate_components::robot::mesh_record::MeshRecord;
-use foliate_components::robot::positions::first_at_position;
 use foliate_components::robot::shape::Mesh;
+use foliate_components::robot::shape::mesh_record::MeshRecord;
+use foliate_components::robot::shape::positions::first_at_position;
 use glam::DVec3;
 
 /// What there is to be known of a mesh, found from nothing; none where the mesh has no triangles, an index out of range or a

@@ -8,8 +8,8 @@ use super::hull::Hull;
 use super::mesh_record::{findings, proves};
 use super::triangle_order::parts_of;
 use crate::lanes::{F64Row, Level, Row};
-use foliate_components::robot::mesh_record::MeshRecord;
 use foliate_components::robot::shape::Mesh;
+use foliate_components::robot::shape::mesh_record::MeshRecord;
 use glam::DVec3;
 use std::ops::Range;
 

@@ -7,8 +7,8 @@ use super::outer::Outer;
 use super::pair_rule::{PairRule, Rules};
 use super::solids::Solids;
 use foliate_components::Pose;
-use foliate_components::configuration::ConfigurationSpace;
 use foliate_components::coverage::{LeftOut, PairCounts};
+use foliate_components::robot::configuration::ConfigurationSpace;
 use foliate_components::robot::{JointIndex, LinkIndex, Motion, Robot, Shape, ShapeIndex, Source};
 use glam::{DQuat, DVec3};
 

@@ -1,7 +1,7 @@
 //! Forward kinematics of the hybrid robot, with objects that follow what carries them.
 
 use foliate_components::Pose;
-use foliate_components::configuration::quaternion;
+use foliate_components::robot::configuration::quaternion;
 use foliate_components::robot::{JointIndex, Motion, Robot, Source};
 use glam::{DQuat, DVec3};
 

@@ -1,6 +1,6 @@
 //! The distance of the configuration space, as rows of rounded numbers that lanes can subtract.
 
-use foliate_components::configuration::{ConfigurationSpace, Group, wrap};
+use foliate_components::robot::configuration::{ConfigurationSpace, Group, wrap};
 use std::f64::consts::{PI, TAU};
 
 /// Which rows stand for a configuration: √Σ(wᵢ(b ⊖ a)ᵢ)² of [`ConfigurationSpace::distance`] falls into numbers whose

@@ -2,7 +2,7 @@
 
 use crate::kinematics::{AttachmentTree, Carriage, Standing};
 use foliate_components::Pose;
-use foliate_components::configuration::quaternion;
+use foliate_components::robot::configuration::quaternion;
 use foliate_components::robot::{Joint, JointIndex, Motion, Robot, Source};
 use glam::{DQuat, DVec3, DVec4};
 

@@ -10,7 +10,7 @@ use super::motion::{MotionEnd, MotionJob, MotionScratch, MotionSettings};
 use super::program::ConstraintProgram;
 use super::walk::{Tools, Walk, WalkMemory};
 use crate::lanes::F64Row;
-use foliate_components::configuration::ConfigurationSpace;
+use foliate_components::robot::configuration::ConfigurationSpace;
 
 /// Lanes of double precision.
 const LANES: usize = F64Row::LANES;

@@ -18,7 +18,7 @@ use super::newton::{Settings, project};
 use super::program::ConstraintProgram;
 use super::walk::{Tools, Walk, WalkMemory};
 use foliate_components::Pose;
-use foliate_components::configuration::ConfigurationSpace;
+use foliate_components::robot::configuration::ConfigurationSpace;
 
 /// How a motion is kept on its leaf.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,8 +7,8 @@ use super::scratch::Scratch;
 use crate::lanes::Level;
 use crate::linear;
 use foliate_components::Pose;
-use foliate_components::configuration::quaternion;
 use foliate_components::pose::exp_so3;
+use foliate_components::robot::configuration::quaternion;
 use glam::DVec3;
 use std::ops::RangeInclusive;
 

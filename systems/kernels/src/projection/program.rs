@@ -322,9 +322,9 @@ impl StandingRoot {
     /// Writes the root with the sign of the quaternion that it had, so that a motion's knots have no jumps of sign.
     fn write(&self, X_WJ: &[Pose], q: &mut [f64]) {
         let i = self.write.coordinate;
-        let before = foliate_components::configuration::quaternion(q, i);
+        let before = foliate_components::robot::configuration::quaternion(q, i);
         self.write.write(X_WJ, q);
-        let turn = foliate_components::configuration::quaternion(q, i).normalize();
+        let turn = foliate_components::robot::configuration::quaternion(q, i).normalize();
         let turn = if turn.dot(before) < 0.0 { -turn } else { turn };
         q[i + 3..i + 7].copy_from_slice(&[turn.x, turn.y, turn.z, turn.w]);
         for k in 0..3 {
@@ -363,7 +363,7 @@ impl WriteBack {
     fn distance(&self, q: &[f64], X_WJ: &[Pose]) -> f64 {
         let (i, pose) = (self.coordinate, self.pose(X_WJ));
         let apart = DVec3::new(q[i], q[i + 1], q[i + 2]) - pose.translation;
-        let turned = foliate_components::configuration::quaternion(q, i).conjugate() * pose.rotation;
+        let turned = foliate_components::robot::configuration::quaternion(q, i).conjugate() * pose.rotation;
         apart.abs().max_element().max(log_so3(turned).abs().max_element())
     }
 }

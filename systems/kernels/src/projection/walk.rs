@@ -8,7 +8,7 @@ use super::point_rates::BoundMemory;
 use super::program::ConstraintProgram;
 use super::scratch::Scratch;
 use foliate_components::Pose;
-use foliate_components::configuration::ConfigurationSpace;
+use foliate_components::robot::configuration::ConfigurationSpace;
 
 /// Into how many parts a step is divided at most.
 const PARTS: u32 = 8;

@@ -10,7 +10,7 @@ use foliate_components::constraint::{
 use foliate_components::pose::exp_so3;
 use foliate_components::robot::model::{Inertial, Model};
 use foliate_components::robot::{LinkIndex, PartIndex, PartKind, PartPlacement, Robot, RootJoint, Source};
-use foliate_components::sample_models as models;
+use foliate_components::samples::models;
 use foliate_kernels::kinematics::{Carriage, Kinematics};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};

@@ -2,9 +2,9 @@
 
 use crate::Pose;
 use crate::pose::rotation_from_rpy;
+use crate::robot::joint::{PartKind, PartPlacement, RootJoint};
 use crate::robot::model::{GripperModel, HandleModel, Inertial, JointKind, JointModel, LinkModel, Model, SurfaceModel};
-use crate::robot::shape::Geometry;
-use crate::robot::{PartKind, PartPlacement, RootJoint};
+use crate::robot::shape::geometry::Geometry;
 use glam::{DQuat, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -295,7 +295,7 @@ fn solid_box(half_extents: DVec3) -> Geometry {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::robot::Robot;
+    use crate::robot::hybrid_robot::Robot;
 
     #[test]
     fn every_model_composes() {

@@ -1,11 +1,13 @@
 //! Boxes on boxes: supports that move, and magnets.
 
-use super::{bent_arm, neighbours, on_table, standing};
 use crate::Pose;
 use crate::problem::{Goal, GraphOptions, ObjectOptions, Problem};
+use crate::robot::error::ComposeError;
+use crate::robot::hybrid_robot::Robot;
+use crate::robot::indices::{GripperIndex, HandleIndex, SurfaceIndex};
 use crate::robot::model::{GripperModel, HandleModel, Model};
-use crate::robot::{ComposeError, GripperIndex, HandleIndex, Robot, SurfaceIndex};
-use crate::sample_models::{block, environment, fixed_robot, movable_object, seven_axis_arm, table};
+use crate::samples::boxes::{bent_arm, neighbours, on_table, standing};
+use crate::samples::models::{block, environment, fixed_robot, movable_object, seven_axis_arm, table};
 use glam::{DQuat, DVec3};
 use std::f64::consts::FRAC_PI_2;
 

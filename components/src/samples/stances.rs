@@ -1,11 +1,14 @@
 //! States of a problem's own: a foot that stands, is lifted and is set down elsewhere.
 
-use super::{move_one_box, neighbours};
 use crate::Pose;
-use crate::constraint::{Constraint, Frame, Reference, RelativePose, Row};
+use crate::constraint::kind::Constraint;
+use crate::constraint::{Frame, Reference, RelativePose, Row};
 use crate::problem::{Goal, GraphOptions, NamedConstraint, Problem, WrittenLeg, WrittenState, WrittenTransition};
-use crate::robot::{ComposeError, Motion, Robot};
-use crate::sample_models::{fixed_robot, seven_axis_arm};
+use crate::robot::error::ComposeError;
+use crate::robot::hybrid_robot::Robot;
+use crate::robot::joint::Motion;
+use crate::samples::boxes::{move_one_box, neighbours};
+use crate::samples::models::{fixed_robot, seven_axis_arm};
 use glam::{DQuat, DVec3};
 use std::f64::consts::FRAC_PI_2;
 

@@ -1,45 +1,37 @@
 //! Small manipulation problems in code, for tests, benches and examples that load no files.
 
-mod articulated;
-mod crowds;
-mod stacks;
-mod stances;
-
-pub use articulated::{open_a_box_and_move_it, open_a_drawer, open_a_drawer_with_a_box_in_it};
-pub use crowds::{crowd, eight_arms_and_ten_boxes};
-pub use stacks::{carry_a_box_with_its_lid, hold_a_lid_by_a_magnet, put_a_lid_on_a_box};
-pub use stances::{make_a_step, move_one_box_with_a_level_hand};
-
 use crate::Pose;
 use crate::pose::pose_to_array;
 use crate::problem::{Goal, GraphOptions, ObjectOptions, Problem, RestingPlane};
-use crate::robot::{ComposeError, DisabledPair, JoinedLinks, Robot};
-use crate::sample_models::{block, environment, fixed_robot, movable_object, seven_axis_arm, table};
+use crate::robot::JoinedLinks;
+use crate::robot::error::ComposeError;
+use crate::robot::hybrid_robot::{DisabledPair, Robot};
+use crate::samples::models::{block, environment, fixed_robot, movable_object, seven_axis_arm, table};
 use glam::{DQuat, DVec3};
 
 /// Side of the boxes, metres.
-const SIDE: f64 = 0.06;
+pub(crate) const SIDE: f64 = 0.06;
 
 /// Pairs of links that one joint joins: the samples' overlap where they meet.
-fn neighbours(robot: &Robot) -> Vec<DisabledPair> {
+pub(crate) fn neighbours(robot: &Robot) -> Vec<DisabledPair> {
     let adjacent = |pair: JoinedLinks| pair.disabled(DisabledPair::ADJACENT);
     robot.parts.iter().flat_map(|part| robot.joined_links(part)).map(adjacent).collect()
 }
 
 /// The arm's joints where it keeps out of the way; it must be the first part.
-fn bent_arm(robot: &Robot) -> Vec<f64> {
+pub(crate) fn bent_arm(robot: &Robot) -> Vec<f64> {
     let mut q = vec![0.0; robot.parts.first().map_or(0, |arm| arm.joints.len())];
     q.iter_mut().zip([0.0, -0.6, 0.0, 1.4, 0.0, 0.8, 0.0]).for_each(|(value, bent)| *value = bent);
     q
 }
 
 /// The middle of a box of that height that stands on a table whose top is the ground.
-fn on_table(x: f64, y: f64, height: f64, gap: f64) -> DVec3 {
+pub(crate) fn on_table(x: f64, y: f64, height: f64, gap: f64) -> DVec3 {
     DVec3::new(x, y, 0.5 * height + gap)
 }
 
 /// Coordinates of an object that stands upright.
-fn standing(at: DVec3) -> [f64; 7] {
+pub(crate) fn standing(at: DVec3) -> [f64; 7] {
     pose_to_array(&Pose::from_translation(at))
 }
 

@@ -6,7 +6,7 @@
 //! two of them that differ by 2π are the same place.
 
 use crate::pose::{exp_so3, log_so3};
-use crate::robot::{Joint, Motion, Source};
+use crate::robot::joint::{Joint, Motion, Source};
 use glam::{DQuat, DVec3};
 use rand::{Rng, RngExt};
 use std::f64::consts::{PI, TAU};

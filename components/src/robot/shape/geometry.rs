@@ -1,7 +1,7 @@
 //! Solids: primitives with their own frame in the middle, z along the axis (URDF's convention), and triangle meshes.
 
-use super::closed_surface::Surface;
-use super::mesh_record::MeshRecord;
+use crate::robot::shape::closed_surface::Surface;
+use crate::robot::shape::mesh_record::MeshRecord;
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -45,7 +45,7 @@ pub struct Mesh {
     pub vertices: Vec<DVec3>,
     /// Triangles, counter-clockwise seen from outside. Every index is below `vertices.len()`.
     pub triangles: Vec<[u32; 3]>,
-    /// Whether the mesh bounds a solid ([`Surface::of`](super::closed_surface::Surface::of)).
+    /// Whether the mesh bounds a solid ([`Surface::of`](crate::robot::shape::closed_surface::Surface::of)).
     pub closed: bool,
     /// What was found out about vertices and triangles before, so that it need not be again. Whoever uses it proves it first.
     pub record: Option<MeshRecord>,
@@ -62,7 +62,7 @@ impl Mesh {
         Self::new_while(source, vertices, triangles, &|| true).unwrap_or_default()
     }
 
-    /// As [`Self::new`]; none once `go_on` says no, see [`Surface::of_while`](super::closed_surface::Surface::of_while).
+    /// As [`Self::new`]; none once `go_on` says no, see [`Surface::of_while`](crate::robot::shape::closed_surface::Surface::of_while).
     #[must_use]
     pub fn new_while(
         source: String,

@@ -1,10 +1,11 @@
 //! Drawers and lids: joints that move only while somebody holds a handle beyond them.
 
-use super::{bent_arm, neighbours, on_table, standing};
 use crate::Pose;
 use crate::problem::{Goal, GraphOptions, JointRest, ObjectOptions, Problem, RestingJoint};
-use crate::robot::{ComposeError, Robot};
-use crate::sample_models::{
+use crate::robot::error::ComposeError;
+use crate::robot::hybrid_robot::Robot;
+use crate::samples::boxes::{bent_arm, neighbours, on_table, standing};
+use crate::samples::models::{
     block, box_with_lid, drawer, environment, fixed_robot, movable_object, seven_axis_arm, table,
 };
 use glam::DVec3;

@@ -1,10 +1,11 @@
 //! Many arms and many boxes: graphs that nobody can list.
 
-use super::{SIDE, neighbours, standing};
 use crate::Pose;
 use crate::problem::{Goal, GraphOptions, ObjectOptions, Problem};
-use crate::robot::{ComposeError, Robot};
-use crate::sample_models::{block, environment, fixed_robot, movable_object, seven_axis_arm, table};
+use crate::robot::error::ComposeError;
+use crate::robot::hybrid_robot::Robot;
+use crate::samples::boxes::{SIDE, neighbours, standing};
+use crate::samples::models::{block, environment, fixed_robot, movable_object, seven_axis_arm, table};
 use glam::{DQuat, DVec3};
 use std::f64::consts::FRAC_PI_2;
 

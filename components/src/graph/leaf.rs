@@ -6,7 +6,7 @@
 
 use crate::Pose;
 use crate::graph::{ConstraintId, StateId};
-use crate::robot::JointIndex;
+use crate::robot::indices::JointIndex;
 use std::collections::HashMap;
 
 /// Index of a leaf in [`LeafIndex`].

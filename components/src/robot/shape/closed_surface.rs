@@ -3,7 +3,7 @@
 //! Files of meshes hold triangles twice, needles without area, sheets between two parts of a solid, and vertices that should be one
 //! and differ in their last digits. None of that makes a solid a shell.
 
-use super::positions::{Positions, first_at_position};
+use crate::robot::shape::positions::{Positions, first_at_position};
 use glam::DVec3;
 
 /// Corners nearer to each other than this times the mesh's extent are one corner, where whether a surface is closed is asked: a

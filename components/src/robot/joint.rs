@@ -1,0 +1,142 @@
+//! Joints: how each moves its body, where its numbers come from; and how parts are placed in the world.
+
+use crate::pose::Pose;
+use crate::robot::indices::{JointIndex, PartIndex};
+use glam::DVec3;
+
+/// How a joint moves its body, in the joint frame at zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Motion {
+    /// Rotation about a unit axis, radians.
+    Revolute {
+        /// Unit axis in the joint frame.
+        axis: DVec3,
+    },
+    /// Translation along a unit axis, metres.
+    Prismatic {
+        /// Unit axis in the joint frame.
+        axis: DVec3,
+    },
+    /// x, y, θ in the joint frame's xy plane (R² × SO(2)).
+    Planar,
+    /// Position and unit quaternion (R³ × SO(3)). Velocities: translation in the joint frame, rotation in the moving frame.
+    FreeFlyer,
+}
+
+impl Motion {
+    /// Number of numbers in a configuration: 1, 3 or 7.
+    #[must_use]
+    pub fn configuration_size(&self) -> usize {
+        match self {
+            Self::Revolute { .. } | Self::Prismatic { .. } => 1,
+            Self::Planar => 3,
+            Self::FreeFlyer => 7,
+        }
+    }
+
+    /// Dimension of the velocity: 1, 3 or 6.
+    #[must_use]
+    pub fn velocity_size(&self) -> usize {
+        match self {
+            Self::Revolute { .. } | Self::Prismatic { .. } => 1,
+            Self::Planar => 3,
+            Self::FreeFlyer => 6,
+        }
+    }
+}
+
+/// Where a joint's value comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Source {
+    /// Its own coordinates.
+    Coordinates {
+        /// First index in a configuration.
+        q: usize,
+        /// First index in a velocity.
+        v: usize,
+    },
+    /// `multiplier · leader + offset` (URDF `mimic`); the leader has coordinates of its own.
+    Follows {
+        /// The joint that is followed; never itself a follower.
+        leader: JointIndex,
+        /// Factor.
+        multiplier: f64,
+        /// Offset, radians or metres.
+        offset: f64,
+    },
+}
+
+/// A joint that moves, and the rigid body beyond it.
+#[derive(Clone, Debug)]
+pub struct Joint {
+    /// `part/joint`.
+    pub name: String,
+    /// Part it belongs to.
+    pub part: PartIndex,
+    /// Moving joint whose body carries this joint; `None` where that is the world.
+    pub parent: Option<JointIndex>,
+    /// Pose of the joint frame (at zero) in the parent joint's frame, or in the world.
+    pub parent_from_joint: Pose,
+    /// How it moves.
+    pub motion: Motion,
+    /// Where its value comes from.
+    pub source: Source,
+    /// Bounds on the joint's value, also for followers; infinite where there is none. One entry per configuration number.
+    /// Those of a leader are no wider than its followers' own let it move.
+    pub lower: Vec<f64>,
+    /// Upper bounds, as `lower`.
+    pub upper: Vec<f64>,
+    /// Velocity limit as the URDF gives it, rad/s or m/s.
+    pub velocity_limit: Option<f64>,
+}
+
+impl Joint {
+    /// Whether all its coordinates lie between equal bounds, so that it never moves.
+    #[must_use]
+    pub fn is_immovable(&self) -> bool {
+        self.lower.iter().zip(&self.upper).all(|(low, high)| low >= high)
+    }
+}
+
+/// What the planner may do with a part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum PartKind {
+    /// Has grippers or actuators: its joints move on their own.
+    Robot,
+    /// Moves only while it is held.
+    Object,
+    /// Never moves.
+    Environment,
+}
+
+/// How a part's root link hangs in the world.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum RootJoint {
+    /// Rigidly.
+    Fixed,
+    /// By a free-flyer, R³ × SO(3).
+    FreeFlyer,
+    /// By a planar joint, R² × SO(2).
+    Planar,
+}
+
+/// Where and how a model enters the world.
+#[derive(Clone, Debug)]
+pub struct PartPlacement {
+    /// Part name, the prefix of its elements; unique, without `/`.
+    pub name: String,
+    /// Kind.
+    pub kind: PartKind,
+    /// Root joint.
+    pub root: RootJoint,
+    /// Pose of the root link (fixed) or of the root joint's frame (otherwise) in the world.
+    pub world_from_root: Pose,
+    /// Whether mimic joints follow (true) or are coordinates of their own (false).
+    pub mimic_follows: bool,
+    /// Bounds of the root's first coordinates as (lower, upper): x y z qx qy qz qw (free-flyer) or x y θ (planar), metres
+    /// and radians; those that are left out are unlimited. A root whose bounds are all equal never moves. Bounds on a
+    /// quaternion have no other use.
+    pub root_bounds: Vec<(f64, f64)>,
+    /// Bounds that replace the model's: joint name without prefix, lower, upper.
+    pub joint_bounds: Vec<(String, f64, f64)>,
+}

@@ -1,0 +1,8 @@
+//! Collision shapes: primitives and meshes, which triangles of a mesh enclose a solid, and what was found out about a mesh before.
+
+pub mod closed_surface;
+pub mod geometry;
+pub mod mesh_record;
+pub mod positions;
+
+pub use crate::robot::shape::geometry::{Geometry, Mesh};
