@@ -10,11 +10,11 @@ use foliate::components::constraint::{
     CentreOfMass, Constraint, Frame, Masses, PlaneRow, Reference, RelativePose, Row,
 };
 use foliate::components::robot::{PartIndex, PartKind, PartPlacement, Robot, RootJoint};
-use foliate::kernels::constraints::{centre_of_mass, residual};
-use foliate::kernels::kinematics::Kinematics;
-use foliate::kernels::projection::{
+use foliate::kernels::constrained_motion::{
     ConstraintProgram, MotionEnd, MotionScratch, MotionSettings, Scratch, Settings, project, project_motion,
 };
+use foliate::kernels::constraints::{centre_of_mass, residual};
+use foliate::kernels::kinematics::Kinematics;
 use foliate::scene::{PackagePath, UpAxis, coordinate_names, read_model};
 use glam::DVec3;
 use rand_chacha::ChaCha8Rng;

@@ -3,7 +3,7 @@
 
 use foliate::batch::Entry;
 use foliate::components::robot::shape::{Geometry, Mesh};
-use foliate::kernels::collision::mesh_tree::MeshTree;
+use foliate::kernels::collision::solids::mesh_tree::MeshTree;
 use foliate::scene::{LoadLimits, LoadStop, PackagePath, UpAxis, load_scene, read_model};
 use foliate::systems::events::{CancelToken, MemoryGuard, StopSignal};
 use foliate::systems::model::ProblemTables;

@@ -11,9 +11,9 @@ use foliate_benches::{criterion, one_thread, random_configurations, scene_model}
 use foliate_components::Pose;
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::robot::JointIndex;
-use foliate_kernels::collision::bounds::Ball;
-use foliate_kernels::collision::hull::hull_distance;
+use foliate_kernels::collision::distance::hull_distance::hull_distance;
 use foliate_kernels::collision::scene::SceneSolid;
+use foliate_kernels::collision::solids::volumes::Ball;
 use foliate_kernels::collision::{
     Ask, CertificateSettings, CollisionScratch, MotionVerdict, PairSet, certify_motion, first_collision,
 };

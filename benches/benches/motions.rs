@@ -5,10 +5,10 @@ use foliate_benches::humanoid::Humanoid;
 use foliate_benches::{criterion, one_thread};
 use foliate_components::Pose;
 use foliate_components::robot::configuration::ConfigurationSpace;
-use foliate_kernels::kinematics::Kinematics;
-use foliate_kernels::projection::{
+use foliate_kernels::constrained_motion::{
     ConstraintProgram, MotionEnd, MotionJob, MotionScratch, MotionSettings, project_motion, project_motions,
 };
+use foliate_kernels::kinematics::Kinematics;
 use std::time::Instant;
 
 /// Motions; a multiple of all crowds.

@@ -10,10 +10,12 @@ use foliate_benches::{criterion, random_configurations, sample_model, scene_mode
 use foliate_components::Pose;
 use foliate_components::constraint::{Constraint, Frame, Reference, RelativePose};
 use foliate_components::pose::pose_to_array;
+use foliate_kernels::constrained_motion::{
+    ConstraintProgram, Job, Outcome, Scratch, SeedTable, Settings, project_batch,
+};
 use foliate_kernels::constraints::placement_of;
 use foliate_kernels::kinematics::Kinematics;
 use foliate_kernels::lanes::Level;
-use foliate_kernels::projection::{ConstraintProgram, Job, Outcome, Scratch, SeedTable, Settings, project_batch};
 use foliate_systems::model::PlanningModel;
 use glam::{DQuat, DVec3};
 use std::f64::consts::{FRAC_PI_2, TAU};

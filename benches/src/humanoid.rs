@@ -8,9 +8,9 @@ use foliate_components::constraint::{CentreOfMass, Constraint, Frame, Masses, Pl
 use foliate_components::robot::model::Model as RobotModel;
 use foliate_components::robot::{PartIndex, PartKind, PartPlacement, Robot, RootJoint, Source};
 use foliate_components::samples::models as sample_models;
+use foliate_kernels::constrained_motion::{ConstraintProgram, Scratch, Settings, project};
 use foliate_kernels::constraints::{centre_of_mass, placement_of};
 use foliate_kernels::kinematics::Kinematics;
-use foliate_kernels::projection::{ConstraintProgram, Scratch, Settings, project};
 use glam::DVec3;
 
 /// Configurations of a humanoid; a multiple of the lanes.

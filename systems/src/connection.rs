@@ -22,8 +22,8 @@ use foliate_components::graph::{StateId, TransitionId};
 use foliate_components::roadmap::{Motion, NodeId, Roadmap};
 use foliate_components::robot::ShapeIndex;
 use foliate_kernels::collision::CollisionScratch;
+use foliate_kernels::constrained_motion::MotionScratch;
 use foliate_kernels::kinematics::Carriage;
-use foliate_kernels::projection::MotionScratch;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A motion that would join two trees.

@@ -13,7 +13,7 @@ use foliate_components::constraint::{Constraint, Frame, Reference, RelativePose,
 use foliate_components::graph::leaf::{LeafId, LeafIndex, Parameter};
 use foliate_components::graph::{ConstraintId, ConstraintKind, StateId, TransitionId};
 use foliate_components::robot::{JointIndex, Source};
-use foliate_kernels::projection::{CarriageTemplate, CompileError, ConstraintProgram};
+use foliate_kernels::constrained_motion::{CarriageTemplate, CompileError, ConstraintProgram};
 use glam::DVec3;
 
 /// A compiled leg, or the compiled interior of a state.

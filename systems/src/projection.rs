@@ -20,8 +20,8 @@ use foliate_components::graph::leaf::{LeafIndex, Parameter, ParameterId};
 use foliate_components::graph::{ConstraintId, ConstraintKind, Leg, StateId, Transition, TransitionId, TransitionKind};
 use foliate_components::outcome::Rejection;
 use foliate_components::roadmap::Roadmap;
+use foliate_kernels::constrained_motion::{Job, Scratch as NewtonScratch, Settings as NewtonSettings, project_batch};
 use foliate_kernels::kinematics::Carriage;
-use foliate_kernels::projection::{Job, Scratch as NewtonScratch, Settings as NewtonSettings, project_batch};
 use rand::RngExt;
 use std::cmp::Reverse;
 

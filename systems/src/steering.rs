@@ -16,7 +16,7 @@ use foliate_components::candidate::{Candidate, CandidateArena, LegParameter, Pla
 use foliate_components::graph::StateId;
 use foliate_components::graph::leaf::{Leaf, LeafIndex};
 use foliate_components::outcome::Rejection;
-use foliate_kernels::projection::{
+use foliate_kernels::constrained_motion::{
     MotionEnd, MotionJob, MotionScratch, MotionSettings, Settings, project_motion, project_motions,
 };
 

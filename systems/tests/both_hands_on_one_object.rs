@@ -18,8 +18,8 @@ use foliate_components::samples::models::{block, environment, fixed_robot, movab
 use foliate_kernels::collision::{
     CollisionScene, CollisionScratch, PairRule, PairSet, adjacent_links, first_collision,
 };
+use foliate_kernels::constrained_motion::{ConstraintProgram, Scratch, Settings, project};
 use foliate_kernels::kinematics::Kinematics;
-use foliate_kernels::projection::{ConstraintProgram, Scratch, Settings, project};
 use foliate_systems::schedulers::shipped;
 use foliate_systems::search::Search;
 use glam::{DQuat, DVec3};

@@ -14,7 +14,7 @@ use super::limits::{LoadLimits, LoadStop};
 use super::mesh_cache::{Kept, Key, SMALLEST_FILE};
 use super::package::{Contained, PackagePath, contained, is_below};
 use foliate_components::robot::shape::Mesh;
-use foliate_kernels::collision::mesh_record;
+use foliate_kernels::collision::solids::mesh_record;
 use foliate_systems::events::StopSignal;
 use glam::DVec3;
 use sha2::{Digest, Sha256};

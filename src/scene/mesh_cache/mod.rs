@@ -2,7 +2,7 @@
 //!
 //! A mesh's file is always read and understood: vertices and triangles are never kept. What is spared is to search for its hull and for
 //! the order of its tree. Whoever may write into the directory can make nobody believe in another shape: a record counts for nothing
-//! unless it is proved of the mesh that was read ([`foliate_kernels::collision::mesh_record::proves`]), and one that is proved changes no
+//! unless it is proved of the mesh that was read ([`foliate_kernels::collision::solids::mesh_record::proves`]), and one that is proved changes no
 //! distance. What is not right is found anew and written over. No failure of the disk is an error.
 
 mod directory;

@@ -7,9 +7,9 @@
 #![allow(non_snake_case, reason = "pose names carry their frames")]
 
 pub mod collision;
+pub mod constrained_motion;
 pub mod constraints;
 pub mod kinematics;
 pub mod lanes;
 pub mod linear;
 pub mod nearest;
-pub mod projection;

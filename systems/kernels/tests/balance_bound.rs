@@ -5,14 +5,15 @@
 mod heavy_world;
 
 use foliate_components::Pose;
-use foliate_components::constraint::{Constraint, Frame, Function, Gradient, Reference, RelativePose, Row};
-use foliate_components::constraint::{Curvature, Custom};
+use foliate_components::constraint::{
+    Constraint, Curvature, Custom, Frame, Function, Gradient, Reference, RelativePose, Row,
+};
 use foliate_components::robot::Robot;
+use foliate_kernels::constrained_motion::{CarriageTemplate, ConstraintProgram};
 use foliate_kernels::constraints::{
     centre_of_mass, com_between, custom, distance, placement_of, relative_pose, residual,
 };
 use foliate_kernels::kinematics::{Carriage, Kinematics};
-use foliate_kernels::projection::{CarriageTemplate, ConstraintProgram};
 use heavy_world::{Draw, held, poses, world};
 use rand::RngExt;
 use std::sync::Arc;

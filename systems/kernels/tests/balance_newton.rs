@@ -13,12 +13,12 @@ use foliate_components::constraint::{
 use foliate_components::robot::model::Inertial;
 use foliate_components::robot::{PartIndex, PartKind, PartPlacement, Robot, RootJoint};
 use foliate_components::samples::models;
-use foliate_kernels::constraints::{centre_of_mass, parameter, placement_of, residual};
-use foliate_kernels::kinematics::{Carriage, Kinematics};
-use foliate_kernels::projection::{
+use foliate_kernels::constrained_motion::{
     CarriageTemplate, CompileError, ConstraintProgram, MotionEnd, MotionScratch, MotionSettings, Outcome, Scratch,
     Settings, project, project_motion,
 };
+use foliate_kernels::constraints::{centre_of_mass, parameter, placement_of, residual};
+use foliate_kernels::kinematics::{Carriage, Kinematics};
 use glam::DVec3;
 use heavy_world::{Draw, Gaze, held, poses, world};
 use std::sync::Arc;

@@ -8,7 +8,7 @@ use collision_models::{at, box_mesh, compose, cuboid, placed, random_rotation, r
 use foliate_components::Pose;
 use foliate_components::robot::shape::{Geometry, Mesh};
 use foliate_components::robot::{PartKind, RootJoint};
-use foliate_kernels::collision::mesh_tree::MeshTree;
+use foliate_kernels::collision::solids::mesh_tree::MeshTree;
 use foliate_kernels::collision::{
     CollisionScene, CollisionScratch, PairId, PairRule, PairSet, first_collision, min_clearance, pair_clearance,
 };

@@ -10,7 +10,7 @@ use foliate_components::Pose;
 use foliate_components::robot::model::{JointKind, Model};
 use foliate_components::robot::shape::{Geometry, Mesh};
 use foliate_components::robot::{PartKind, Robot, RootJoint};
-use foliate_kernels::collision::hull::hull_distance;
+use foliate_kernels::collision::distance::hull_distance::hull_distance;
 use foliate_kernels::collision::{
     Ask, CertificateSettings, CollisionScene, CollisionScratch, MotionVerdict, PairRule, PairSet, Solid,
     certify_motion, clearance, pair_clearance,

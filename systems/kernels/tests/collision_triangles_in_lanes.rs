@@ -10,7 +10,7 @@ use collision_models::{box_mesh, random_geometry, random_pose, random_vector, st
 use foliate_components::Pose;
 use foliate_components::robot::shape::Mesh;
 use foliate_kernels::collision::convex::{Convex, Core};
-use foliate_kernels::collision::mesh_tree::MeshTree;
+use foliate_kernels::collision::solids::mesh_tree::MeshTree;
 use foliate_kernels::collision::{Ask, Solid, clearance};
 use foliate_kernels::lanes::Level;
 use glam::DVec3;

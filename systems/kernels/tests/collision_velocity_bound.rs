@@ -10,8 +10,8 @@ use collision_models::{
 use foliate_components::Pose;
 use foliate_components::robot::model::{JointKind, Model};
 use foliate_components::robot::{JointIndex, PartKind, Robot, RootJoint};
+use foliate_kernels::collision::samples::motion_bound::MotionBound;
 use foliate_kernels::collision::scene::SceneSolid;
-use foliate_kernels::collision::velocity_bound::MotionBound;
 use foliate_kernels::collision::{CollisionScene, PairId, PairRule, PairSet, Solid};
 use foliate_kernels::kinematics::{Carriage, Kinematics};
 use glam::DVec3;

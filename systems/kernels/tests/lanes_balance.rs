@@ -12,10 +12,10 @@ use foliate_components::constraint::{
 use foliate_components::pose::exp_so3;
 use foliate_components::robot::{JointIndex, PartKind, PartPlacement, Robot, RootJoint};
 use foliate_components::samples::models;
+use foliate_kernels::constrained_motion::{ConstraintProgram, Job, Outcome, Scratch, Settings, project, project_batch};
 use foliate_kernels::constraints::centre_of_mass;
 use foliate_kernels::kinematics::Kinematics;
 use foliate_kernels::lanes::Level;
-use foliate_kernels::projection::{ConstraintProgram, Job, Outcome, Scratch, Settings, project, project_batch};
 use glam::DVec3;
 use heavy_world::{bent_knees, flying_human};
 use rand::{RngExt, SeedableRng};

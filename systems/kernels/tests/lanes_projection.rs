@@ -7,12 +7,12 @@ use foliate_components::constraint::{Constraint, Frame, Grasp, Placement as Cont
 use foliate_components::pose::exp_so3;
 use foliate_components::robot::Robot;
 use foliate_components::samples::models;
+use foliate_kernels::constrained_motion::{
+    CarriageTemplate, ConstraintProgram, Job, Outcome, SEEDS, Scratch, SeedTable, Settings, project, project_batch,
+};
 use foliate_kernels::constraints::{placement, placement_of};
 use foliate_kernels::kinematics::Kinematics;
 use foliate_kernels::lanes::Level;
-use foliate_kernels::projection::{
-    CarriageTemplate, ConstraintProgram, Job, Outcome, SEEDS, Scratch, SeedTable, Settings, project, project_batch,
-};
 use glam::DVec3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

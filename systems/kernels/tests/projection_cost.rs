@@ -7,11 +7,11 @@ use foliate_components::constraint::{Constraint, Frame, Grasp, Placement as Cont
 use foliate_components::pose::exp_so3;
 use foliate_components::robot::Robot;
 use foliate_components::samples::models;
-use foliate_kernels::constraints::placement_of;
-use foliate_kernels::kinematics::{AttachmentTree, Kinematics, geometric_jacobian};
-use foliate_kernels::projection::{
+use foliate_kernels::constrained_motion::{
     ConstraintProgram, MotionScratch, MotionSettings, Outcome, Scratch, Settings, project, project_motion,
 };
+use foliate_kernels::constraints::placement_of;
+use foliate_kernels::kinematics::{AttachmentTree, Kinematics, geometric_jacobian};
 use glam::DVec3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

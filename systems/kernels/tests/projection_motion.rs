@@ -9,13 +9,13 @@ use foliate_components::constraint::{
 use foliate_components::pose::{exp_so3, log_so3};
 use foliate_components::robot::{LinkIndex, PartKind, PartPlacement, Robot, RootJoint, Source};
 use foliate_components::samples::models;
-use foliate_kernels::constraints::{placement_of, relative_pose};
-use foliate_kernels::kinematics::{Carriage, Kinematics};
-use foliate_kernels::lanes::Level;
-use foliate_kernels::projection::{
+use foliate_kernels::constrained_motion::{
     ConstraintProgram, MotionEnd, MotionJob, MotionScratch, MotionSettings, Scratch, Settings, project, project_motion,
     project_motions,
 };
+use foliate_kernels::constraints::{placement_of, relative_pose};
+use foliate_kernels::kinematics::{Carriage, Kinematics};
+use foliate_kernels::lanes::Level;
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -9,11 +9,11 @@ use foliate_components::constraint::{
 use foliate_components::pose::exp_so3;
 use foliate_components::robot::{PartKind, Robot, RootJoint};
 use foliate_components::samples::models;
-use foliate_kernels::constraints::{placement, placement_of, relative_pose};
-use foliate_kernels::kinematics::Kinematics;
-use foliate_kernels::projection::{
+use foliate_kernels::constrained_motion::{
     CarriageTemplate, CompileError, ConstraintProgram, Outcome, Relation, Scratch, Settings, project,
 };
+use foliate_kernels::constraints::{placement, placement_of, relative_pose};
+use foliate_kernels::kinematics::Kinematics;
 use glam::DVec3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

@@ -9,13 +9,13 @@ use foliate_components::constraint::{CentreOfMass, Constraint, Frame, Masses, Pl
 use foliate_components::pose::{exp_so3, log_so3};
 use foliate_components::robot::{JointIndex, PartKind, Robot, RootJoint};
 use foliate_components::samples::models;
-use foliate_kernels::constraints::{centre_of_mass, placement_of, residual};
-use foliate_kernels::kinematics::{AttachmentTree, Kinematics, Standing, geometric_jacobian};
-use foliate_kernels::lanes::Level;
-use foliate_kernels::projection::{
+use foliate_kernels::constrained_motion::{
     CarriageTemplate, ConstraintProgram, MotionEnd, MotionJob, MotionScratch, MotionSettings, Outcome, Scratch,
     Settings, project, project_motion, project_motions,
 };
+use foliate_kernels::constraints::{centre_of_mass, placement_of, residual};
+use foliate_kernels::kinematics::{AttachmentTree, Kinematics, Standing, geometric_jacobian};
+use foliate_kernels::lanes::Level;
 use glam::DVec3;
 use heavy_world::{Draw, bent_knees, flying_human, poses};
 use rand::RngExt;

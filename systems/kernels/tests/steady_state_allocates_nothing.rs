@@ -20,13 +20,13 @@ use foliate_kernels::collision::{
     CertificateSettings, CollisionScene, CollisionScratch, MotionVerdict, PairRule, PairSet, PolylineVerdict, Verdicts,
     certify_motion, certify_polyline, first_collision,
 };
+use foliate_kernels::constrained_motion::{
+    ConstraintProgram, Job, MotionScratch, MotionSettings, Scratch, Settings, project, project_batch, project_motion,
+};
 use foliate_kernels::constraints::placement_of;
 use foliate_kernels::kinematics::{AttachmentTree, Carriage, Kinematics, geometric_jacobian};
 use foliate_kernels::lanes::Level;
 use foliate_kernels::nearest::{Bucket, BucketQueries, Metric, nearest};
-use foliate_kernels::projection::{
-    ConstraintProgram, Job, MotionScratch, MotionSettings, Scratch, Settings, project, project_batch, project_motion,
-};
 use glam::DVec3;
 use heavy_world::{Draw, held, world};
 use rand::{RngExt, SeedableRng};

@@ -27,7 +27,7 @@ use foliate_components::problem::{Goal, PartialGoal};
 use foliate_components::roadmap::{NodeId, Roadmap};
 use foliate_components::robot::ShapeIndex;
 use foliate_kernels::collision::CollisionScratch;
-use foliate_kernels::projection::{Scratch, Settings, project};
+use foliate_kernels::constrained_motion::{Scratch, Settings, project};
 use rand::RngExt;
 use rayon::prelude::*;
 use std::sync::OnceLock;

@@ -9,7 +9,7 @@ use foliate_components::graph::{ConstraintId, ConstraintKind, StateId};
 use foliate_components::pose::{exp_so3, pose_from_array};
 use foliate_components::problem::{JointRest, PartialGoal};
 use foliate_components::robot::{Joint, JointIndex, Motion, Source};
-use foliate_kernels::projection::{CarriageTemplate, ConstraintProgram, Outcome, Scratch, Settings, project};
+use foliate_kernels::constrained_motion::{CarriageTemplate, ConstraintProgram, Outcome, Scratch, Settings, project};
 use glam::DVec3;
 
 /// A goal in a state.

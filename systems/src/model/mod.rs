@@ -24,8 +24,8 @@ use foliate_components::problem::{JointRest, Problem};
 use foliate_components::roadmap::{NodeId, Roadmap};
 use foliate_components::robot::{JointIndex, Robot, Source};
 use foliate_kernels::collision::{CollisionScene, PairRule, PairSet};
+use foliate_kernels::constrained_motion::{CompileError, SeedTable};
 use foliate_kernels::kinematics::Kinematics;
-use foliate_kernels::projection::{CompileError, SeedTable};
 use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
 

@@ -1,6 +1,6 @@
 //! The common centre of some masses in a frame: fixed or frozen components, or half-spaces that bound it.
 
-use super::{RowsOut, is_silent, placement_of, reference_of, silence};
+use crate::constraints::rows_out::{RowsOut, is_silent, placement_of, reference_of, silence};
 use crate::kinematics::{AttachmentTree, MomentColumn, PointTree, WeightedPoint};
 use foliate_components::Pose;
 use foliate_components::constraint::{CentreOfMass, Masses, PlaneRow, Row};

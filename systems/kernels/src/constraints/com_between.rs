@@ -1,7 +1,7 @@
 //! The centre of mass over the line between two feet (P0 §IV-A d; HPP's `ComBetweenFeet`).
 
 use super::centre_of_mass::{MassColumns, centre};
-use super::{RowsOut, is_silent, placement_of, silence};
+use crate::constraints::rows_out::{RowsOut, is_silent, placement_of, silence};
 use crate::kinematics::Column;
 use foliate_components::Pose;
 use foliate_components::constraint::{CentreOfMassBetween, Row};

@@ -1,6 +1,6 @@
 //! A host's own function of the poses of some frames.
 
-use super::{RowsOut, is_silent, placement_of, silence};
+use crate::constraints::rows_out::{RowsOut, is_silent, placement_of, silence};
 use crate::kinematics::Column;
 use foliate_components::Pose;
 use foliate_components::constraint::{Curvature, Custom, Frame, Gradient, Row};

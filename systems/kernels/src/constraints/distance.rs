@@ -1,6 +1,6 @@
 //! Two points at a distance, or no nearer or no farther.
 
-use super::{RowsOut, is_silent, placement_of};
+use crate::constraints::rows_out::{RowsOut, is_silent, placement_of};
 use crate::kinematics::Column;
 use foliate_components::Pose;
 use foliate_components::constraint::Distance;

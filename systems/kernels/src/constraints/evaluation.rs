@@ -2,7 +2,8 @@
 //!
 //! This serves whoever classifies and checks configurations. A solve compiles its constraints instead.
 
-use super::{centre_of_mass, com_between, custom, distance, placement, placement_of, relative_pose};
+use super::{centre_of_mass, com_between, custom, distance, placement, relative_pose};
+use crate::constraints::rows_out::placement_of;
 use foliate_components::Pose;
 use foliate_components::constraint::{
     Constraint, LockedValue, Placement, PlaneRow, Reference, RelativePose, Row, parameter_of,

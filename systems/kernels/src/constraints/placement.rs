@@ -3,7 +3,8 @@
 //! The value is piecewise smooth: the pair of polygons and whether the object's centre is inside the support are found at
 //! each evaluation and held constant in the Jacobian.
 
-use super::{RowsOut, placement_of, relative_pose};
+use super::relative_pose;
+use crate::constraints::rows_out::{RowsOut, placement_of};
 use crate::kinematics::Column;
 use foliate_components::Pose;
 use foliate_components::constraint::{Placement, Row, Rows};

@@ -1,6 +1,6 @@
 //! Frame B in frame A against a reference: six rows `[R_Aᵀ(p_B − p_A) − t_ref; log(R_refᵀ R_Aᵀ R_B)]`.
 
-use super::RowsOut;
+use crate::constraints::rows_out::RowsOut;
 use crate::kinematics::{Column, Placement};
 use foliate_components::Pose;
 use foliate_components::constraint::{Row, Rows};

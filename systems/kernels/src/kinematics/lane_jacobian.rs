@@ -1,7 +1,8 @@
 //! Geometric Jacobians of many configurations at once.
 
 use super::jacobian::Column;
-use super::lane_forward::{LaneKinematics, POSE_ROWS};
+use super::lane_forward::LaneKinematics;
+use crate::kinematics::lane_steps::POSE_ROWS;
 use crate::lanes::{F32Row, F64Row, Isa, Kernel, Lanes, Level, Transform, Vector3};
 use foliate_components::Pose;
 use foliate_components::robot::JointIndex;

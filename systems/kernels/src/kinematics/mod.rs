@@ -1,15 +1,16 @@
 //! Where everything is: poses of bodies from configurations.
 
-mod forward;
-mod jacobian;
-mod lane_forward;
-mod lane_jacobian;
-mod weighted_points;
+pub(crate) mod forward;
+pub(crate) mod jacobian;
+pub(crate) mod lane_forward;
+pub(crate) mod lane_jacobian;
+pub(crate) mod lane_steps;
+pub(crate) mod weighted_points;
 
-pub use forward::{Carriage, Kinematics, Placement};
-pub use jacobian::{AttachmentTree, Column, Standing, geometric_jacobian};
-pub use lane_forward::{LaneKinematics, POSE_ROWS};
-pub(crate) use lane_forward::{LaneStep, Parent, run as run_lanes};
-pub use lane_jacobian::LaneJacobian;
-pub(crate) use lane_jacobian::{At, LaneColumn};
-pub use weighted_points::{MomentColumn, PointNode, PointTree, WeightedPoint};
+pub use crate::kinematics::forward::{Carriage, Kinematics, Placement};
+pub use crate::kinematics::jacobian::{AttachmentTree, Column, Standing, geometric_jacobian};
+pub use crate::kinematics::lane_forward::LaneKinematics;
+pub(crate) use crate::kinematics::lane_jacobian::LaneColumn;
+pub use crate::kinematics::lane_jacobian::LaneJacobian;
+pub use crate::kinematics::lane_steps::POSE_ROWS;
+pub use crate::kinematics::weighted_points::{MomentColumn, PointNode, PointTree, WeightedPoint};

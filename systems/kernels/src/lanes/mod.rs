@@ -44,13 +44,13 @@
 //!   Tolerances scale with [`Scalar::EPSILON`]: `x < low + 1e-9` is never true in `f32`.
 //! * There is a test for parity with a scalar counterpart, at [`Level::available`] levels all.
 
-mod geometry;
-mod level;
-mod scalar;
-mod trigonometry;
-mod vector;
+pub(crate) mod geometry;
+pub(crate) mod level;
+pub(crate) mod scalar;
+pub(crate) mod trigonometry;
+pub(crate) mod vector;
 
-pub use geometry::{Rotation, Transform, Vector3};
-pub use level::{Kernel, Level, UnknownLevel};
-pub use trigonometry::{atan_ratio, sin_cos};
-pub use vector::{F32Row, F64Row, Isa, Lanes, Mask, Row, Scalar};
+pub use crate::lanes::geometry::{Rotation, Transform, Vector3};
+pub use crate::lanes::level::{Kernel, Level, UnknownLevel};
+pub use crate::lanes::trigonometry::{atan_ratio, sin_cos};
+pub use crate::lanes::vector::{F32Row, F64Row, Isa, Lanes, Mask, Row, Scalar};

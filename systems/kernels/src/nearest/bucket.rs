@@ -1,9 +1,10 @@
 //! Configurations in blocks of lanes, and who of them may be near.
 
-use super::metric::Metric;
-use super::queries::BucketQueries;
-use super::scan::{Bounds, CHUNK, LANES, PASS, Place, Scan, Within, width};
-use crate::lanes::{F32Row, Level};
+use crate::lanes::level::Level;
+use crate::lanes::vector::F32Row;
+use crate::nearest::metric::Metric;
+use crate::nearest::queries::{BucketQueries, Seeker};
+use crate::nearest::scan::{Bounds, CHUNK, LANES, PASS, Place, Scan, Within, width};
 
 /// Queries that go over a bucket together: so many take turns at a chunk while it lies in the cache.
 const TOGETHER: usize = 16;
@@ -24,15 +25,6 @@ pub struct Bucket {
     /// By row: the largest number in it.
     reach: Vec<f64>,
     numbers: Vec<f64>,
-}
-
-/// Who looks for near configurations: says how far, and measures exactly what may be within that.
-pub trait Seeker {
-    /// The distance beyond which nothing is wanted by a query, by its number. It may fall whenever something is measured.
-    fn cutoff(&self, query: usize) -> f64;
-
-    /// Looks at a configuration that may be within the cutoff of a query.
-    fn measure(&mut self, query: usize, id: u32);
 }
 
 impl Bucket {
@@ -175,4 +167,37 @@ fn limit(cutoff: f64, rounding: f64) -> f32 {
     let far = (cutoff + rounding) * (1.0 + SUMMING);
     // Numbers too small for an f32 are nothing.
     ((far * far) as f32).next_up().max(f32::MIN_POSITIVE)
+}
+
+/// Of each query, by its number: the nearest configuration of some buckets and how far it is, as `distance` measures it; ties
+/// go to the lowest id. `best` is overwritten.
+pub fn nearest<'b>(
+    with: (&Metric, &BucketQueries, Level),
+    buckets: impl Iterator<Item = &'b Bucket>,
+    distance: impl FnMut(usize, u32) -> f64,
+    best: &mut Vec<Option<(f64, u32)>>,
+) {
+    best.clear();
+    best.resize(with.1.len(), None);
+    let mut seeker = Nearest { best, distance };
+    buckets.for_each(|bucket| bucket.visit_near(with, &mut seeker));
+}
+
+struct Nearest<'a, D> {
+    best: &'a mut [Option<(f64, u32)>],
+    distance: D,
+}
+
+impl<D: FnMut(usize, u32) -> f64> Seeker for Nearest<'_, D> {
+    fn cutoff(&self, query: usize) -> f64 {
+        self.best[query].map_or(f64::INFINITY, |(d, _)| d)
+    }
+
+    fn measure(&mut self, query: usize, id: u32) {
+        let d = (self.distance)(query, id);
+        let best = &mut self.best[query];
+        if best.is_none_or(|(least, first)| d.total_cmp(&least).then(id.cmp(&first)).is_lt()) {
+            *best = Some((d, id));
+        }
+    }
 }

@@ -5,11 +5,11 @@
 //! that the answer is that of measuring all, bit for bit. At the sizes of roadmaps this beats trees. [`BucketQueries`] that ask
 //! the same buckets share the reading of a block, and nothing else: each gets what it would get alone.
 
-mod bucket;
-mod metric;
-mod queries;
-mod scan;
+pub(crate) mod bucket;
+pub(crate) mod metric;
+pub(crate) mod queries;
+pub(crate) mod scan;
 
-pub use bucket::{Bucket, Seeker};
-pub use metric::Metric;
-pub use queries::{BucketQueries, nearest};
+pub use crate::nearest::bucket::{Bucket, nearest};
+pub use crate::nearest::metric::Metric;
+pub use crate::nearest::queries::{BucketQueries, Seeker};

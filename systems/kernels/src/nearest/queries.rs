@@ -1,10 +1,17 @@
 //! Configurations whose neighbours are looked for in the same buckets, and the nearest of each.
 
-use super::bucket::{Bucket, Seeker};
-use super::metric::Metric;
-use super::scan::width;
-use crate::lanes::Level;
+use crate::nearest::metric::Metric;
+use crate::nearest::scan::width;
 use std::ops::Range;
+
+/// Who looks for near configurations: says how far, and measures exactly what may be within that.
+pub trait Seeker {
+    /// The distance beyond which nothing is wanted by a query, by its number. It may fall whenever something is measured.
+    fn cutoff(&self, query: usize) -> f64;
+
+    /// Looks at a configuration that may be within the cutoff of a query.
+    fn measure(&mut self, query: usize, id: u32);
+}
 
 /// Configurations whose neighbours are looked for, rounded once for any number of buckets.
 #[derive(Clone, Debug, Default)]
@@ -57,45 +64,12 @@ impl BucketQueries {
         self.reach.is_empty()
     }
 
-    pub(super) fn reach(&self, query: usize) -> f64 {
+    pub(crate) fn reach(&self, query: usize) -> f64 {
         self.reach[query]
     }
 
     /// The numbers of whole passes.
-    pub(super) fn rounded(&self, queries: Range<usize>) -> &[f32] {
+    pub(crate) fn rounded(&self, queries: Range<usize>) -> &[f32] {
         &self.rounded[queries.start * self.rows..queries.end * self.rows]
-    }
-}
-
-/// Of each query, by its number: the nearest configuration of some buckets and how far it is, as `distance` measures it; ties
-/// go to the lowest id. `best` is overwritten.
-pub fn nearest<'b>(
-    with: (&Metric, &BucketQueries, Level),
-    buckets: impl Iterator<Item = &'b Bucket>,
-    distance: impl FnMut(usize, u32) -> f64,
-    best: &mut Vec<Option<(f64, u32)>>,
-) {
-    best.clear();
-    best.resize(with.1.len(), None);
-    let mut seeker = Nearest { best, distance };
-    buckets.for_each(|bucket| bucket.visit_near(with, &mut seeker));
-}
-
-struct Nearest<'a, D> {
-    best: &'a mut [Option<(f64, u32)>],
-    distance: D,
-}
-
-impl<D: FnMut(usize, u32) -> f64> Seeker for Nearest<'_, D> {
-    fn cutoff(&self, query: usize) -> f64 {
-        self.best[query].map_or(f64::INFINITY, |(d, _)| d)
-    }
-
-    fn measure(&mut self, query: usize, id: u32) {
-        let d = (self.distance)(query, id);
-        let best = &mut self.best[query];
-        if best.is_none_or(|(least, first)| d.total_cmp(&least).then(id.cmp(&first)).is_lt()) {
-            *best = Some((d, id));
-        }
     }
 }

@@ -1,0 +1,72 @@
+//! Bodies that a closed chain keeps where they are to one another, though joints move between them.
+//!
+//! A hand that holds what another hand carries stays where it is on it, by the constraint that the motion is kept on. The
+//! joints around the circle know nothing of that: what they can bring the two closer is decimetres, what the constraint leaves
+//! is a tenth of a millimetre. One query at the start proves such a pair for the whole motion.
+
+use crate::collision::convex::gjk::Ask;
+use crate::collision::samples::motion_samples::Course;
+use crate::collision::scene::attachment::AttachmentTree;
+use crate::collision::scene::collision_scene::{CollisionScene, PairId};
+use crate::collision::scene::pair_query::{exact_clearance, hull_clearance, rough_clearance, solid_balls};
+use crate::collision::scene::pair_set::{ActiveGroup, PairSet, Tie};
+use crate::collision::solids::volumes::Ball;
+use foliate_components::Pose;
+use foliate_components::robot::JointIndex;
+use glam::DVec3;
+
+/// The tie that keeps the two clusters of a group together along a motion: where all joints between each of them and one
+/// of the tie's bodies stand still.
+pub(crate) fn tie_of<'a>(
+    scene: &CollisionScene,
+    pairs: &'a PairSet,
+    course: &Course,
+    active: &ActiveGroup,
+) -> Option<&'a Tie> {
+    if pairs.ties.is_empty() {
+        return None;
+    }
+    let group = &scene.groups[active.group as usize];
+    let [first, second] =
+        [group.first, group.second].map(|c| mover(&pairs.tree, course, scene.clusters[c as usize].body));
+    pairs.ties.iter().find(|tie| {
+        let ends = [tie.a, tie.b].map(|body| mover(&pairs.tree, course, body));
+        ends == [first, second] || ends == [second, first]
+    })
+}
+
+/// The nearest joint above a body, its own included, that moves along the motion; none where the body stands still.
+fn mover(tree: &AttachmentTree, course: &Course, mut body: Option<JointIndex>) -> Option<JointIndex> {
+    // Carriages close no circle.
+    while let Some(index) = body.filter(|&index| !course.joint_moves(index.0)) {
+        body = tree.parent(index);
+    }
+    body
+}
+
+/// A clearance that a tied pair keeps along the whole motion, metres: at least `keep`, or nothing is known.
+pub(crate) fn kept_clearance(
+    scene: &CollisionScene,
+    id: PairId,
+    (tie, within): (&Tie, f64),
+    X_WJ: &[Pose],
+    keep: f64,
+) -> Option<f64> {
+    let origin = tie.b.map_or(tie.origin, |b| X_WJ[b.at()].transform_point(tie.origin));
+    let farthest = |ball: Ball| ball.center.distance(origin) + ball.radius;
+    let [first, second] = solid_balls(scene, id, X_WJ).map(farthest);
+    if !(first.is_finite() && second.is_finite() && within.is_finite()) {
+        return None;
+    }
+    // Whichever of the two is taken to move.
+    let closer = within * (1.0 + first.min(second));
+    let needed = keep + closer;
+    let holds = |found: f64| (found >= needed).then_some(found - closer);
+    let X = [scene.pairs[id.at()].first, scene.pairs[id.at()].second]
+        .map(|shape| scene.solids[shape.at()].body.map_or(Pose::IDENTITY, |body| X_WJ[body.at()]));
+    // Whether it is enough, and nothing else.
+    let ask = Ask { floor: f64::NEG_INFINITY, ground: f64::NEG_INFINITY, ..Ask::exact(needed) };
+    holds(rough_clearance(scene, id, X_WJ, needed))
+        .or_else(|| holds(hull_clearance(scene, id, X, ask, &mut DVec3::ZERO.clone())))
+        .or_else(|| holds(exact_clearance(scene, id, X, ask, &mut DVec3::ZERO.clone())))
+}

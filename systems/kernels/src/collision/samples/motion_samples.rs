@@ -1,0 +1,369 @@
+//! A motion cut into intervals, and sixteen of its configurations placed side by side.
+//!
+//! A motion is a polyline; most have one piece. An interval is a span of whole pieces, seen from the knot in its middle, or
+//! a dyadic part of one piece, seen from its midpoint. Sixteen intervals make a block: their configurations, and how far
+//! each joint moves to either side of them, stand in lanes. Configurations that lie on no common motion are knots with
+//! nothing between them.
+
+use crate::collision::samples::interval::{Interval, LANES, POSE, Sample};
+use crate::collision::samples::motion_bound::FINE;
+use crate::collision::samples::place_bodies::{PlaceBodies, Step, numbers_of, rows_of};
+use crate::collision::scene::collision_scene::CollisionScene;
+use crate::collision::scene::pair_set::{ActiveGroup, PairSet};
+use crate::collision::scene::scene_joint::SceneJoint;
+use crate::kinematics::forward::{Carriage, Kinematics};
+use crate::lanes::level::Level;
+use crate::lanes::vector::{F32Row, F64Row};
+use foliate_components::Pose;
+use foliate_components::pose::exp_so3;
+use foliate_components::robot::configuration::quaternion;
+use foliate_components::robot::{JointIndex, Motion};
+use glam::{DMat3, DQuat, DVec3};
+/// Sines in lanes are exact up to here, radians; beyond it nothing is proved.
+const FARTHEST: f64 = 1e5;
+
+/// What is known of a motion, and of the block being looked at. Buffers are reused from motion to motion.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Course {
+    /// By joint: whether it moves its body somewhere along the motion.
+    joint_moves: Vec<bool>,
+    /// By body: whether its pose changes along the motion.
+    body_moves: Vec<bool>,
+    steps: Vec<Step>,
+    /// By piece: the configuration space's difference.
+    deltas: Vec<f64>,
+    /// By knot and joint: path lengths of rotation (radians) and translation (metres) up to there.
+    lengths: Vec<(f64, f64)>,
+    /// By joint: the farthest that its translation is from zero, metres.
+    pub(crate) travel: Vec<f64>,
+    /// By body: poses at the start; those that do not move stay there.
+    pub(crate) start: Vec<Pose>,
+    /// By step: coordinates, two rows each.
+    values: Vec<[F64Row; 2]>,
+    /// By body, two halves each.
+    exact: Vec<[[F64Row; POSE]; 2]>,
+    /// By body: poses, rounded.
+    pub(crate) poses: Vec<[F32Row; POSE]>,
+    /// By joint: how far it turns and slides to either side of the sample, in radians and metres; a little more than that.
+    pub(crate) turns: Vec<F32Row>,
+    pub(crate) slides: Vec<F32Row>,
+    /// By chain link: reach of the body beyond that joint, metres.
+    pub(crate) reach: Vec<f32>,
+    /// As displacements stand: how many of the joints from the body up to there move.
+    moving: Vec<u32>,
+    /// Whether nothing moves within intervals: each is one configuration.
+    is_still: bool,
+}
+
+/// Displacements in lanes are computed with single precision, and so from joint motions that are this much larger.
+const MORE: f64 = 1.0 + 1e-5;
+
+impl Course {
+    /// Starts a motion through `knots` of `pieces` pieces.
+    pub(crate) fn begin(
+        &mut self,
+        (scene, kinematics, carriages): (&CollisionScene, &Kinematics, &[Carriage]),
+        pairs: &PairSet,
+        knots: &[f64],
+    ) {
+        let (size, dimension, joints) = (scene.space.size(), scene.space.dimension(), scene.joints.len());
+        let pieces = (knots.len() / size).saturating_sub(1);
+        self.is_still = false;
+        self.deltas.clear();
+        self.deltas.resize(pieces * dimension, 0.0);
+        self.lengths.clear();
+        self.lengths.resize(joints, (0.0, 0.0));
+        self.travel.clear();
+        self.travel.resize(joints, 0.0);
+        for piece in 0..pieces {
+            let (a, b) = (&knots[piece * size..][..size], &knots[(piece + 1) * size..][..size]);
+            let delta = &mut self.deltas[piece * dimension..][..dimension];
+            scene.space.difference(a, b, delta);
+            for (index, joint) in scene.joints.iter().enumerate() {
+                let (turn, slide, travel) = joint.moves_by(a, delta);
+                let (turned, slid) = self.lengths[piece * joints + index];
+                self.lengths.push((turned + turn, slid + slide));
+                self.travel[index] = self.travel[index].max(travel);
+            }
+        }
+        self.joint_moves.clear();
+        self.joint_moves.extend((0..joints).map(|j| {
+            let (turned, slid) = self.lengths[pieces * joints + j];
+            // Compared so that NaN moves.
+            !(turned == 0.0 && slid == 0.0)
+        }));
+        self.set_out((scene, kinematics, carriages), pairs, knots);
+    }
+
+    /// Starts with at least one configuration, and with nothing between those that there are: joints that have the same
+    /// coordinates in all of them do not move.
+    pub(crate) fn begin_still(
+        &mut self,
+        (scene, kinematics, carriages): (&CollisionScene, &Kinematics, &[Carriage]),
+        pairs: &PairSet,
+        configurations: &[f64],
+    ) {
+        let (size, joints) = (scene.space.size(), scene.joints.len());
+        self.is_still = true;
+        self.travel.clear();
+        self.travel.resize(joints, 0.0);
+        self.joint_moves.clear();
+        self.joint_moves.resize(joints, false);
+        let (first, others) = configurations.split_at(size);
+        for other in others.chunks_exact(size) {
+            for (moves, joint) in self.joint_moves.iter_mut().zip(&scene.joints) {
+                let own = joint.q..joint.q + joint.motion.configuration_size();
+                // Compared so that NaN moves.
+                *moves |= first[own.clone()] != other[own];
+            }
+        }
+        self.set_out((scene, kinematics, carriages), pairs, configurations);
+    }
+
+    /// Places the bodies at the first of `knots` and finds which of them move.
+    fn set_out(
+        &mut self,
+        (scene, kinematics, carriages): (&CollisionScene, &Kinematics, &[Carriage]),
+        pairs: &PairSet,
+        knots: &[f64],
+    ) {
+        self.start.clear();
+        self.start.resize(scene.joints.len(), Pose::IDENTITY);
+        kinematics.forward(knots, &mut self.start);
+        kinematics.carry(knots, carriages, &mut self.start);
+        self.find_what_moves(scene, carriages, kinematics.passes(carriages));
+        self.make_room(scene, pairs);
+    }
+
+    /// Lists the bodies that move, each behind what it hangs on.
+    fn find_what_moves(&mut self, scene: &CollisionScene, carriages: &[Carriage], passes: usize) {
+        let joints = scene.joints.len();
+        self.body_moves.clear();
+        self.body_moves.resize(joints, false);
+        self.steps.clear();
+        self.values.clear();
+        for carriage in carriages {
+            self.joint_moves[carriage.object.at()] = false;
+        }
+        let mut carried = 0..0;
+        for (index, joint) in scene.joints.iter().enumerate() {
+            if carriages.iter().any(|c| c.object.at() == index) {
+                carried = index..joints;
+            }
+            // An articulated object's own joints stand directly behind its root.
+            if carried.contains(&index)
+                && (index == carried.start || joint.parent.is_some_and(|p| p.at() >= carried.start))
+            {
+                continue;
+            }
+            carried = 0..0;
+            self.add_joint(index, joint);
+        }
+        for carriage in std::iter::repeat_n(carriages, passes).flatten() {
+            let object = carriage.object.at();
+            if carriage.carrier.is_some_and(|c| self.body_moves[c.at()]) {
+                self.body_moves[object] = true;
+                let parent = carriage.carrier.map(|c| c.0);
+                let hangs = carriage.X_CO;
+                self.steps.push(Step { body: object as u32, parent, hangs, motion: None, value: 0 });
+            }
+            for index in object + 1..joints {
+                if scene.joints[index].parent.is_none_or(|p| p.at() < object) {
+                    break;
+                }
+                self.add_joint(index, &scene.joints[index]);
+            }
+        }
+    }
+
+    fn add_joint(&mut self, index: usize, joint: &SceneJoint) {
+        let with_parent = joint.parent.is_some_and(|p| self.body_moves[p.at()]);
+        if !with_parent && !self.joint_moves[index] {
+            return;
+        }
+        self.body_moves[index] = true;
+        let value = self.values.len() as u32;
+        self.values.resize(self.values.len() + rows_of(joint.motion), [F64Row::default(); 2]);
+        self.steps.push(Step {
+            body: index as u32,
+            parent: joint.parent.map(|p| p.0),
+            hangs: Pose::from_parts(joint.offset, joint.turned),
+            motion: Some(joint.motion),
+            value,
+        });
+    }
+
+    fn make_room(&mut self, scene: &CollisionScene, pairs: &PairSet) {
+        let joints = scene.joints.len();
+        self.exact.resize(joints.max(self.exact.len()), [[F64Row::default(); POSE]; 2]);
+        self.poses.resize(joints.max(self.poses.len()), [F32Row::default(); POSE]);
+        for (X_WJ, rows) in self.start.iter().zip(&mut self.poses) {
+            let numbers = numbers_of(X_WJ);
+            for (row, number) in rows.iter_mut().zip(numbers) {
+                *row = F32Row::splat(number as f32);
+            }
+        }
+        self.turns.clear();
+        self.turns.resize(joints, F32Row::default());
+        self.slides.clear();
+        self.slides.resize(joints, F32Row::default());
+        self.reach.clear();
+        self.reach.resize(pairs.tree.links.len(), 0.0);
+        self.moving.clear();
+        self.moving.resize(pairs.tree.links.len() + scene.clusters.len() + 1, 0);
+        for (number, cluster) in scene.clusters.iter().enumerate() {
+            let chain = pairs.tree.chain_of(cluster.body);
+            let (mut travel, mut moving) = (0.0, 0);
+            for index in chain.start as usize..chain.end as usize {
+                let link = &pairs.tree.links[index];
+                self.reach[index] = ((link.reach + travel) * MORE) as f32;
+                travel += self.travel[link.joint as usize];
+                moving += u32::from(self.joint_moves[link.joint as usize]);
+                self.moving[index + number + 1] = moving;
+            }
+        }
+    }
+
+    /// Whether nothing moves within intervals.
+    #[inline]
+    pub(crate) fn is_still(&self) -> bool {
+        self.is_still
+    }
+
+    /// Whether a joint moves its body somewhere along the motion.
+    #[inline]
+    pub(crate) fn joint_moves(&self, joint: u32) -> bool {
+        self.joint_moves[joint as usize]
+    }
+
+    /// Whether the two clusters of a group change their relative pose along the motion.
+    #[inline]
+    pub(crate) fn moves_between(&self, active: &ActiveGroup) -> bool {
+        self.moving[active.rows.0 as usize] + self.moving[active.rows.1 as usize] > 0
+    }
+
+    /// Whether the motion is straight within a lane's interval, and turns little enough for the velocity bound's directions
+    /// to have a chance.
+    pub(crate) fn is_fine(&self, sample: Sample, lane: usize) -> bool {
+        let turned = || self.turns.iter().map(|row| f64::from(row[lane])).sum::<f64>();
+        matches!(sample, Sample::Inside { .. }) && turned() < FINE
+    }
+
+    /// Whether a body, or the world, changes its pose along the motion.
+    #[inline]
+    pub(crate) fn body_moves(&self, body: Option<JointIndex>) -> bool {
+        body.is_some_and(|b| self.body_moves[b.at()])
+    }
+
+    /// The first configuration of a piece, and its difference to the next.
+    pub(crate) fn piece<'a>(&'a self, scene: &CollisionScene, knots: &'a [f64], piece: u32) -> (&'a [f64], &'a [f64]) {
+        let (size, dimension) = (scene.space.size(), scene.space.dimension());
+        (&knots[piece as usize * size..][..size], &self.deltas[piece as usize * dimension..][..dimension])
+    }
+
+    /// Goes to a block of at most sixteen intervals; the last of them fills the lanes that are left.
+    pub(crate) fn look_at(&mut self, scene: &CollisionScene, level: Level, knots: &[f64], intervals: &[Interval]) {
+        for lane in 0..LANES {
+            let interval = intervals[lane.min(intervals.len() - 1)];
+            if !self.is_still {
+                self.bound_joints(scene, interval.sample(), lane);
+            }
+            self.write_coordinates(scene, knots, interval.sample(), lane);
+        }
+        level.run(PlaceBodies {
+            steps: &self.steps,
+            values: &self.values,
+            start: &self.start,
+            body_moves: &self.body_moves,
+            exact: &mut self.exact,
+            poses: &mut self.poses,
+        });
+    }
+
+    fn bound_joints(&mut self, scene: &CollisionScene, sample: Sample, lane: usize) {
+        let joints = scene.joints.len();
+        for index in (0..joints).filter(|&j| self.joint_moves[j]) {
+            let at = |knot: u32| self.lengths[knot as usize * joints + index];
+            let (turn, slide) = match sample {
+                Sample::Knot { first, middle, last } => {
+                    let (a, m, b) = (at(first), at(middle), at(last));
+                    ((m.0 - a.0).max(b.0 - m.0), (m.1 - a.1).max(b.1 - m.1))
+                }
+                Sample::Inside { piece, half_width, .. } => {
+                    let (a, b) = (at(piece), at(piece + 1));
+                    ((b.0 - a.0) * half_width, (b.1 - a.1) * half_width)
+                }
+            };
+            self.turns[index][lane] = (turn * MORE) as f32;
+            self.slides[index][lane] = (slide * MORE) as f32;
+        }
+    }
+
+    fn write_coordinates(&mut self, scene: &CollisionScene, knots: &[f64], sample: Sample, lane: usize) {
+        let (size, dimension) = (scene.space.size(), scene.space.dimension());
+        let (knot, delta, t) = match sample {
+            Sample::Knot { middle, .. } => (middle as usize, None, 0.0),
+            Sample::Inside { piece, t, .. } => {
+                (piece as usize, Some(&self.deltas[piece as usize * dimension..][..dimension]), t)
+            }
+        };
+        let q = &knots[knot * size..][..size];
+        let (half, lane) = (lane / 8, lane % 8);
+        for step in &self.steps {
+            let Some(motion) = step.motion else { continue };
+            let joint = &scene.joints[step.body as usize];
+            let rows = &mut self.values[step.value as usize..];
+            let linear = |i: usize| q[joint.q + i] + delta.map_or(0.0, |d| t * d[joint.v + i]);
+            match motion {
+                Motion::Revolute { .. } | Motion::Prismatic { .. } => {
+                    let value = joint.multiplier * linear(0) + joint.constant;
+                    rows[0][half][lane] = if value.abs() < FARTHEST { value } else { f64::NAN };
+                }
+                Motion::Planar => {
+                    (0..3).for_each(|i| rows[i][half][lane] = linear(i));
+                    if rows[2][half][lane].abs() > FARTHEST {
+                        rows[2][half][lane] = f64::NAN;
+                    }
+                }
+                Motion::FreeFlyer => {
+                    (0..3).for_each(|i| rows[i][half][lane] = linear(i));
+                    let turned = match delta {
+                        Some(d) => {
+                            let v = joint.v + 3;
+                            quaternion(q, joint.q) * exp_so3(DVec3::new(d[v], d[v + 1], d[v + 2]) * t)
+                        }
+                        None => quaternion(q, joint.q),
+                    };
+                    let turned = turned.normalize().to_array();
+                    (0..4).for_each(|i| rows[3 + i][half][lane] = turned[i]);
+                }
+            }
+        }
+    }
+
+    /// Poses of all bodies in one lane.
+    pub(crate) fn poses_in(&self, lane: usize, X_WJ: &mut Vec<Pose>) {
+        X_WJ.clear();
+        X_WJ.extend_from_slice(&self.start);
+        for step in &self.steps {
+            X_WJ[step.body as usize] = self.moved_pose(step.body as usize, lane);
+        }
+    }
+
+    /// Pose of a body, or of the world, in one lane.
+    #[inline]
+    pub(crate) fn pose_in(&self, lane: usize, body: Option<JointIndex>) -> Pose {
+        match body {
+            None => Pose::IDENTITY,
+            Some(body) if self.body_moves[body.at()] => self.moved_pose(body.at(), lane),
+            Some(body) => self.start[body.at()],
+        }
+    }
+
+    fn moved_pose(&self, body: usize, lane: usize) -> Pose {
+        let rows = &self.exact[body][lane / 8];
+        let v = |i: usize| DVec3::new(rows[i][lane % 8], rows[i + 1][lane % 8], rows[i + 2][lane % 8]);
+        let rotation = DQuat::from_mat3(&DMat3::from_cols(v(0), v(3), v(6)));
+        Pose::from_parts(v(9), rotation.normalize())
+    }
+}

@@ -1,0 +1,62 @@
+//! TODO(page): what joint_links is.
+
+use crate::kinematics::jacobian::AttachmentTree;
+use foliate_components::robot::{JointIndex, Motion, Robot, Source};
+use glam::DVec3;
+
+/// One free motion of a joint.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Link {
+    /// Turns about an axis through the body's origin (about any axis, where none is given).
+    Turn { body: usize, axis: Option<DVec3>, v: usize, count: usize, scale: f64 },
+    /// Slides.
+    Slide { v: usize, count: usize, scale: f64 },
+}
+
+impl Link {
+    /// How far it moves, metres or radians.
+    pub(crate) fn length(&self, delta: &[f64]) -> f64 {
+        let (Self::Turn { v, count, scale, .. } | Self::Slide { v, count, scale }) = *self;
+        delta[v..v + count].iter().map(|d| d * d).sum::<f64>().sqrt() * scale.abs()
+    }
+}
+
+pub(crate) fn links_between(
+    robot: &Robot,
+    tree: &AttachmentTree<'_>,
+    a: Option<JointIndex>,
+    b: Option<JointIndex>,
+    is_free: &[bool],
+) -> Vec<Link> {
+    let (up, down) = tree.between(a, b);
+    let of = |joint: JointIndex| if tree.is_carried(joint) { Vec::new() } else { links_of(robot, joint, is_free) };
+    // A root slides, then turns; seen from beyond it is the other way round.
+    let up = up.into_iter().flat_map(|joint| of(joint).into_iter().rev().collect::<Vec<_>>());
+    up.chain(down.into_iter().flat_map(of)).collect()
+}
+
+pub(crate) fn links_of(robot: &Robot, index: JointIndex, is_free: &[bool]) -> Vec<Link> {
+    let joint = &robot.joints[index.at()];
+    let (v, scale) = match joint.source {
+        Source::Coordinates { v, .. } => (v, 1.0),
+        Source::Follows { leader, multiplier, .. } => match robot.joints[leader.at()].source {
+            Source::Coordinates { v, .. } => (v, multiplier),
+            Source::Follows { .. } => return Vec::new(),
+        },
+    };
+    if !is_free[v] {
+        return Vec::new();
+    }
+    let body = index.at();
+    match joint.motion {
+        Motion::Revolute { axis } => vec![Link::Turn { body, axis: Some(axis), v, count: 1, scale }],
+        Motion::Prismatic { .. } => vec![Link::Slide { v, count: 1, scale }],
+        Motion::Planar => vec![
+            Link::Slide { v, count: 2, scale },
+            Link::Turn { body, axis: Some(DVec3::Z), v: v + 2, count: 1, scale },
+        ],
+        Motion::FreeFlyer => {
+            vec![Link::Slide { v, count: 3, scale }, Link::Turn { body, axis: None, v: v + 3, count: 3, scale }]
+        }
+    }
+}

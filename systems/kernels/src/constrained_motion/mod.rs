@@ -1,0 +1,27 @@
+//! Projection onto constraints: f(q) = 0 and g(q) = given, with everything that can be eliminated eliminated.
+//!
+//! A [`ConstraintProgram`] is compiled once per set of constraints and is immutable; right-hand sides (leaf parameters)
+//! are arguments of each solve. [`project`] solves one candidate, [`project_batch`] many of them side by side in lanes;
+//! [`project_motion`] keeps a whole motion on its leaf, [`project_motions`] many of them, one per lane.
+
+pub(crate) mod bounds;
+pub(crate) mod lane_rows;
+pub(crate) mod newton;
+pub(crate) mod path;
+pub(crate) mod program;
+pub(crate) mod rows;
+
+pub use crate::constrained_motion::bounds::point_rates::BoundMemory;
+pub use crate::constrained_motion::bounds::residual_bound::ResidualBound;
+pub use crate::constrained_motion::lane_rows::hand::SeedTarget;
+pub use crate::constrained_motion::newton::batch::{Job, project_batch};
+pub use crate::constrained_motion::newton::scalar::project;
+pub use crate::constrained_motion::newton::seeds::{SEEDS, SeedTable};
+pub use crate::constrained_motion::newton::settings::{Outcome, Settings};
+pub use crate::constrained_motion::path::constrained_path::MotionScratch;
+pub use crate::constrained_motion::path::motion::{project_motion, project_motions};
+pub use crate::constrained_motion::path::settings::{MotionEnd, MotionJob, MotionSettings};
+pub use crate::constrained_motion::program::constraint_program::{ConstraintProgram, Deviation};
+pub use crate::constrained_motion::program::error::CompileError;
+pub use crate::constrained_motion::program::scratch::Scratch;
+pub use crate::constrained_motion::rows::rigid_attachment::{CarriageTemplate, Relation};

@@ -1,0 +1,107 @@
+//! Motions side by side: one per lane, the next from the queue as soon as one has ended.
+//!
+//! Each lane solves the step that its walk has proposed last. As soon as it is solved the walk judges it and proposes the next,
+//! so that no lane waits for another.
+
+use crate::constrained_motion::lane_rows::form::LaneProgram;
+use crate::constrained_motion::lane_rows::memory::LaneMemory;
+use crate::constrained_motion::newton::batch::{fill, read};
+use crate::constrained_motion::newton::lanes::{End, Queue, solve};
+use crate::constrained_motion::path::constrained_path::{MotionScratch, Tools, Walk, WalkMemory};
+use crate::constrained_motion::path::settings::{MotionEnd, MotionJob, MotionSettings};
+use crate::constrained_motion::program::constraint_program::ConstraintProgram;
+use crate::lanes::F64Row;
+use foliate_components::robot::configuration::ConfigurationSpace;
+
+/// Lanes of double precision.
+const LANES: usize = F64Row::LANES;
+
+pub(crate) fn walk_in_lanes(
+    program: &ConstraintProgram,
+    lanes: &LaneProgram,
+    space: &ConfigurationSpace,
+    jobs: &mut [MotionJob<'_>],
+    settings: &MotionSettings,
+    scratch: &mut MotionScratch,
+) {
+    let MotionScratch { tools, walks } = scratch;
+    walks.resize_with(walks.len().max(LANES.min(jobs.len())), WalkMemory::default);
+    let mut memory = std::mem::take(&mut tools.solve.lanes);
+    let mut walkers = Walkers { program, lanes, space, settings, jobs, begun: 0, tools, walks, holds: [None; LANES] };
+    solve(lanes, program.configuration_size(), &settings.solve, &mut memory, &mut walkers);
+    tools.solve.lanes = memory;
+}
+
+/// Brings steps of walks to lanes, and what was solved back to them.
+struct Walkers<'a, 'j> {
+    program: &'a ConstraintProgram,
+    lanes: &'a LaneProgram,
+    space: &'a ConfigurationSpace,
+    settings: &'a MotionSettings,
+    jobs: &'a mut [MotionJob<'j>],
+    /// Jobs that a lane has taken.
+    begun: usize,
+    tools: &'a mut Tools,
+    /// By lane.
+    walks: &'a mut [WalkMemory],
+    /// Which job each lane walks.
+    holds: [Option<usize>; LANES],
+}
+
+impl Walkers<'_, '_> {
+    /// The walk of a lane, with the knots that it has made so far.
+    fn walk(&mut self, lane: usize, job: usize) -> (Walk<'_>, &mut Vec<f64>) {
+        let Self { program, space, settings, jobs, tools, walks, .. } = self;
+        let MotionJob { arguments, knots, .. } = &mut jobs[job];
+        (Walk { program, space, arguments, settings, memory: &mut walks[lane], tools }, knots)
+    }
+
+    /// The motion that a lane walks, the next of the queue where its last one has ended; `None` where none is left.
+    fn under_way(&mut self, lane: usize) -> Option<usize> {
+        while self.holds[lane].is_none() && self.begun < self.jobs.len() {
+            let job = self.begun;
+            self.begun += 1;
+            let ends = self.jobs[job].ends;
+            let (mut walk, knots) = self.walk(lane, job);
+            if walk.begin(ends, knots) {
+                self.holds[lane] = Some(job);
+            } else {
+                self.jobs[job].end = MotionEnd::NotOnLeaf;
+            }
+        }
+        self.holds[lane]
+    }
+}
+
+impl Queue<F64Row> for Walkers<'_, '_> {
+    fn next(&mut self, lane: usize, memory: &mut LaneMemory<F64Row>) -> Option<u32> {
+        while let Some(job) = self.under_way(lane) {
+            let lanes = self.lanes;
+            let (mut walk, knots) = self.walk(lane, job);
+            if let Some(end) = walk.propose(knots) {
+                self.jobs[job].end = end;
+                self.holds[lane] = None;
+                continue;
+            }
+            let (q, solve) = (&mut walk.memory.next, &mut walk.tools.solve);
+            let failed = walk.program.solved().begin(q, walk.arguments, &walk.settings.solve, solve);
+            if failed.is_none() {
+                fill(lanes, (q, walk.arguments), solve, lane, memory);
+                return Some(0);
+            }
+            walk.judge(false, knots);
+        }
+        None
+    }
+
+    fn ended(&mut self, lane: usize, end: End, _iterations: u32, _residual: f64, memory: &LaneMemory<F64Row>) {
+        let Some(job) = self.holds[lane] else { return };
+        let lanes = self.lanes;
+        let (mut walk, knots) = self.walk(lane, job);
+        let q = &mut walk.memory.next;
+        read(lanes, lane, memory, q);
+        let is_converged = end == End::Converged;
+        let is_solved = is_converged && walk.program.solved().place(q, walk.arguments, &mut walk.tools.solve);
+        walk.judge(is_solved, knots);
+    }
+}

@@ -1,0 +1,222 @@
+//! Forward kinematics of only those bodies that a program needs, in the order of the attachment tree.
+
+use crate::kinematics::{AttachmentTree, Carriage, Standing};
+use foliate_components::Pose;
+use foliate_components::robot::configuration::quaternion;
+use foliate_components::robot::{Joint, JointIndex, Motion, Robot, Source};
+use glam::{DQuat, DVec3, DVec4};
+
+/// Steps of forward kinematics in three groups.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Bodies {
+    /// Bodies that rows look at and no variable moves: once per solve.
+    pub still: Vec<Step>,
+    /// Bodies that rows look at and variables move: once per iteration.
+    pub moving: Vec<Step>,
+    /// Bodies that only say where eliminated objects are: once, after the solve.
+    pub closing: Vec<Step>,
+}
+
+/// One body.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Step {
+    body: usize,
+    /// The body from which this one is found.
+    parent: Option<usize>,
+    kind: Kind,
+    /// Whether the motion is that of `parent` in `body`: on the way from a foot to the root.
+    is_inverse: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    /// Rotation by `multiplier · q[coordinate] + offset`. The quaternion of the body in its parent is
+    /// cos(half angle) · `base` + sin(half angle) · `base` ⊗ axis: two scaled vectors instead of a quaternion product.
+    Turn { coordinate: usize, multiplier: f64, offset: f64, translation: DVec3, base: DVec4, turned: DVec4 },
+    /// Translation along `axis`, given in the parent.
+    Slide { coordinate: usize, multiplier: f64, offset: f64, X_PJ: Pose, axis: DVec3 },
+    /// x, y, θ.
+    Planar { coordinate: usize, X_PJ: Pose },
+    /// Position and quaternion.
+    FreeFlyer { coordinate: usize, X_PJ: Pose },
+    /// Follows its carrier: index among the solve's carriages.
+    Carried(usize),
+}
+
+impl Bodies {
+    /// Collects the bodies that carry `looked_at` and the `objects` (in dependency order), sorted into groups by what
+    /// `moves` (joints whose own coordinates are variables of the solve).
+    pub(crate) fn new(
+        robot: &Robot,
+        tree: &AttachmentTree<'_>,
+        looked_at: impl IntoIterator<Item = JointIndex>,
+        objects: &[JointIndex],
+        moves: impl Fn(JointIndex) -> bool,
+    ) -> Self {
+        let mut bodies = Self::default();
+        let mut done = vec![false; robot.joints.len()];
+        // Between a foot and its root: whether the body moves.
+        let mut leg = vec![None; robot.joints.len()];
+        if let Some(Standing { foot, .. }) = tree.standing() {
+            bodies.stand(robot, tree, foot, objects, &moves, &mut leg);
+            done = leg.iter().map(Option::is_some).collect();
+        }
+        let mut visit = |joint: JointIndex, closing: bool, bodies: &mut Self| {
+            let line: Vec<_> = tree.line(joint).collect();
+            let mut is_moving = false;
+            for &body in line.iter().rev() {
+                is_moving = match leg[body.at()] {
+                    Some(leg_moves) => leg_moves,
+                    None => is_moving || !tree.is_carried(body) && moves(body),
+                };
+                if std::mem::replace(&mut done[body.at()], true) {
+                    continue;
+                }
+                let step = Step::new(robot, tree, body, objects);
+                match (closing, is_moving) {
+                    (true, _) => bodies.closing.push(step),
+                    (false, true) => bodies.moving.push(step),
+                    (false, false) => bodies.still.push(step),
+                }
+            }
+        };
+        for joint in looked_at {
+            visit(joint, false, &mut bodies);
+        }
+        for &object in objects {
+            visit(object, true, &mut bodies);
+        }
+        bodies
+    }
+
+    /// From the foot, which is where its carriage says, back to the root.
+    fn stand(
+        &mut self,
+        robot: &Robot,
+        tree: &AttachmentTree<'_>,
+        foot: JointIndex,
+        objects: &[JointIndex],
+        moves: &impl Fn(JointIndex) -> bool,
+        leg: &mut [Option<bool>],
+    ) {
+        leg[foot.at()] = Some(false);
+        self.still.push(Step { parent: None, ..Step::new(robot, tree, foot, objects) });
+        let mut is_moving = false;
+        for body in tree.line(foot) {
+            let Some(parent) = tree.parent(body) else { return };
+            is_moving |= moves(body);
+            leg[parent.at()] = Some(is_moving);
+            let kind = Kind::of_joint(robot, &robot.joints[body.at()]);
+            let step = Step { body: parent.at(), parent: Some(body.at()), kind, is_inverse: true };
+            if is_moving { self.moving.push(step) } else { self.still.push(step) }
+        }
+    }
+}
+
+impl Bodies {
+    /// The bodies that variables move and rows look at, inner ones first.
+    pub(crate) fn moving_bodies(&self) -> Vec<usize> {
+        self.moving.iter().map(|step| step.body).collect()
+    }
+
+    /// How each of these is found.
+    pub(crate) fn moving_tree(&self) -> impl Iterator<Item = MovingBody> + '_ {
+        self.moving.iter().map(|step| MovingBody {
+            from: step.parent,
+            by: match (step.kind, step.parent) {
+                (Kind::Carried(carriage), _) => Found::Carried(carriage),
+                (_, Some(moved)) if step.is_inverse => Found::BackOver(moved),
+                _ => Found::ByJoint(step.body),
+            },
+        })
+    }
+}
+
+/// A body that variables move.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MovingBody {
+    /// The body from which it is found; `None` for the world.
+    pub from: Option<usize>,
+    pub by: Found,
+}
+
+/// How a body is found from another.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Found {
+    /// This joint moves it.
+    ByJoint(usize),
+    /// This joint is mounted on it, and moves the body from which it is found.
+    BackOver(usize),
+    /// It is carried there: index among the carriages.
+    Carried(usize),
+}
+
+impl Step {
+    fn new(robot: &Robot, tree: &AttachmentTree<'_>, index: JointIndex, objects: &[JointIndex]) -> Self {
+        let joint = &robot.joints[index.at()];
+        let kind = match objects.iter().position(|&o| o == index) {
+            Some(carriage) => Kind::Carried(carriage),
+            None => Kind::of_joint(robot, joint),
+        };
+        Self { body: index.at(), parent: tree.parent(index).map(JointIndex::at), kind, is_inverse: false }
+    }
+
+    #[inline]
+    fn in_parent(&self, q: &[f64], carriages: &[Carriage]) -> Pose {
+        match self.kind {
+            Kind::Turn { coordinate, multiplier, offset, translation, base, turned } => {
+                let (sine, cosine) = (0.5 * (multiplier * q[coordinate] + offset)).sin_cos();
+                Pose::from_parts(translation, DQuat::from_vec4(base * cosine + turned * sine))
+            }
+            Kind::Slide { coordinate, multiplier, offset, X_PJ, axis } => {
+                let along = axis * (multiplier * q[coordinate] + offset);
+                Pose::from_parts(X_PJ.translation + along, X_PJ.rotation)
+            }
+            Kind::Planar { coordinate: i, X_PJ } => {
+                X_PJ * Pose::from_parts(DVec3::new(q[i], q[i + 1], 0.0), DQuat::from_rotation_z(q[i + 2]))
+            }
+            Kind::FreeFlyer { coordinate: i, X_PJ } => {
+                X_PJ * Pose::from_parts(DVec3::new(q[i], q[i + 1], q[i + 2]), quaternion(q, i))
+            }
+            Kind::Carried(carriage) => carriages[carriage].X_CO,
+        }
+    }
+}
+
+impl Kind {
+    fn of_joint(robot: &Robot, joint: &Joint) -> Self {
+        let (coordinate, multiplier, offset) = match joint.source {
+            Source::Coordinates { q, .. } => (q, 1.0, 0.0),
+            Source::Follows { leader, multiplier, offset } => match robot.joints[leader.at()].source {
+                Source::Coordinates { q, .. } => (q, multiplier, offset),
+                Source::Follows { .. } => (0, 0.0, offset), // composing a robot resolves chains of followers
+            },
+        };
+        let X_PJ = joint.parent_from_joint;
+        match joint.motion {
+            Motion::Revolute { axis } => {
+                let base = X_PJ.rotation;
+                let turned = base * DQuat::from_xyzw(axis.x, axis.y, axis.z, 0.0);
+                let (base, turned) = (DVec4::from(base), DVec4::from(turned));
+                Self::Turn { coordinate, multiplier, offset, translation: X_PJ.translation, base, turned }
+            }
+            Motion::Prismatic { axis } => {
+                Self::Slide { coordinate, multiplier, offset, X_PJ, axis: X_PJ.rotation * axis }
+            }
+            Motion::Planar => Self::Planar { coordinate, X_PJ },
+            Motion::FreeFlyer => Self::FreeFlyer { coordinate, X_PJ },
+        }
+    }
+}
+
+/// Fills the poses of the steps' bodies.
+pub(crate) fn run(steps: &[Step], q: &[f64], carriages: &[Carriage], X_WJ: &mut [Pose]) {
+    for step in steps {
+        let X_PB = step.in_parent(q, carriages);
+        let X_PB = if step.is_inverse { X_PB.inverse() } else { X_PB };
+        X_WJ[step.body] = match step.parent {
+            Some(parent) => X_WJ[parent] * X_PB,
+            None => X_PB,
+        };
+    }
+}
