@@ -6,7 +6,7 @@ use foliate_components::coverage::{LeftOutPair, PairCounts};
 use foliate_components::robot::{DisabledPair, PartIndex, Robot, ShapeIndex};
 use foliate_kernels::collision::{Ask, CollisionScene, PairId, PairRule, adjacent_links, pair_clearance};
 use foliate_kernels::kinematics::Kinematics;
-use foliate_systems::random::{Purpose, stream};
+use foliate_systems::runtime::random::{Purpose, stream};
 use glam::DVec3;
 
 /// Random configurations that are looked at.

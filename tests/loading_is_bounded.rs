@@ -6,7 +6,7 @@ use foliate::components::robot::shape::{Geometry, Mesh};
 use foliate::kernels::collision::solids::mesh_tree::MeshTree;
 use foliate::scene::{LoadLimits, LoadStop, PackagePath, UpAxis, load_scene, read_model};
 use foliate::systems::events::{CancelToken, MemoryGuard, StopSignal};
-use foliate::systems::model::ProblemTables;
+use foliate::systems::planning_model::ProblemTables;
 use std::fmt::Write;
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -11,7 +11,7 @@ use foliate_kernels::collision::{
     open_to_bounds,
 };
 use foliate_kernels::kinematics::Carriage;
-use foliate_systems::model::PlanningModel;
+use foliate_systems::planning_model::PlanningModel;
 use std::hint::black_box;
 
 /// Random configurations of the robot with the objects where they start.

@@ -9,7 +9,7 @@ use foliate_kernels::kinematics::{
     AttachmentTree, Column, LaneJacobian, LaneKinematics, POSE_ROWS, geometric_jacobian,
 };
 use foliate_kernels::lanes::{F32Row, F64Row, Level};
-use foliate_systems::model::PlanningModel;
+use foliate_systems::planning_model::PlanningModel;
 use std::hint::black_box;
 
 /// The columns of the arm that carries the first gripper, numbered from 0.

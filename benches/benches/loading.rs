@@ -4,7 +4,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use foliate::batch::Entry;
 use foliate::scene::{MeshCache, PackagePath, load_scene, shipped_scenes};
 use foliate_benches::{criterion, skipped};
-use foliate_systems::model::Model;
+use foliate_systems::planning_model::Model;
 use std::hint::black_box;
 
 fn bench(c: &mut Criterion) {

@@ -17,7 +17,7 @@ use foliate_kernels::collision::solids::volumes::Ball;
 use foliate_kernels::collision::{
     Ask, CertificateSettings, CollisionScratch, MotionVerdict, PairSet, certify_motion, first_collision,
 };
-use foliate_systems::model::PlanningModel;
+use foliate_systems::planning_model::PlanningModel;
 use foliate_systems::settings::SearchSettings;
 use glam::DVec3;
 use std::hint::black_box;

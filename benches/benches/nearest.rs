@@ -5,7 +5,7 @@ use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use foliate_benches::{criterion, one_thread, random_configurations, sample_model, scene_model};
 use foliate_kernels::lanes::Level;
 use foliate_kernels::nearest::{Bucket, BucketQueries, Metric, nearest};
-use foliate_systems::model::PlanningModel;
+use foliate_systems::planning_model::PlanningModel;
 use std::hint::black_box;
 use std::time::Instant;
 

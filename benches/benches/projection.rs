@@ -16,7 +16,7 @@ use foliate_kernels::constrained_motion::{
 use foliate_kernels::constraints::placement_of;
 use foliate_kernels::kinematics::Kinematics;
 use foliate_kernels::lanes::Level;
-use foliate_systems::model::PlanningModel;
+use foliate_systems::planning_model::PlanningModel;
 use glam::{DQuat, DVec3};
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::time::Instant;

@@ -2,7 +2,7 @@
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use foliate_benches::{criterion, long_model, one_thread, scene_model, under_way};
-use foliate_systems::model::PlanningModel;
+use foliate_systems::planning_model::PlanningModel;
 
 /// A step is measured when the search has tried this many candidates, whatever their number per step, so that the
 /// roadmaps are of like size.

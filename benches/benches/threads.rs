@@ -5,7 +5,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use foliate::Planner;
 use foliate_benches::{criterion, scene_model};
 use foliate_components::outcome::SearchOutcome;
-use foliate_systems::model::ProblemTables;
+use foliate_systems::planning_model::ProblemTables;
 use rayon::ThreadPool;
 use std::hint::black_box;
 use std::sync::Arc;

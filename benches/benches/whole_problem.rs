@@ -4,7 +4,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use foliate::Planner;
 use foliate_benches::{criterion, one_thread, sample_model, scene_model};
 use foliate_components::outcome::SearchOutcome;
-use foliate_systems::model::PlanningModel;
+use foliate_systems::planning_model::PlanningModel;
 use std::hint::black_box;
 use std::time::Duration;
 

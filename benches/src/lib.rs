@@ -10,7 +10,7 @@ use foliate::scene::PackagePath;
 use foliate_components::robot::Robot;
 use foliate_components::samples::{boxes_on_a_table, swap_two_boxes};
 use foliate_systems::events::{EventSink, StopSignal};
-use foliate_systems::model::{Model, PlanningModel};
+use foliate_systems::planning_model::{Model, PlanningModel};
 use foliate_systems::schedulers::mrrt::Mrrt;
 use foliate_systems::search::Search;
 use foliate_systems::settings::SearchSettings;

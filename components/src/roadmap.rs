@@ -2,7 +2,7 @@
 //!
 //! Nodes and edges are entities; the bulk numbers (configurations, knots) lie in the columns of [`Roadmap`], indexed by
 //! dense ids, because a random access by entity costs more than ten times a slice index. Only
-//! `foliate_systems::commit` writes here.
+//! `foliate_systems::step::commit` writes here.
 
 use crate::graph::leaf::LeafId;
 use crate::graph::{StateId, TransitionId};

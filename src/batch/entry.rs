@@ -2,7 +2,7 @@
 
 use crate::scene::{LoadStop, PackagePath, Scene, SceneError, load_scene};
 use foliate_components::problem::Problem;
-use foliate_systems::model::{Model, ModelError, PlanningModel, ProblemTables};
+use foliate_systems::planning_model::{Model, ModelError, PlanningModel, ProblemTables};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 

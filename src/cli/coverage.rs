@@ -3,7 +3,7 @@
 use foliate::components::coverage::{self, LeftOutPair, PairCounts};
 use foliate::components::robot::ShapeIndex;
 use foliate::inspection;
-use foliate::systems::model::ProblemTables;
+use foliate::systems::planning_model::ProblemTables;
 use serde_json::{Value, json};
 
 /// The pairs that a problem leaves out.

@@ -6,7 +6,7 @@ use foliate::components::outcome::SearchOutcome;
 use foliate::output;
 use foliate::scene::{LoadLimits, LoadStop, PackagePath, Scene, SceneError, load_scene};
 use foliate::systems::events::StopSignal;
-use foliate::systems::model::ProblemTables;
+use foliate::systems::planning_model::ProblemTables;
 use serde_json::json;
 use std::sync::Arc;
 use std::sync::mpsc::{RecvTimeoutError, channel};

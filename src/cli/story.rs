@@ -2,7 +2,7 @@
 
 use foliate::components::path::{Attachment, ManipulationPath, Segment};
 use foliate::components::robot::{GripperIndex, HandleIndex, JointIndex, Motion, Robot, Source};
-use foliate::systems::model::Model;
+use foliate::systems::planning_model::Model;
 use std::fmt::Write;
 
 /// One line per change of who holds what and of the problem's own states, in the direction of travel.

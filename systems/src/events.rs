@@ -1,10 +1,9 @@
 //! What a running search tells its host, through a bounded channel that never blocks the search.
 
-use crate::feedback::Feedback;
 use bevy_ecs::prelude::Resource;
 use crossbeam_channel::{Receiver, Sender, TrySendError, bounded};
-use foliate_components::graph::TransitionId;
-use foliate_components::outcome::Rejection;
+use foliate_components::graph::{StateId, TransitionId};
+use foliate_components::outcome::{BlockingParts, Rejection, StateStatistics};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -147,3 +146,39 @@ impl StopSignal {
         self.memory.as_ref().is_some_and(|guard| (guard.0)())
     }
 }
+
+/// A report on a search under way.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Feedback {
+    /// Steps so far.
+    pub step: u64,
+    /// Transitions that were tried, most often tried first, then by id; at most [`MOST_TRANSITIONS`].
+    pub transitions: Vec<TransitionFeedback>,
+    /// States in which the roadmap has nodes, by id; at most [`MOST_STATES`], those with most nodes.
+    pub states: Vec<(StateId, StateStatistics)>,
+}
+
+/// How one transition fares.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TransitionFeedback {
+    /// Which.
+    pub transition: TransitionId,
+    /// Candidates that tried it.
+    pub attempts: u64,
+    /// Candidates that reached its target.
+    pub reached: u64,
+    /// Candidates of which a part was kept.
+    pub partial: u64,
+    /// [`TransitionStatistics::success_rate`](foliate_components::outcome::TransitionStatistics::success_rate) with the default prior.
+    pub success_rate: f64,
+    /// [`TransitionStatistics::projection_rate`](foliate_components::outcome::TransitionStatistics::projection_rate) with the default prior.
+    pub projection_rate: f64,
+    /// The parts that were most often in each other's way.
+    pub most_blocking: Option<BlockingParts>,
+}
+
+/// Largest number of transitions in a report, a bound on what an unread channel holds.
+pub const MOST_TRANSITIONS: usize = 256;
+
+/// Largest number of states in a report.
+pub const MOST_STATES: usize = 256;

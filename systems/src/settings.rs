@@ -7,7 +7,7 @@ use foliate_kernels::lanes::Level;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Selection {
     /// As `LeafFirst` for some candidates; the others ([`SearchSettings::guided_probability`]) take a leaf that is few grasps
-    /// from what another tree has reached, and a transition that leads towards it ([`crate::guidance::aiming`]).
+    /// from what another tree has reached, and a transition that leads towards it ([`crate::heuristic::leaf_heuristic`]).
     #[default]
     Guided,
     /// A tree, then one of the states it has reached, one of the leaves in it, and the node of that leaf nearest to q_rand;
@@ -33,7 +33,7 @@ pub struct SearchSettings {
     pub max_nodes: usize,
     /// Bytes of the roadmap ([`Roadmap::bytes`](foliate_components::roadmap::Roadmap::bytes)), of a lazy graph
     /// ([`ConstraintGraph::bytes`](foliate_components::graph::ConstraintGraph::bytes)) and of what was compiled of it
-    /// ([`Model::bytes_to_try`](crate::model::Model::bytes_to_try)), after which the search gives up: motions with implicit
+    /// ([`Model::bytes_to_try`](crate::planning_model::model::Model::bytes_to_try)), after which the search gives up: motions with implicit
     /// rows have many knots, so that nodes alone bound nothing.
     pub max_bytes: u64,
     /// How a node to extend is chosen.

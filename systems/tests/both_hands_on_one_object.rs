@@ -228,7 +228,7 @@ fn what_a_leg_has_before_it_leaves_its_leaf_is_kept() {
 }
 
 /// Every node, those where partial motions end too, satisfies the state's constraints to the projection tolerance.
-fn assert_nodes_are_on_the_leaf(model: &foliate_systems::model::Model, search: &Search) {
+fn assert_nodes_are_on_the_leaf(model: &foliate_systems::planning_model::Model, search: &Search) {
     let roadmap = search.world().resource::<Roadmap>();
     let mut scratch = Scratch::default();
     for (id, node) in (0..).map(NodeId).zip(roadmap.nodes()) {

@@ -10,8 +10,7 @@ use foliate_components::graph::TransitionId;
 use foliate_components::graph::leaf::LeafIndex;
 use foliate_components::outcome::{Prior, SearchOutcome};
 use foliate_components::samples::{boxes_on_a_table, swap_two_boxes};
-use foliate_systems::events::{EventSink, SearchEvent};
-use foliate_systems::feedback::Feedback;
+use foliate_systems::events::{EventSink, Feedback, SearchEvent};
 use foliate_systems::schedulers::mrrt::Mrrt;
 use foliate_systems::search::Search;
 use foliate_systems::settings::SearchSettings;
@@ -71,9 +70,11 @@ fn the_host_hears_every_few_steps_and_at_the_end() {
         assert_eq!((row.attempts, row.reached, row.partial), (s.attempts, s.reached, s.partial));
         assert_eq!(
             row.most_blocking,
-            s.blocking_parts(&search.world().resource::<foliate_systems::model::PlanningModel>().problem.robot)
-                .first()
-                .copied()
+            s.blocking_parts(
+                &search.world().resource::<foliate_systems::planning_model::PlanningModel>().problem.robot
+            )
+            .first()
+            .copied()
         );
     }
     assert_eq!(end.transitions.len(), statistics.iter().filter(|(_, s)| s.attempts > 0).count());

@@ -16,7 +16,7 @@ use foliate_components::robot::{PartIndex, PartKind, PartPlacement, Robot, RootJ
 use foliate_components::samples::models::{block, environment, movable_object, part, seven_axis_arm, table};
 use foliate_kernels::collision::adjacent_links;
 use foliate_systems::events::EventSink;
-use foliate_systems::model::{Model, ModelError};
+use foliate_systems::planning_model::{Model, ModelError};
 use foliate_systems::schedulers::mrrt::Mrrt;
 use foliate_systems::search::Search;
 use glam::DVec3;

@@ -11,12 +11,13 @@ use foliate_components::candidate::{Candidate, CandidateArena, LegParameter, Pla
 use foliate_components::graph::leaf::LeafIndex;
 use foliate_components::roadmap::{NodeId, Roadmap};
 use foliate_components::samples::swap_two_boxes;
-use foliate_systems::commit::{NewNodes, commit_extensions};
 use foliate_systems::events::EventSink;
-use foliate_systems::model::PlanningModel;
-use foliate_systems::neighbours::Neighbours;
+use foliate_systems::exploration::entities::NewNodes;
+use foliate_systems::exploration::neighbours::Neighbours;
+use foliate_systems::planning_model::PlanningModel;
 use foliate_systems::schedulers::mrrt::Mrrt;
 use foliate_systems::search::Search;
+use foliate_systems::step::commit::commit_extensions;
 
 /// Gives every candidate a node on the start's leaf, a little off the start, at the end of an edge without motions.
 fn plant(world: &mut World) {

@@ -12,12 +12,13 @@ use foliate_components::outcome::SearchOutcome;
 use foliate_components::problem::Goal;
 use foliate_components::roadmap::{ComponentId, EdgeId, NodeId, Roadmap};
 use foliate_components::samples::{move_one_box, swap_two_boxes, swap_with_crossed_foliations};
-use foliate_systems::conclusion::Roots;
-use foliate_systems::passages::{Passage, Passages};
+use foliate_systems::exploration::edges::{Passage, Passages};
+use foliate_systems::exploration::explored::Families;
+use foliate_systems::exploration::reached_leaves::ReachedLeaves;
+use foliate_systems::exploration::roots::Roots;
+use foliate_systems::schedulers::sequence::leaf_graph::LeafGraph;
 use foliate_systems::schedulers::{mrrt::Mrrt, sequence::Sequence};
 use foliate_systems::search::Search;
-use foliate_systems::selection::{Families, ReachedLeaves};
-use foliate_systems::sequences::leaf_graph::LeafGraph;
 
 fn nodes(roadmap: &Roadmap) -> impl Iterator<Item = NodeId> {
     (0..roadmap.nodes().len() as u32).map(NodeId)

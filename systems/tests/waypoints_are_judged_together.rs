@@ -15,11 +15,11 @@ use foliate_components::problem::{Margin, Problem};
 use foliate_components::robot::{LinkIndex, PartKind, ShapeIndex};
 use foliate_components::samples::{swap_two_boxes, swap_with_crossed_foliations};
 use foliate_kernels::collision::CollisionScratch;
-use foliate_systems::model::PlanningModel;
+use foliate_systems::planning_model::PlanningModel;
 use foliate_systems::schedule::SearchSet;
 use foliate_systems::schedulers::{Scheduler, mrrt::Mrrt};
 use foliate_systems::settings::SearchSettings;
-use foliate_systems::{steering, waypoints};
+use foliate_systems::step::{steering, waypoints};
 use std::sync::{Arc, Mutex};
 
 /// What has to come of each candidate that is under way.

@@ -9,7 +9,7 @@ use allocation_counter::measure;
 use foliate::batch::{Machine, today};
 use foliate_benches::{long_model, one_thread, scene_model, under_way};
 use foliate_components::roadmap::Roadmap;
-use foliate_systems::model::PlanningModel;
+use foliate_systems::planning_model::PlanningModel;
 use foliate_systems::search::Search;
 use std::error::Error;
 use std::path::{Path, PathBuf};

@@ -10,14 +10,15 @@ use bevy_ecs::prelude::{IntoScheduleConfigs, ResMut, Resource, Schedule, World};
 use bevy_ecs::schedule::ScheduleCleanupPolicy;
 use foliate_benches::{long_model, one_thread, scene_model};
 use foliate_components::graph::leaf::LeafIndex;
-use foliate_systems::commit;
-use foliate_systems::connection::{Connections, certify_connections, propose_connections};
 use foliate_systems::events::{EventSink, StopSignal};
-use foliate_systems::model::PlanningModel;
+use foliate_systems::exploration::edges::Connections;
+use foliate_systems::planning_model::PlanningModel;
 use foliate_systems::schedule::SearchSet;
 use foliate_systems::schedulers::{Scheduler, mrrt::Mrrt};
 use foliate_systems::search::Search;
 use foliate_systems::settings::{SearchSettings, Selection};
+use foliate_systems::step::commit;
+use foliate_systems::step::connection::connect::{certify_connections, propose_connections};
 use std::error::Error;
 use std::time::{Duration, Instant};
 

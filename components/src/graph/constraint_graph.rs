@@ -1,7 +1,7 @@
 //! The constraint graph (P0 §II-D, P1 §II): states, transitions between them, and what foliates them.
 //!
-//! A small graph is built whole (`foliate_systems::graph::building`); a large one is lazy: a state comes into being when it is
-//! first reached or seen from a neighbour, its transitions when it is *expanded* (`foliate_systems::graph::growth`). Ids never
+//! A small graph is built whole (`foliate_systems::planning_model::graph::enumeration`); a large one is lazy: a state comes into being when it is
+//! first reached or seen from a neighbour, its transitions when it is *expanded* (`foliate_systems::planning_model::graph::lazy_graph`). Ids never
 //! change; nothing is ever taken away. Transitions and states are also entities of the world, which carry ids from here
 //! together with weights and statistics.
 

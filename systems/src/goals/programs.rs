@@ -1,7 +1,7 @@
 //! What a goal demands in a state, compiled: the state's manifold, the goal's demands, and which objects stay.
 
-use crate::membership::coordinate;
-use crate::model::Model;
+use crate::planning_model::model::Model;
+use crate::planning_model::state_classification::coordinate;
 use crate::settings::SearchSettings;
 use foliate_components::Pose;
 use foliate_components::constraint::{Constraint, Frame, Locked, LockedValue, Reference, RelativePose, Row};

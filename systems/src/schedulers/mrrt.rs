@@ -1,12 +1,12 @@
 //! `mrrt`: Manipulation RRT, the papers' algorithm (P0 Alg. 1, P1 §III), batched.
 
-use super::Scheduler;
-use crate::guidance::aiming;
+use crate::heuristic::systems;
+use crate::search::scheduler::Scheduler;
+use crate::step::connection::connect;
+use crate::step::projection::project;
+
 use crate::schedule::{SearchSet, empty_schedule};
-use crate::{
-    commit, conclusion, connection, feedback, goals, projection, rendezvous, sampling, selection, steering, validation,
-    waypoints,
-};
+use crate::step::{commit, conclusion, rendezvous, sampling, selection, steering, validation, waypoints};
 use bevy_ecs::prelude::{IntoScheduleConfigs, Schedule, World};
 
 /// Random trees from the start and every goal, grown leaf by leaf through regular and crossed transitions.
@@ -24,22 +24,27 @@ impl Scheduler for Mrrt {
             (sampling::reset_candidates, sampling::sample_configurations).chain().in_set(SearchSet::Sample),
             (
                 selection::gather_weights,
-                aiming::measure_leaves,
-                aiming::choose_leaves,
+                systems::measure_leaves,
+                systems::choose_leaves,
                 selection::select_nodes,
                 selection::select_transitions,
             )
                 .chain()
                 .in_set(SearchSet::Select),
             rendezvous::draw_leaves.in_set(SearchSet::Rendezvous),
-            projection::project_waypoints.in_set(SearchSet::Project),
+            project::project_waypoints.in_set(SearchSet::Project),
             (waypoints::check_waypoints, steering::steer_legs).chain().in_set(SearchSet::Steer),
             validation::certify_legs.in_set(SearchSet::Validate),
-            (commit::commit_extensions, goals::draw_more_goals).chain().in_set(SearchSet::Commit),
-            (connection::propose_connections, connection::certify_connections, commit::commit_connections)
+            (commit::commit_extensions, crate::goals::systems::draw_more_goals).chain().in_set(SearchSet::Commit),
+            (connect::propose_connections, connect::certify_connections, commit::commit_connections)
                 .chain()
                 .in_set(SearchSet::Connect),
-            (conclusion::conclude, conclusion::report_progress, feedback::report_feedback, conclusion::report_solution)
+            (
+                conclusion::conclude,
+                conclusion::report_progress,
+                conclusion::report_feedback,
+                conclusion::report_solution,
+            )
                 .chain()
                 .in_set(SearchSet::Conclude),
         ));

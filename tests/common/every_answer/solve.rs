@@ -5,7 +5,7 @@ use foliate::components::outcome::SearchOutcome;
 use foliate::components::path::ManipulationPath;
 use foliate::path_file::{PathContext, PathFile, save, write_path};
 use foliate::scene::{PackagePath, Scene, load_scene};
-use foliate::systems::model::PlanningModel;
+use foliate::systems::planning_model::PlanningModel;
 use foliate::systems::settings::SearchSettings;
 use std::path::{Path, PathBuf};
 

@@ -1,0 +1,149 @@
+//! Passages: short motions between two leaves that have been planted and that nobody has certified yet.
+//!
+//! Nearly all of them turn out to be free once their waypoints are, and few are ever needed. So commit keeps them here, beside
+//! the roadmap, in which both ends stand as trees of their own; a scheduler proposes the ones it needs as connections, and
+//! only what is certified then becomes an edge.
+
+use bevy_ecs::prelude::Resource;
+use foliate_components::graph::TransitionId;
+use foliate_components::graph::leaf::LeafId;
+use foliate_components::roadmap::{Motion, NodeId};
+use foliate_components::robot::ShapeIndex;
+use std::collections::BTreeMap;
+
+/// A motion that would join two trees.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Connection {
+    /// A new node, or the one that a passage leads from.
+    pub from: NodeId,
+    /// A node in another tree: on the same leaf, or the one that the passage leads to.
+    pub to: NodeId,
+    /// What became of it, once that is known.
+    pub verdict: Option<Verdict>,
+}
+
+/// The certified motions of a connection, end to end, or what is in the way.
+pub type Verdict = Result<Vec<Motion>, Obstacle>;
+
+/// Why two nodes are not joined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Obstacle {
+    /// Number of the leg that is not free.
+    pub leg: u32,
+    /// The pair of shapes that stopped it, where one did.
+    pub blocked_by: Option<(ShapeIndex, ShapeIndex)>,
+}
+
+impl Connection {
+    /// A proposal.
+    #[must_use]
+    pub fn between(from: NodeId, to: NodeId) -> Self {
+        Self { from, to, verdict: None }
+    }
+
+    /// Whether it is certified.
+    #[must_use]
+    pub fn is_certified(&self) -> bool {
+        matches!(self.verdict, Some(Ok(_)))
+    }
+}
+
+/// The connections of this step, in order of proposal.
+#[derive(Clone, Debug, Default, Resource)]
+pub struct Connections(pub Vec<Connection>);
+
+/// What would be an edge between two nodes, if it is free.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Passage {
+    /// Where its motions start: the root of a tree.
+    pub from: NodeId,
+    /// The transition that it travels.
+    pub transition: TransitionId,
+    /// The leaf that it was aimed at, where the transition is crossed.
+    pub drawn: Option<LeafId>,
+    /// One for each leg, end to end; their clearance is not proven.
+    pub motions: Vec<Motion>,
+}
+
+/// The passages that nothing is known of, by the node that they lead to.
+#[derive(Clone, Debug, Default, Resource)]
+pub struct Passages {
+    open: BTreeMap<NodeId, Passage>,
+    bytes: u64,
+}
+
+impl Passages {
+    /// Keeps a passage to a node that no other leads to.
+    pub fn add(&mut self, to: NodeId, passage: Passage) {
+        self.bytes += bytes(&passage);
+        if let Some(before) = self.open.insert(to, passage) {
+            self.bytes -= bytes(&before);
+        }
+    }
+
+    /// The passage that leads to a node.
+    #[must_use]
+    pub fn to(&self, node: NodeId) -> Option<&Passage> {
+        self.open.get(&node)
+    }
+
+    /// The passage from one node to another.
+    #[must_use]
+    pub fn between(&self, from: NodeId, to: NodeId) -> Option<&Passage> {
+        self.to(to).filter(|passage| passage.from == from)
+    }
+
+    /// Takes out the passage from one node to another: something is known of it.
+    pub fn take(&mut self, from: NodeId, to: NodeId) -> Option<Passage> {
+        self.between(from, to)?;
+        let passage = self.open.remove(&to);
+        self.bytes -= passage.as_ref().map_or(0, bytes);
+        passage
+    }
+
+    /// Number of passages that nothing is known of.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.open.len()
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.open.is_empty()
+    }
+
+    /// About how much memory they take, bytes.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+}
+
+fn bytes(passage: &Passage) -> u64 {
+    let knots = passage.motions.iter().map(|motion| size_of_val(&*motion.knots)).sum::<usize>();
+    (size_of::<(NodeId, Passage)>() + size_of_val(&*passage.motions) + knots) as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::exploration::edges::{Passage, Passages};
+    use foliate_components::graph::TransitionId;
+    use foliate_components::graph::leaf::LeafId;
+    use foliate_components::roadmap::{Motion, NodeId};
+
+    #[test]
+    fn what_is_taken_is_forgotten_and_takes_no_memory() {
+        let transition = TransitionId(3);
+        let motion = |knots| Motion { transition, leg: 1, leaf: LeafId(0), knots, clearance: 0.0, residual: 0.0 };
+        let motions = vec![motion(vec![0.0; 8])];
+        let mut passages = Passages::default();
+        passages.add(NodeId(5), Passage { from: NodeId(4), transition, drawn: None, motions });
+        assert!(passages.bytes() > 64 && passages.len() == 1);
+        assert!(passages.between(NodeId(4), NodeId(5)).is_some());
+        assert!(passages.between(NodeId(5), NodeId(4)).is_none(), "it leads one way");
+        assert_eq!(passages.take(NodeId(3), NodeId(5)), None);
+        assert!(passages.take(NodeId(4), NodeId(5)).is_some_and(|passage| passage.motions.len() == 1));
+        assert!(passages.is_empty() && passages.bytes() == 0 && passages.to(NodeId(5)).is_none());
+    }
+}

@@ -1,0 +1,27 @@
+//! TODO(page): what roots is.
+
+use bevy_ecs::prelude::Resource;
+use foliate_components::outcome::SearchOutcome;
+use foliate_components::roadmap::{NodeId, Roadmap};
+
+/// The roots of the trees that are to meet.
+#[derive(Clone, Debug, Default, Resource)]
+pub struct Roots {
+    /// Root of the start's tree.
+    pub start: Option<NodeId>,
+    /// Roots of the goals' trees.
+    pub goals: Vec<NodeId>,
+}
+
+/// How the search has ended, once it has.
+#[derive(Clone, Debug, Default, Resource)]
+pub struct Ending(pub Option<SearchOutcome>);
+
+impl Roots {
+    /// The first goal that hangs together with the start.
+    #[must_use]
+    pub fn reached_goal(&self, roadmap: &Roadmap) -> Option<NodeId> {
+        let start = roadmap.component_of(self.start?);
+        self.goals.iter().copied().find(|&goal| roadmap.component_of(goal) == start)
+    }
+}

@@ -1,0 +1,51 @@
+//! TODO(page): what systems is.
+
+use crate::events::StopSignal;
+use crate::exploration::roots::Roots;
+use crate::exploration::writer;
+use crate::goals::sampler::{GoalSampler, LATER_TRIES};
+use crate::planning_model::model::PlanningModel;
+use crate::planning_model::state_classification::Feasible;
+use crate::schedule::StepCounter;
+use crate::settings::SearchSettings;
+use bevy_ecs::prelude::{Mut, World};
+use foliate_components::graph::leaf::{Leaf, LeafIndex};
+use foliate_components::roadmap::{NodeId, Roadmap};
+
+/// Makes a start or a goal the root of a tree.
+pub(crate) fn plant(world: &mut World, root: Feasible) -> NodeId {
+    writer::spawn_graph(world);
+    let tolerance = world.resource::<SearchSettings>().projection_tolerance;
+    let mut index = world.resource_mut::<LeafIndex>();
+    let parameters = root.parameters.into_iter().map(|p| index.intern_parameter(p, tolerance)).collect();
+    writer::add_root(world, &root.q, Leaf { state: root.state, parameters })
+}
+
+/// Set Commit, after the extensions: draws more configurations of goals that leave something free. Every step while there
+/// is none yet; else after [`SearchSettings::goal_interval`] steps, and each time after twice as many.
+pub fn draw_more_goals(world: &mut World) {
+    world.resource_scope(|world, mut sampler: Mut<'_, GoalSampler>| {
+        let step = world.resource::<StepCounter>().step;
+        let goals = world.resource::<Roots>().goals.len();
+        let settings = world.resource::<SearchSettings>().clone();
+        if sampler.regions.is_empty() || !sampler.is_due(&settings, step, goals) {
+            return;
+        }
+        let found = world.resource_scope(|world, mut model: Mut<'_, PlanningModel>| {
+            sampler.draw(&mut model, &settings, world.resource::<StopSignal>(), LATER_TRIES)
+        });
+        writer::spawn_graph(world);
+        for goal in found {
+            plant_goal(world, goal);
+        }
+    });
+}
+
+fn plant_goal(world: &mut World, goal: Feasible) {
+    let (roadmap, roots) = (world.resource::<Roadmap>(), world.resource::<Roots>());
+    if roots.goals.iter().any(|&root| roadmap.configuration(root) == goal.q) {
+        return;
+    }
+    let root = plant(world, goal);
+    world.resource_mut::<Roots>().goals.push(root);
+}

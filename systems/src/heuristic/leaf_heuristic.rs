@@ -1,0 +1,303 @@
+//! Set Select, the guided half: a leaf that is few grasps from what another tree has reached, and the leaf to aim at.
+
+use crate::exploration::explored::Explored;
+use crate::exploration::reached_leaves::ReachedLeaves;
+use crate::heuristic::grasp_distance::GraspDistance;
+use crate::heuristic::leaf_distance_table::{End, StatePair};
+use crate::heuristic::weighted_leaves::{FOCUS, Weighted, WeightedLeaves};
+use crate::heuristic::weighted_sampling::{Reached, draw_near};
+use bevy_ecs::prelude::Resource;
+use foliate_components::graph::leaf::{Leaf, LeafId};
+use foliate_components::graph::{ConstraintGraph, StateId, Transition};
+use foliate_components::roadmap::{ComponentId, Roadmap};
+use foliate_kernels::lanes::Level;
+use rand::{Rng, RngExt};
+use std::borrow::Cow;
+use std::collections::HashMap;
+
+/// How far every leaf is from every tree, kept from step to step.
+#[derive(Clone, Debug, Default, Resource)]
+pub struct Aims {
+    pub(crate) distance: GraspDistance,
+    /// By the states of two leaves.
+    pub(crate) pairs: HashMap<(StateId, StateId), StatePair>,
+    /// By tree as it was born: what is known of the leaves it has reached.
+    pub(crate) measured: Vec<Measured>,
+    /// By tree as it is now: its leaves by state, sorted; empty for a tree that has been joined to another.
+    pub(crate) trees: Vec<Vec<WeightedLeaves>>,
+    /// By leaf: candidates that started there.
+    pub(crate) tries: Vec<u32>,
+    /// Leaves on which the last step's candidates have started.
+    touched: Vec<LeafId>,
+}
+
+/// What is known of the leaves that a tree reached while it had its own id.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Measured {
+    /// How many, in order of first visit.
+    pub(crate) known: usize,
+    /// By state, in the order of [`ReachedLeaves::columns_of`].
+    pub(crate) states: Vec<Nearest>,
+}
+
+/// Of the leaves of one state: changes of grasp to the nearest leaf of every tree as it was born, by tree and leaf. Trees
+/// that have been joined to the leaves' own are left out.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Nearest {
+    pub(crate) known: usize,
+    /// How many of them were before the graph last grew, which may have brought all closer.
+    pub(crate) stale: usize,
+    by_tree: Vec<Vec<u16>>,
+}
+
+impl Nearest {
+    fn of(&mut self, tree: usize) -> &mut Vec<u16> {
+        if self.by_tree.len() <= tree {
+            self.by_tree.resize_with(tree + 1, Vec::new);
+        }
+        let row = &mut self.by_tree[tree];
+        row.resize(self.known, u16::MAX);
+        row
+    }
+
+    /// To the nearest leaf of any tree but `own`.
+    fn to_others(&self, roadmap: &Roadmap, own: ComponentId, leaf: usize) -> Option<u16> {
+        let others = (0u32..).map(ComponentId).zip(&self.by_tree);
+        let others = others.filter(|(c, row)| !row.is_empty() && roadmap.component(*c) != own);
+        others.map(|(_, row)| row.get(leaf).copied().unwrap_or(u16::MAX)).min()
+    }
+}
+
+impl Aims {
+    /// Changes of grasp from a leaf that the tree `tree` has reached to the nearest leaf of any other tree.
+    #[must_use]
+    pub fn to_others(&self, leaf: LeafId, tree: ComponentId) -> Option<u16> {
+        self.trees.get(tree.at())?.iter().find_map(|state| state.get(leaf)).map(|weighted| weighted.far)
+    }
+
+    /// How much likelier a transition gets by what it leads to.
+    pub(crate) fn preference(&self, graph: &ConstraintGraph, from: &Leaf, transition: &Transition, aim: &Leaf) -> f64 {
+        FOCUS.powi(-i32::from(self.distance.after(graph, from, transition, aim)))
+    }
+
+    /// Remembers that a candidate has started on a leaf.
+    pub(crate) fn count_try(&mut self, leaf: LeafId) {
+        if let Some(tries) = self.tries.get_mut(leaf.at()) {
+            *tries += 1;
+            self.touched.push(leaf);
+        }
+    }
+
+    /// The leaves that a tree has reached, with what is known of each.
+    fn gather(&self, reached: &ReachedLeaves, roadmap: &Roadmap, tree: ComponentId) -> Vec<WeightedLeaves> {
+        let mut states: Vec<(StateId, Vec<Weighted>)> = Vec::new();
+        let born = (0u32..).map(ComponentId).zip(&self.measured).filter(|&(c, _)| roadmap.component(c) == tree);
+        for (born, measured) in born {
+            let list = &reached.by_component[born.at()];
+            for (nearest, columns) in measured.states.iter().zip(reached.columns_of(born)) {
+                let entry = |(index, &place): (usize, &u32)| {
+                    let leaf = list[place as usize];
+                    let far = nearest.to_others(roadmap, tree, index).unwrap_or(0);
+                    Weighted { leaf, far, tries: self.tries[leaf.at()] }
+                };
+                let new = columns.places[..nearest.known].iter().enumerate().map(entry);
+                let at = states.partition_point(|(state, _)| *state < columns.state);
+                if states.get(at).is_none_or(|(state, _)| *state != columns.state) {
+                    states.insert(at, (columns.state, Vec::new()));
+                }
+                states[at].1.extend(new);
+            }
+        }
+        let sort = |(state, mut leaves): (StateId, Vec<Weighted>)| {
+            leaves.sort_by_key(|w| (w.leaf, w.far));
+            leaves.dedup_by_key(|w| w.leaf);
+            WeightedLeaves::new(state, leaves)
+        };
+        states.into_iter().map(sort).collect()
+    }
+
+    /// Chooses what to aim at from `leaf`: among the leaves that other trees have reached, near ones first.
+    pub(crate) fn aim(
+        &self,
+        graph: &ConstraintGraph,
+        explored: &Explored<'_>,
+        (leaf, tree): (LeafId, ComponentId),
+        level: Level,
+        rng: &mut impl Rng,
+        scratch: &mut AimScratch,
+    ) -> Option<LeafId> {
+        let from = explored.leaves.leaf(leaf);
+        let lists = (0u32..).map(ComponentId).zip(&explored.reached.by_component);
+        let others = lists.filter(|&(born, _)| explored.roadmap.component(born) != tree);
+        let others: Vec<_> =
+            others.map(|(born, leaves)| Reached { leaves, columns: explored.reached.columns_of(born) }).collect();
+        scratch.far.clear();
+        let mut nearest = u16::MAX;
+        for columns in others.iter().flat_map(|other| other.columns) {
+            let start = scratch.far.len();
+            scratch.far.resize(start + columns.len(), 0);
+            let pair = self.pair(graph, from.state, columns.state);
+            let distances = pair.distances(&from.parameters, End::From, &columns.parameters);
+            nearest = nearest.min(distances.measure(level, &mut scratch.far[start..]));
+        }
+        draw_near(level, &others, (&scratch.far, nearest), rng.random(), &mut scratch.sums)
+    }
+
+    fn pair(&self, graph: &ConstraintGraph, from: StateId, to: StateId) -> Cow<'_, StatePair> {
+        match self.pairs.get(&(from, to)) {
+            Some(pair) => Cow::Borrowed(pair),
+            None => Cow::Owned(self.distance.between_states(graph, from, to)),
+        }
+    }
+}
+
+/// Buffers of one thread.
+#[derive(Default)]
+pub(crate) struct AimScratch {
+    /// Distances to all leaves of other trees, tree by tree and state by state.
+    far: Vec<u16>,
+    sums: Vec<u64>,
+}
+
+impl Aims {
+    /// Weighs afresh what trees have reached that others have been joined to.
+    pub(crate) fn follow_joins(&mut self, explored: &Explored<'_>) {
+        let mut joined = Vec::new();
+        for (born, states) in (0u32..).map(ComponentId).zip(&mut self.trees) {
+            let tree = explored.roadmap.component(born);
+            if tree != born && !states.is_empty() {
+                states.clear();
+                joined.push(tree);
+            }
+        }
+        joined.sort_unstable();
+        joined.dedup();
+        for tree in joined {
+            self.trees[tree.at()] = self.gather(&explored.reached, &explored.roadmap, tree);
+        }
+    }
+
+    /// Weighs afresh the leaves on which candidates have started.
+    pub(crate) fn follow_tries(&mut self, explored: &Explored<'_>) {
+        for leaf in std::mem::take(&mut self.touched) {
+            let (state, tries) = (explored.leaves.leaf(leaf).state, self.tries[leaf.at()]);
+            for tree in &mut self.trees {
+                if let Some(leaves) = in_state(tree, state) {
+                    leaves.change(leaf, |weighted| weighted.tries = tries);
+                }
+            }
+        }
+    }
+
+    /// Measures the next leaf that the tree `born` has reached against what is measured of all other trees.
+    pub(crate) fn measure(
+        &mut self,
+        graph: &ConstraintGraph,
+        explored: &Explored<'_>,
+        level: Level,
+        (born, id): (ComponentId, LeafId),
+    ) {
+        let leaf = explored.leaves.leaf(id);
+        let own = explored.roadmap.component(born);
+        let mut from_here: Vec<(usize, u16)> = Vec::new();
+        for other in (0..self.measured.len() as u32).map(ComponentId) {
+            if explored.roadmap.component(other) == own {
+                continue;
+            }
+            let mut nearest = None;
+            for (state, columns) in explored.reached.columns_of(other).iter().enumerate() {
+                let Some(known) = self.measured[other.at()].states.get(state).map(|s| s.known) else { break };
+                self.remember_pairs(graph, leaf.state, columns.state);
+                let pair = &self.pairs[&(leaf.state, columns.state)];
+                if nearest.is_none_or(|nearest| pair.least < nearest) {
+                    let here = pair.distances(&leaf.parameters, End::From, &columns.parameters).nearest(level, known);
+                    nearest = nearest.into_iter().chain((known > 0).then_some(here)).min();
+                }
+                self.come_nearer(explored, level, (other, state), (born, leaf));
+            }
+            from_here.extend(nearest.map(|nearest| (other.at(), nearest)));
+        }
+        self.add(explored, (born, own), id, &from_here);
+    }
+
+    /// Measures the leaves of one state that the tree `born` has reached against a new leaf of the tree `to`.
+    fn come_nearer(
+        &mut self,
+        explored: &Explored<'_>,
+        level: Level,
+        (born, state): (ComponentId, usize),
+        (to, leaf): (ComponentId, &Leaf),
+    ) {
+        let tree = explored.roadmap.component(born);
+        let columns = &explored.reached.columns_of(born)[state];
+        let distances =
+            self.pairs[&(columns.state, leaf.state)].distances(&leaf.parameters, End::To, &columns.parameters);
+        if distances.has_nothing_in_common() && self.knows_state(explored, to, leaf.state) {
+            // No leaf is nearer to this one than to another of the same state that has been measured.
+            return;
+        }
+        let nearest = &mut self.measured[born.at()].states[state];
+        let mut nearer = Vec::new();
+        distances.lower(level, nearest.of(to.at()), &mut nearer);
+        let Some(leaves) = in_state(&mut self.trees[tree.at()], columns.state) else { return };
+        for index in nearer {
+            let leaf = explored.reached.by_component[born.at()][columns.places[index] as usize];
+            let far = nearest.to_others(&explored.roadmap, tree, index).unwrap_or(0);
+            leaves.change(leaf, |weighted| weighted.far = far);
+        }
+    }
+
+    /// Whether any leaf of a state that the tree `born` has reached has been measured in the graph as it is.
+    fn knows_state(&self, explored: &Explored<'_>, born: ComponentId, state: StateId) -> bool {
+        let columns = explored.reached.columns_of(born).iter();
+        columns
+            .zip(&self.measured[born.at()].states)
+            .any(|(columns, nearest)| columns.state == state && nearest.known > nearest.stale)
+    }
+
+    /// Adds a leaf that is so far from other trees to what is known of its own.
+    fn add(
+        &mut self,
+        explored: &Explored<'_>,
+        (born, own): (ComponentId, ComponentId),
+        id: LeafId,
+        far: &[(usize, u16)],
+    ) {
+        let state = explored.leaves.leaf(id).state;
+        let columns = explored.reached.columns_of(born);
+        let at = columns.iter().position(|c| c.state == state).unwrap_or(0);
+        let measured = &mut self.measured[born.at()];
+        measured.known += 1;
+        if measured.states.len() <= at {
+            measured.states.resize_with(at + 1, Nearest::default);
+        }
+        let nearest = &mut measured.states[at];
+        nearest.known += 1;
+        for &(tree, far) in far {
+            if let Some(last) = nearest.of(tree).last_mut() {
+                *last = far;
+            }
+        }
+        let far = far.iter().map(|&(_, far)| far).min().unwrap_or(0);
+        let new = Weighted { leaf: id, far, tries: self.tries[id.at()] };
+        let states = &mut self.trees[own.at()];
+        match in_state(states, state) {
+            Some(leaves) => leaves.insert(new),
+            None => {
+                let at = states.partition_point(|s| s.state < state);
+                states.insert(at, WeightedLeaves::new(state, vec![new]));
+            }
+        }
+    }
+
+    fn remember_pairs(&mut self, graph: &ConstraintGraph, a: StateId, b: StateId) {
+        for ends in [(a, b), (b, a)] {
+            self.pairs.entry(ends).or_insert_with(|| self.distance.between_states(graph, ends.0, ends.1));
+        }
+    }
+}
+
+fn in_state(states: &mut [WeightedLeaves], state: StateId) -> Option<&mut WeightedLeaves> {
+    let at = states.binary_search_by_key(&state, |s| s.state).ok()?;
+    Some(&mut states[at])
+}

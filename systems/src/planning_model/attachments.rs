@@ -1,0 +1,259 @@
+//! What carries each object, how it hangs there, and where that puts it.
+
+use crate::planning_model::graph::attachment_order::{Carriers, is_rigid, solid_grasp};
+use crate::planning_model::graph::support_placement::Resting;
+use crate::planning_model::model::Model;
+use foliate_components::Pose;
+use foliate_components::candidate::{LegParameter, PlannedLeg};
+use foliate_components::constraint::{Constraint, Locked, LockedValue};
+use foliate_components::graph::leaf::{Leaf, LeafIndex, Parameter};
+use foliate_components::graph::{ConstraintId, ConstraintKind, StateId};
+use foliate_components::path::Attachment;
+use foliate_components::pose::{log_so3, pose_to_array};
+use foliate_components::robot::{JointIndex, PartIndex, Robot, Source, SurfaceIndex};
+use foliate_kernels::kinematics::Carriage;
+
+/// The value that a leg's leaf gives a constraint, where the constraint foliates the leg's state.
+#[must_use]
+pub fn parameter_in<'a>(
+    model: &Model,
+    leaves: &'a LeafIndex,
+    state: StateId,
+    parameters: &'a [LegParameter],
+    constraint: ConstraintId,
+) -> Option<&'a Parameter> {
+    let position = model.graph.state(state).foliation.iter().position(|&c| c == constraint)?;
+    match &parameters[position] {
+        LegParameter::Known(id) => Some(leaves.parameter(*id)),
+        LegParameter::Fresh(value) => Some(value),
+    }
+}
+
+impl Model {
+    /// What carries each object in a state.
+    #[must_use]
+    pub fn carriers(&self, state: StateId) -> &Carriers {
+        self.states[state.at()].carriers.get_or_init(|| {
+            let manifold = &self.graph.state(state).manifold;
+            let grasp = |constraint| self.grasp(constraint);
+            Box::new(Carriers::of_manifold(&self.problem.robot, &self.graph, manifold, grasp))
+        })
+    }
+
+    /// The object that a grasp holds by its root, or that a placement or rest is about.
+    #[must_use]
+    pub fn object_of(&self, constraint: ConstraintId) -> Option<usize> {
+        match self.graph.constraint(constraint).kind {
+            ConstraintKind::Placement { object, .. }
+            | ConstraintKind::Preplacement { object, .. }
+            | ConstraintKind::Rest { object } => Some(object as usize),
+            ConstraintKind::Grasp { handle, .. } | ConstraintKind::Pregrasp { handle, .. } => {
+                self.graph.objects.iter().position(|o| o.handles.contains(&handle))
+            }
+            ConstraintKind::JointRest { .. } | ConstraintKind::Given { .. } => None,
+        }
+    }
+
+    /// Whether a grasp determines the pose of the object's root.
+    #[must_use]
+    pub fn holds_rigidly(&self, constraint: ConstraintId) -> bool {
+        let root = self.object_of(constraint).and_then(|object| self.objects[object].root);
+        self.grasp(constraint).is_some_and(|grasp| is_rigid(grasp, root))
+    }
+
+    /// How every object hangs on what carries it, in a state whose foliating constraints have the values `parameter`; a
+    /// carrier comes before what it carries.
+    pub fn carriages<'a>(
+        &self,
+        state: StateId,
+        parameter: impl Fn(ConstraintId) -> Option<&'a Parameter>,
+    ) -> Vec<Carriage> {
+        let carriers = self.carriers(state);
+        let carriage = |&index: &usize| {
+            let (constraint, object) = (carriers.of[index]?, self.objects[index].root?);
+            if let Some(value) = parameter(constraint) {
+                return Some(Carriage { object, carrier: value.carrier, X_CO: value.value });
+            }
+            let (carrier, X_CO) = solid_grasp(self.grasp(constraint)?);
+            Some(Carriage { object, carrier, X_CO })
+        };
+        carriers.order.iter().filter_map(carriage).collect()
+    }
+
+    /// How every object hangs on what carries it, on a leaf.
+    #[must_use]
+    pub fn carriages_of_leaf(&self, leaf: &Leaf, leaves: &LeafIndex) -> Vec<Carriage> {
+        let foliation = &self.graph.state(leaf.state).foliation;
+        self.carriages(leaf.state, |constraint| {
+            let position = foliation.iter().position(|&c| c == constraint)?;
+            Some(leaves.parameter(leaf.parameters[position]))
+        })
+    }
+
+    /// How every object hangs on what carries it, along a leg.
+    #[must_use]
+    pub fn carriages_of_leg(&self, leg: &PlannedLeg, leaves: &LeafIndex) -> Vec<Carriage> {
+        self.carriages(leg.state, |constraint| parameter_in(self, leaves, leg.state, &leg.parameters, constraint))
+    }
+
+    /// What every object hangs on, on a leaf, for output; an object's carrier comes first.
+    #[must_use]
+    pub fn attachments(&self, leaf: &Leaf, leaves: &LeafIndex) -> Vec<Attachment> {
+        let state = self.graph.state(leaf.state);
+        let carriers = self.carriers(leaf.state);
+        let mut attachments = Vec::new();
+        for (index, object) in self.objects.iter().enumerate() {
+            let first = attachments.len();
+            for &constraint in &state.manifold {
+                if self.object_of(constraint) != Some(index) {
+                    continue;
+                }
+                let carrier = carriers.of[index] == Some(constraint);
+                let attachment = match self.graph.constraint(constraint).kind {
+                    ConstraintKind::Grasp { gripper, handle } => {
+                        let held = self.problem.robot.links[self.problem.robot.handles[handle.at()].link.at()].joint;
+                        let object = object.root.or(held);
+                        object.map(|object| Attachment::Grasp { object, gripper, handle, carrier })
+                    }
+                    ConstraintKind::Placement { on, .. } => self.contact(leaf, leaves, constraint, index, on),
+                    ConstraintKind::Rest { .. } => object.root.map(|object| Attachment::Rest { object, on: None }),
+                    _ => None,
+                };
+                match attachment {
+                    Some(attachment) if carrier => attachments.insert(first, attachment),
+                    Some(attachment) => attachments.push(attachment),
+                    None => {}
+                }
+            }
+        }
+        attachments
+    }
+
+    /// Which surfaces touch where an object lies on a leaf.
+    fn contact(
+        &self,
+        leaf: &Leaf,
+        leaves: &LeafIndex,
+        constraint: ConstraintId,
+        object: usize,
+        on: Option<JointIndex>,
+    ) -> Option<Attachment> {
+        let position = self.graph.state(leaf.state).foliation.iter().position(|&c| c == constraint)?;
+        let parameter = leaves.parameter(leaf.parameters[position]);
+        let root = self.objects[object].root?;
+        let place = self.objects[object].resting_on(on)?;
+        let Resting::Surfaces(lying) = &place.resting else {
+            return Some(Attachment::Rest { object: root, on: place.touches });
+        };
+        // Seen from the carrier, which stands at the origin.
+        let mut X_WJ = vec![Pose::identity(); self.kinematics.bodies()];
+        X_WJ[root.at()] = parameter.value;
+        let touching = foliate_kernels::constraints::placement::contact(lying, &X_WJ);
+        let surface = numbered(&self.problem.robot, &self.graph.objects[object].surfaces, touching.object)?;
+        let support = numbered(&self.problem.robot, &place.supports, touching.support)?;
+        Some(Attachment::Contact { object: root, surface, support })
+    }
+
+    /// How far the objects' coordinates in the knots of a motion are from where their carriers take them: at the joint
+    /// knots of two segments an object has the next leaf's exact pose. And how far what carries them is from holding: by as
+    /// much as the start or goal is, where a leaf has its values from there.
+    #[must_use]
+    pub fn carrier_gap(&self, leaf: &Leaf, leaves: &LeafIndex, knots: &[Vec<f64>]) -> CarrierGap {
+        let carriages = self.carriages_of_leaf(leaf, leaves);
+        let carrying = || self.carriers(leaf.state).of.iter().flatten();
+        let mut X_WJ = vec![Pose::identity(); self.kinematics.bodies()];
+        let mut gap = CarrierGap::default();
+        for q in knots {
+            self.kinematics.forward(q, &mut X_WJ);
+            let written: Vec<Pose> = carriages.iter().map(|c| X_WJ[c.object.at()]).collect();
+            self.kinematics.carry(q, &carriages, &mut X_WJ);
+            for (carriage, written) in carriages.iter().zip(written) {
+                let carried = X_WJ[carriage.object.at()];
+                let turn = log_so3(written.rotation.conjugate() * carried.rotation).length();
+                let shift = carried.translation.distance(written.translation);
+                gap.residual = gap.residual.max(shift).max(turn);
+                gap.moved = gap.moved.max(shift + turn * self.reach_of(carriage.object));
+            }
+            let off = carrying()
+                .map(|&constraint| crate::planning_model::state_classification::residual(self, constraint, q, &X_WJ));
+            gap.residual = off.fold(gap.residual, f64::max);
+        }
+        gap
+    }
+
+    /// How far an object reaches from its root, metres.
+    fn reach_of(&self, object: JointIndex) -> f64 {
+        match self.problem.robot.joints[object.at()].source {
+            Source::Coordinates { v, .. } => self.weights.get(v + 3).copied().unwrap_or(f64::INFINITY),
+            Source::Follows { .. } => f64::INFINITY,
+        }
+    }
+
+    /// Whether an object is outside the bounds of its coordinates.
+    #[must_use]
+    pub fn object_out_of_bounds(&self, q: &[f64]) -> bool {
+        let space = &self.problem.robot.space;
+        self.objects.iter().filter_map(|object| object.root).any(|root| {
+            match self.problem.robot.joints[root.at()].source {
+                Source::Coordinates { q: first, .. } => {
+                    (first..first + 3).any(|i| !(q[i] >= space.lower[i] - 1e-9 && q[i] <= space.upper[i] + 1e-9))
+                }
+                Source::Follows { .. } => false,
+            }
+        })
+    }
+
+    /// Puts the movable objects of `q` where `poses` say, or else where `start` has them, their joints included.
+    pub fn place_objects(&self, start: &[f64], poses: &[(PartIndex, Pose)], q: &mut [f64]) {
+        let joints = &self.problem.robot.joints;
+        for (record, object) in self.graph.objects.iter().zip(&self.objects) {
+            for joint in &joints[self.problem.robot.parts[record.part.at()].joints.clone()] {
+                if let Source::Coordinates { q: first, .. } = joint.source {
+                    let numbers = first..first + joint.motion.configuration_size();
+                    q[numbers.clone()].copy_from_slice(&start[numbers]);
+                }
+            }
+            let pose = poses.iter().find(|(part, _)| *part == record.part).map(|(_, pose)| pose_to_array(pose));
+            if let (Some(numbers), Some(root)) = (pose, object.root)
+                && let Source::Coordinates { q: first, .. } = joints[root.at()].source
+            {
+                q[first..first + 7].copy_from_slice(&numbers);
+            }
+        }
+    }
+
+    /// Sets joints that are at rest in a state to the value at which they rest; those that stay where they were left
+    /// keep theirs.
+    pub fn rest(&self, state: StateId, q: &mut [f64]) {
+        for &constraint in &self.graph.state(state).manifold {
+            if matches!(self.graph.constraint(constraint).kind, ConstraintKind::JointRest { .. })
+                && let Some(Constraint::Locked(Locked { joint, value: LockedValue::Fixed(value) })) =
+                    self.constraint(constraint)
+                && let Source::Coordinates { q: coordinate, .. } = self.problem.robot.joints[joint.at()].source
+            {
+                q[coordinate] = value;
+            }
+        }
+    }
+}
+
+/// How far a motion as it is written is from the leaf that it lies on.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CarrierGap {
+    /// Of objects and what carries them, metres and radians.
+    pub residual: f64,
+    /// At most this far is any point of an object from where its carrier takes it, metres.
+    pub moved: f64,
+}
+
+/// The surface and the number in it of the `count`-th polygon of some surfaces.
+fn numbered(robot: &Robot, surfaces: &[SurfaceIndex], mut count: usize) -> Option<(SurfaceIndex, u32)> {
+    for &surface in surfaces {
+        let polygons = robot.surfaces[surface.at()].polygons.len();
+        if count < polygons {
+            return Some((surface, count as u32));
+        }
+        count -= polygons;
+    }
+    None
+}

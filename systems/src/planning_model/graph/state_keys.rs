@@ -1,0 +1,324 @@
+//! What tells the states of a constraint graph apart, and what each of them demands; asked of the problem's documents, so
+//! that a state need not exist to be known.
+
+use crate::planning_model::graph::attachment_order::{Chain, grasp_of, is_beyond, root_of};
+use crate::planning_model::graph::checks::GraphError;
+use crate::planning_model::graph::support_placement::carrying_bodies;
+use foliate_components::constraint::Grasp;
+use foliate_components::graph::ConstraintKind;
+use foliate_components::problem::{GraphOptions, JointRest, Problem};
+use foliate_components::robot::{GripperIndex, HandleIndex, JointIndex, Robot};
+use std::collections::HashMap;
+
+/// Who holds what, in the order of the problem's grippers.
+pub(crate) type Grasps = Vec<(GripperIndex, HandleIndex)>;
+
+/// By object: the body on which it lies; `None` for the world, and for objects that lie nowhere.
+pub(crate) type Lying = Vec<Option<JointIndex>>;
+
+/// What tells states apart.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Case {
+    /// Number of the problem's own state; 0 where there are none.
+    pub written: usize,
+    pub grasps: Grasps,
+    pub lying: Lying,
+}
+
+/// What is read of a problem once.
+#[derive(Clone, Debug)]
+pub(crate) struct Documents {
+    /// By object: the bodies that may carry it where it lies.
+    pub bodies: Vec<Vec<Option<JointIndex>>>,
+    /// Documents of the grasps that the table allows.
+    pub grasps: HashMap<(GripperIndex, HandleIndex), Grasp>,
+}
+
+impl Documents {
+    /// Reads a problem.
+    ///
+    /// # Errors
+    /// A handle whose mask makes no grasp.
+    pub fn new(problem: &Problem) -> Result<Self, GraphError> {
+        let (robot, options) = (&problem.robot, &problem.graph);
+        let mut grasps = HashMap::new();
+        for &gripper in &options.grippers {
+            for handle in handles(options) {
+                if in_table(options, gripper, handle) {
+                    let name = || robot.handles[handle.at()].name.clone();
+                    let grasp = grasp_of(problem, gripper, handle);
+                    grasps.insert((gripper, handle), grasp.map_err(|e| GraphError::Handle(name(), e.to_string()))?);
+                }
+            }
+        }
+        let bodies = options
+            .objects
+            .iter()
+            .map(|object| carrying_bodies(robot, options, object).into_iter().map(|(body, _)| body).collect());
+        Ok(Self { bodies: bodies.collect(), grasps })
+    }
+}
+
+/// The handles of all objects, in their order.
+pub(crate) fn handles(options: &GraphOptions) -> impl Iterator<Item = HandleIndex> {
+    options.objects.iter().flat_map(|o| o.handles.iter().copied())
+}
+
+fn in_table(options: &GraphOptions, gripper: GripperIndex, handle: HandleIndex) -> bool {
+    options.grasps.as_ref().is_none_or(|table| table.contains(&(gripper, handle)))
+}
+
+/// All injective maps from grippers to handles among the grasps that `may` be, by increasing cardinal (P1 Alg. 1 lines
+/// 7-8), without those that the rules refuse; `None` where there are more than `most`.
+pub(crate) fn grasp_sets(
+    options: &GraphOptions,
+    may: impl Fn(GripperIndex, HandleIndex) -> bool,
+    most: usize,
+) -> Option<Vec<Grasps>> {
+    let mut sets: Vec<Grasps> = vec![Vec::new()];
+    for &gripper in &options.grippers {
+        let known = sets.len();
+        let wanted: Vec<_> = handles(options).filter(|&h| in_table(options, gripper, h) && may(gripper, h)).collect();
+        for index in 0..known {
+            for &handle in &wanted {
+                if sets[index].iter().any(|&(_, h)| h == handle) {
+                    continue;
+                }
+                let mut larger = sets[index].clone();
+                larger.push((gripper, handle));
+                sets.push(larger);
+                if sets.len() > most {
+                    return None;
+                }
+            }
+        }
+    }
+    sets.retain(|grasps| rules_allow(options, grasps));
+    // Stable: within a cardinal the order of grippers and handles stays.
+    sets.sort_by_key(Vec::len);
+    Some(sets)
+}
+
+/// The first rule that applies decides; once there are rules, a state to which none applies is refused (HPP's reading).
+fn rules_allow(options: &GraphOptions, grasps: &Grasps) -> bool {
+    let holds = |gripper| grasps.iter().find(|&&(g, _)| g == gripper).map(|&(_, h)| h);
+    let deciding = options.rules.iter().find(|rule| rule.grasps.iter().all(|&(g, h)| holds(g) == h));
+    deciding.map_or(options.rules.is_empty(), |rule| rule.allowed)
+}
+
+/// A problem and its documents, to be asked.
+#[derive(Clone, Copy)]
+pub(crate) struct Cases<'a> {
+    pub robot: &'a Robot,
+    pub options: &'a GraphOptions,
+    pub documents: &'a Documents,
+}
+
+impl<'a> Cases<'a> {
+    pub fn new(problem: &'a Problem, documents: &'a Documents) -> Self {
+        Self { robot: &problem.robot, options: &problem.graph, documents }
+    }
+
+    /// Whether grasps make a state: each in the table, no handle in two grippers, and the rules agree.
+    pub fn are_allowed(&self, grasps: &Grasps) -> bool {
+        let known = |&(gripper, handle): &(GripperIndex, HandleIndex)| {
+            let once = grasps.iter().filter(|&&(_, h)| h == handle).count() == 1;
+            once && self.documents.grasps.contains_key(&(gripper, handle))
+        };
+        grasps.iter().all(known) && rules_allow(self.options, grasps)
+    }
+
+    /// What the grasps carry; no object lies anywhere yet.
+    pub fn held(&self, grasps: &Grasps) -> Chain<'a> {
+        let mut chain = Chain::new(self.robot, &self.options.objects);
+        let documents = self.documents;
+        let grasps = grasps.iter().filter_map(|&(g, h)| Some((self.object_of(h), documents.grasps.get(&(g, h))?)));
+        chain.hold(grasps, |_, _| ());
+        chain
+    }
+
+    /// Every way in which the objects that nothing holds may lie, none on itself by way of others, on bodies that they `may`
+    /// lie on. `None` where there are more than `most`.
+    pub fn ways_to_lie(
+        &self,
+        grasps: &Grasps,
+        may: impl Fn(usize, Option<JointIndex>) -> bool,
+        most: usize,
+    ) -> Option<Vec<Lying>> {
+        let held = self.held(grasps);
+        let bodies = &self.documents.bodies;
+        let mut ways = vec![(held.clone(), vec![None; bodies.len()])];
+        for (object, bodies) in bodies.iter().enumerate() {
+            if bodies.is_empty() || held.is_carried(object) || self.root(object).is_none() {
+                continue;
+            }
+            let bodies: Vec<_> = bodies.iter().copied().filter(|&body| may(object, body)).collect();
+            let mut longer = Vec::new();
+            for (chain, lying) in &ways {
+                for &body in &bodies {
+                    let (mut chain, mut lying) = (chain.clone(), lying.clone());
+                    if chain.hang(object, body) {
+                        lying[object] = body;
+                        longer.push((chain, lying));
+                    }
+                }
+                if longer.len() > most {
+                    return None;
+                }
+            }
+            ways = longer;
+        }
+        Some(ways.into_iter().map(|(_, lying)| lying).collect())
+    }
+
+    /// What holds everywhere in a state, each constraint once.
+    pub fn manifold(&self, case: &Case) -> Vec<ConstraintKind> {
+        let held = self.held(&case.grasps);
+        let mut manifold = Vec::new();
+        for object in 0..self.options.objects.len() {
+            if self.root(object).is_some() && !held.is_carried(object) {
+                manifold.push(self.resting_constraint(object, case.lying[object]));
+            }
+        }
+        manifold.extend(case.grasps.iter().map(|&(gripper, handle)| ConstraintKind::Grasp { gripper, handle }));
+        for joint in 0..self.options.resting_joints.len() {
+            if !self.is_let_go(joint, &case.grasps) {
+                manifold.push(ConstraintKind::JointRest { joint: joint as u32 });
+            }
+        }
+        let own = self.options.states.get(case.written).map_or(&[][..], |state| &state.constraints);
+        for &constraint in self.options.everywhere.iter().chain(own) {
+            let given = ConstraintKind::Given { constraint };
+            if !manifold.contains(&given) {
+                manifold.push(given);
+            }
+        }
+        manifold
+    }
+
+    /// What holds an object in place while nobody holds it.
+    pub fn resting_constraint(&self, object: usize, on: Option<JointIndex>) -> ConstraintKind {
+        let rests = !self.documents.bodies[object].is_empty();
+        let object = object as u32;
+        if rests { ConstraintKind::Placement { object, on } } else { ConstraintKind::Rest { object } }
+    }
+
+    /// Whether a handle beyond a resting joint is held.
+    fn is_let_go(&self, joint: usize, grasps: &Grasps) -> bool {
+        let joint = self.options.resting_joints[joint].joint;
+        let body = |handle: HandleIndex| self.robot.links[self.robot.handles[handle.at()].link.at()].joint;
+        grasps.iter().any(|&(_, handle)| is_beyond(self.robot, body(handle), joint))
+    }
+
+    /// The free-flyer of an object.
+    pub fn root(&self, object: usize) -> Option<JointIndex> {
+        root_of(self.robot, self.options.objects.get(object)?.part)
+    }
+
+    /// The object of a handle. Handles of the graph belong to its objects by construction.
+    fn object_of(&self, handle: HandleIndex) -> usize {
+        self.options.objects.iter().position(|o| o.handles.contains(&handle)).unwrap_or(usize::MAX)
+    }
+
+    /// The grasps with one more, in the order of the problem's grippers.
+    pub fn sorted_with(&self, grasps: &Grasps, gripper: GripperIndex, handle: HandleIndex) -> Grasps {
+        let mut more = grasps.clone();
+        more.push((gripper, handle));
+        let rank = |g: GripperIndex| self.options.grippers.iter().position(|&x| x == g);
+        more.sort_by_key(|&(g, _)| rank(g));
+        more
+    }
+
+    /// Whether there is room to stand back before a grasp.
+    pub fn has_pregrasp(&self, gripper: GripperIndex, handle: HandleIndex) -> bool {
+        self.robot.grippers[gripper.at()].clearance + self.robot.handles[handle.at()].clearance > 0.0
+    }
+
+    /// A constraint's name, and whether it has parameters.
+    pub fn describe(&self, kind: ConstraintKind) -> (String, bool) {
+        let documents = |gripper: GripperIndex, handle: HandleIndex| {
+            (self.robot.grippers[gripper.at()].name.as_str(), &self.robot.handles[handle.at()])
+        };
+        let placed = |verb: &str, object: u32, on: Option<JointIndex>| {
+            let name = format!("{verb}_{}", self.object_name(object as usize));
+            on.map_or(name.clone(), |body| format!("{name}_on_{}", self.body_name(body)))
+        };
+        match kind {
+            ConstraintKind::Grasp { gripper, handle } => {
+                let (g, h) = documents(gripper, handle);
+                let frozen = h.mask.iter().zip(&h.mask_complement).any(|(zero, kept)| *kept && !zero);
+                (format!("{g} grasps {}", h.name), frozen)
+            }
+            ConstraintKind::Pregrasp { gripper, handle } => {
+                let (g, h) = documents(gripper, handle);
+                (format!("{g} pregrasps {}", h.name), false)
+            }
+            ConstraintKind::Placement { object, on } => (placed("place", object, on), true),
+            ConstraintKind::Preplacement { object, on } => (placed("preplace", object, on), false),
+            ConstraintKind::Rest { object } => (format!("rest_{}", self.object_name(object as usize)), true),
+            ConstraintKind::JointRest { joint } => {
+                let resting = &self.options.resting_joints[joint as usize];
+                let stays = matches!(resting.rest, JointRest::Stays);
+                (format!("rest_{}", self.robot.joints[resting.joint.at()].name), stays)
+            }
+            ConstraintKind::Given { constraint } => {
+                let given = &self.options.constraints[constraint as usize];
+                (given.name.clone(), given.constraint.foliates())
+            }
+        }
+    }
+
+    fn object_name(&self, object: usize) -> &str {
+        &self.robot.parts[self.options.objects[object].part.at()].name
+    }
+
+    /// What a body that moves is called: its part, or its link where the part has several.
+    fn body_name(&self, body: JointIndex) -> &str {
+        let part = &self.robot.parts[self.robot.joints[body.at()].part.at()];
+        let link = part.links.clone().find(|&l| self.robot.links[l].joint == Some(body));
+        match link {
+            Some(link) if part.root_joint != Some(body) => &self.robot.links[link].name,
+            _ => &part.name,
+        }
+    }
+
+    pub fn state_name(&self, case: &Case) -> String {
+        let grasp = |&(g, h): &(GripperIndex, HandleIndex)| {
+            format!("{} grasps {}", self.robot.grippers[g.at()].name, self.robot.handles[h.at()].name)
+        };
+        let written = self.options.states.get(case.written).map(|state| state.name.clone());
+        let mut words: Vec<String> = written.into_iter().chain(case.grasps.iter().map(grasp)).collect();
+        if words.is_empty() {
+            words.push("free".into());
+        }
+        words.extend(self.lying_name(case, None));
+        words.join(" : ")
+    }
+
+    /// `lid on box` for every object that lies on a body which moves, and not in the other case.
+    pub fn lying_name(&self, case: &Case, other: Option<&Case>) -> Vec<String> {
+        let lies = |object: usize| {
+            let body =
+                case.lying[object].filter(|_| other.is_none_or(|other| other.lying[object] != case.lying[object]));
+            body.map(|body| format!("{} on {}", self.object_name(object), self.body_name(body)))
+        };
+        (0..case.lying.len()).filter_map(lies).collect()
+    }
+
+    /// HPP's short names: `0-1:1-0` for gripper 0 on handle 1 and gripper 1 on handle 0, `f` for free.
+    pub fn abbreviation(&self, case: &Case) -> String {
+        let short = |&(gripper, handle): &(GripperIndex, HandleIndex)| {
+            let g = self.options.grippers.iter().position(|&x| x == gripper).unwrap_or_default();
+            let h = handles(self.options).position(|x| x == handle).unwrap_or_default();
+            format!("{g}-{h}")
+        };
+        let grasps = case.grasps.iter().map(short).collect::<Vec<_>>().join(":");
+        let written = self.options.states.get(case.written).map(|state| state.name.clone());
+        let mut words: Vec<String> = written.into_iter().chain((!grasps.is_empty()).then_some(grasps)).collect();
+        if words.is_empty() {
+            words.push("f".into());
+        }
+        words.extend(self.lying_name(case, None));
+        words.join(" : ")
+    }
+}

@@ -1,0 +1,55 @@
+//! TODO(page): what objects is.
+
+use crate::planning_model::graph::attachment_order::root_of;
+use crate::planning_model::graph::checks::GraphError;
+use crate::planning_model::graph::support_placement::{Resting, RestingPlace};
+use foliate_components::graph::ConstraintGraph;
+use foliate_components::problem::Problem;
+use foliate_components::robot::JointIndex;
+
+/// A movable object.
+#[derive(Clone, Debug)]
+pub struct ObjectModel {
+    /// Its free-flyer; none for a part that is fixed in the world and only has joints (doors, drawers).
+    pub root: Option<JointIndex>,
+    /// What it may rest on, by body; without any, it stays where it is.
+    pub resting: Vec<RestingPlace>,
+}
+
+impl ObjectModel {
+    /// How it rests on a body's supports.
+    #[must_use]
+    pub fn resting_on(&self, body: Option<JointIndex>) -> Option<&RestingPlace> {
+        self.resting.iter().find(|place| place.on == body)
+    }
+}
+
+/// Why a problem cannot be planned for.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages are the documentation")]
+pub enum ModelError {
+    #[error(transparent)]
+    Graph(#[from] GraphError),
+    #[error("{0}")]
+    Document(String),
+}
+
+pub(crate) fn object_models(problem: &Problem, graph: &ConstraintGraph) -> Result<Vec<ObjectModel>, ModelError> {
+    let (robot, options) = (&problem.robot, &problem.graph);
+    let model = |object: &foliate_components::problem::ObjectOptions| {
+        let failed = |e: &str| ModelError::Document(format!("object `{}`: {e}", robot.parts[object.part.at()].name));
+        let Some(root) = root_of(robot, object.part) else {
+            return Ok(ObjectModel { root: None, resting: Vec::new() });
+        };
+        let resting = RestingPlace::of_object(robot, options, object).map_err(|e| failed(&e))?;
+        let off_root = |place: &RestingPlace| match &place.resting {
+            Resting::Surfaces(lying) => lying.object_joint() != Some(root),
+            Resting::Plane { .. } => false,
+        };
+        if resting.iter().any(off_root) {
+            return Err(failed("its contact surfaces are on a link that moves against its root"));
+        }
+        Ok(ObjectModel { root: Some(root), resting })
+    };
+    graph.objects.iter().map(model).collect()
+}

@@ -1,0 +1,45 @@
+//! What a leaf demands besides its attachments, for output: whoever proves a path again has to know it.
+
+use crate::planning_model::graph::support_placement::Resting;
+use crate::planning_model::model::Model;
+use foliate_components::Pose;
+use foliate_components::graph::leaf::{Leaf, LeafIndex};
+use foliate_components::graph::{ConstraintId, ConstraintKind};
+use foliate_components::path::PathConstraint;
+
+impl Model {
+    /// The constraints that hold along motions on a leaf besides what [`Model::attachments`] says, in the order of the
+    /// state's manifold; parameter rows with the leaf's values.
+    ///
+    /// # Panics
+    /// If the leaf is of another model or index.
+    #[must_use]
+    pub fn demands(&self, leaf: &Leaf, leaves: &LeafIndex) -> Vec<PathConstraint> {
+        let state = self.graph.state(leaf.state);
+        let value = |constraint: ConstraintId| {
+            let position = state.foliation.iter().position(|&c| c == constraint)?;
+            Some(leaves.parameter(leaf.parameters[position]).value)
+        };
+        state.manifold.iter().filter_map(|&constraint| self.demand(constraint, value(constraint))).collect()
+    }
+
+    fn demand(&self, id: ConstraintId, value: Option<Pose>) -> Option<PathConstraint> {
+        let name = self.graph.constraint(id).name.clone();
+        match self.graph.constraint(id).kind {
+            ConstraintKind::Placement { object, on } => {
+                // Polygons that touch are attachments. A plane is no document, so the file has to say how it is stood on;
+                // that the object keeps its place on it is told by its hanging on nothing.
+                let resting = &self.objects().get(object as usize)?.resting_on(on)?.resting;
+                let on_plane = matches!(resting, Resting::Plane { .. }).then(|| resting.constraint(0.0))?;
+                Some(PathConstraint { name, constraint: on_plane, argument: None })
+            }
+            ConstraintKind::JointRest { .. } | ConstraintKind::Given { .. } => {
+                Some(PathConstraint { name, constraint: self.constraint(id)?, argument: value })
+            }
+            ConstraintKind::Grasp { .. }
+            | ConstraintKind::Pregrasp { .. }
+            | ConstraintKind::Preplacement { .. }
+            | ConstraintKind::Rest { .. } => None,
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! TODO(page): what problem_tables is.
+
+use crate::events::StopSignal;
+use foliate_components::constraint::{Constraint, Locked, LockedValue};
+use foliate_components::coverage::LeftOutPair;
+use foliate_components::graph::ConstraintKind;
+use foliate_components::problem::{JointRest, Problem};
+use foliate_components::robot::{JointIndex, Motion, Robot, Source};
+use foliate_kernels::collision::{CollisionScene, PairRule, PairSet};
+use foliate_kernels::constrained_motion::SeedTable;
+use foliate_kernels::kinematics::Kinematics;
+use std::sync::OnceLock;
+
+/// What a problem says whatever of its graph is there: nearly all of it follows from the files of its models, and it is what takes
+/// long. Any number of models may share it.
+#[derive(Debug)]
+pub struct ProblemTables {
+    /// The problem.
+    pub problem: Problem,
+    /// Forward kinematics.
+    pub kinematics: Kinematics,
+    /// Solids and pairs.
+    pub collision: CollisionScene,
+    /// Metres per unit of each velocity coordinate: how far the unit moves the farthest point that it moves.
+    pub weights: Vec<f64>,
+    /// Values that the locked joints keep, by configuration index.
+    pub(crate) locked: Vec<(usize, f64)>,
+    /// All joints that never move.
+    still: Vec<JointIndex>,
+    /// Every pair, for verdicts.
+    pub(crate) all_pairs: PairSet,
+    /// Starts for solves that bring a gripper somewhere, by the body that carries it: built in a millisecond when first asked
+    /// for, 0.4 MB each. They follow from the robots' models alone.
+    seeds: Vec<(JointIndex, OnceLock<Option<SeedTable>>)>,
+}
+
+/// Room for a table for each body that carries a gripper.
+fn seed_tables(robot: &Robot) -> Vec<(JointIndex, OnceLock<Option<SeedTable>>)> {
+    let mut tips: Vec<JointIndex> =
+        robot.grippers.iter().filter_map(|gripper| robot.links[gripper.link.at()].joint).collect();
+    tips.sort_unstable();
+    tips.dedup();
+    tips.into_iter().map(|tip| (tip, OnceLock::new())).collect()
+}
+
+impl ProblemTables {
+    /// Starts for solves that bring this body somewhere, where it carries a gripper and hangs on an arm of its own.
+    #[must_use]
+    pub fn seeds(&self, tip: JointIndex) -> Option<&SeedTable> {
+        let (_, table) = self.seeds.iter().find(|(body, _)| *body == tip)?;
+        table.get_or_init(|| SeedTable::new(&self.problem.robot, tip)).as_ref()
+    }
+
+    /// Builds them: bounds of all shapes first.
+    #[must_use]
+    pub fn new(problem: Problem) -> Self {
+        let still = locked_joints(&problem);
+        let collision = CollisionScene::new(&problem.robot, &pair_rule(&problem, &still));
+        Self::on_scene(problem, still, collision)
+    }
+
+    /// As [`Self::new`]; none once the signal is raised: to build the bounds of large meshes takes long.
+    #[must_use]
+    pub fn new_until(problem: Problem, stop: &StopSignal) -> Option<Self> {
+        let still = locked_joints(&problem);
+        let rule = pair_rule(&problem, &still);
+        let collision = CollisionScene::new_while(&problem.robot, &rule, &|| !stop.is_raised())?;
+        Some(Self::on_scene(problem, still, collision))
+    }
+
+    fn on_scene(problem: Problem, still: Vec<JointIndex>, collision: CollisionScene) -> Self {
+        let robot = &problem.robot;
+        Self {
+            kinematics: Kinematics::new(robot),
+            weights: coordinate_weights(robot),
+            locked: locked_coordinates(&problem),
+            all_pairs: PairSet::new(&collision, &[], &[]),
+            seeds: seed_tables(robot),
+            collision,
+            still,
+            problem,
+        }
+    }
+
+    /// The pairs of shapes that are never tested, with the reason.
+    #[must_use]
+    pub fn left_out(&self) -> Vec<LeftOutPair> {
+        self.collision.left_out(&self.problem.robot, &pair_rule(&self.problem, &self.still))
+    }
+
+    /// A constraint of the problem's own, or a joint's rest, as kernels know it; parameter rows name slot 0.
+    #[must_use]
+    pub fn constraint_of(&self, kind: ConstraintKind) -> Option<Constraint> {
+        let options = &self.problem.graph;
+        match kind {
+            ConstraintKind::Given { constraint } => {
+                options.constraints.get(constraint as usize).map(|given| given.constraint.clone())
+            }
+            ConstraintKind::JointRest { joint } => options.resting_joints.get(joint as usize).map(|resting| {
+                let value = match resting.rest {
+                    JointRest::Stays => LockedValue::Argument(0),
+                    JointRest::At(value) => LockedValue::Fixed(value),
+                };
+                Constraint::Locked(Locked { joint: resting.joint, value })
+            }),
+            _ => None,
+        }
+    }
+}
+
+/// Which pairs are tested: as the problem says, which names neighbours too.
+fn pair_rule<'a>(problem: &'a Problem, still: &'a [JointIndex]) -> PairRule<'a> {
+    PairRule { ignored: &problem.ignored_pairs, margins: &problem.margins, locked: still }
+}
+
+/// Joints that never move: those that the problem locks, and those between equal bounds.
+fn locked_joints(problem: &Problem) -> Vec<JointIndex> {
+    let all = (0..problem.robot.joints.len() as u32).map(JointIndex);
+    let named = |joint: JointIndex| problem.graph.locked.iter().any(|&(locked, _)| locked == joint);
+    all.filter(|&joint| named(joint) || problem.robot.joints[joint.at()].is_immovable()).collect()
+}
+
+fn locked_coordinates(problem: &Problem) -> Vec<(usize, f64)> {
+    let coordinate = |&(joint, value): &(JointIndex, f64)| match problem.robot.joints[joint.at()].source {
+        Source::Coordinates { q, .. } => Some((q, value)),
+        Source::Follows { .. } => None,
+    };
+    problem.graph.locked.iter().filter_map(coordinate).collect()
+}
+
+/// For each velocity coordinate the reach of what it moves: chain lengths beyond the joint plus the radius of the shapes,
+/// at least a centimetre; 1 for translations.
+fn coordinate_weights(robot: &Robot) -> Vec<f64> {
+    let mut reach = vec![0.01_f64; robot.joints.len()];
+    for shape in &robot.shapes {
+        let Some(joint) = robot.links[shape.link.at()].joint else { continue };
+        let far = shape.joint_from_shape.translation.length() + shape.geometry.radius_about_origin();
+        reach[joint.at()] = reach[joint.at()].max(far);
+    }
+    // Children stand behind their parents, so one backward pass reaches the roots.
+    for index in (0..robot.joints.len()).rev() {
+        let joint = &robot.joints[index];
+        if let Some(parent) = joint.parent {
+            let beyond = reach[index] + joint.parent_from_joint.translation.length();
+            reach[parent.at()] = reach[parent.at()].max(beyond);
+        }
+    }
+    let mut weights = vec![1.0; robot.space.dimension()];
+    for (joint, reach) in robot.joints.iter().zip(reach) {
+        use foliate_components::robot::Motion;
+        let Source::Coordinates { v, .. } = joint.source else { continue };
+        match joint.motion {
+            Motion::Revolute { .. } => weights[v] = reach,
+            Motion::Prismatic { .. } => {}
+            Motion::Planar => weights[v + 2] = reach,
+            Motion::FreeFlyer => weights[v + 3..v + 6].fill(reach),
+        }
+    }
+    weights
+}
+
+/// Why configurations cannot be drawn evenly: a root that moves along an axis without bounds. There is no uniform draw from
+/// all of space, and a guess about the reach of a mobile base would be wrong somewhere.
+///
+/// # Errors
+/// The root and the axis.
+pub fn bounded_roots(robot: &Robot) -> Result<(), String> {
+    for joint in &robot.joints {
+        let axes: &[&str] = match joint.motion {
+            Motion::Planar => &["x", "y"],
+            Motion::FreeFlyer => &["x", "y", "z"],
+            Motion::Revolute { .. } | Motion::Prismatic { .. } => continue,
+        };
+        for (axis, (low, high)) in axes.iter().zip(joint.lower.iter().zip(&joint.upper)) {
+            if !(low.is_finite() && high.is_finite()) {
+                let name = &joint.name;
+                return Err(format!("`{name}` moves along {axis} without bounds ([{low}, {high}]): bound the root"));
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,284 @@
+//! Which state a configuration lies in, on which leaf, and whether it may be a start or a goal.
+
+use crate::planning_model::collision_messages;
+use crate::planning_model::graph::attachment_order::hanging;
+use crate::planning_model::graph::lazy_graph::Growth;
+use crate::planning_model::graph::state_keys::Case;
+use crate::planning_model::graph::support_placement::relative_pose_residual;
+use crate::planning_model::model::{Model, PlanningModel};
+use crate::settings::SearchSettings;
+use foliate_components::Pose;
+use foliate_components::constraint::{Constraint, Grasp};
+use foliate_components::graph::leaf::Parameter;
+use foliate_components::graph::{ConstraintId, ConstraintKind, State, StateId};
+use foliate_components::robot::{NarrowedLimits, Robot, Source};
+use foliate_kernels::collision::CollisionScratch;
+use foliate_kernels::constraints;
+use std::sync::Arc;
+
+/// A configuration that may be a root: its state and the values of the state's foliating constraints.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Feasible {
+    /// The configuration, with unit quaternions.
+    pub q: Vec<f64>,
+    /// Its state.
+    pub state: StateId,
+    /// One per foliating constraint of the state.
+    pub parameters: Vec<Parameter>,
+}
+
+/// Checks a start or goal; the error says what is wrong, with values.
+///
+/// # Errors
+/// Wrong length, numbers that are not finite, coordinates out of bounds, locked joints elsewhere, no state, a collision: the
+/// first that is found.
+pub fn feasible(model: &PlanningModel, settings: &SearchSettings, q: &[f64]) -> Result<Feasible, String> {
+    let (root, X_WJ) = in_a_state(model, settings, q)?;
+    let scratch = &mut CollisionScratch::at_level(settings.level);
+    match model.first_collision(root.state, &X_WJ, settings.clearance_guard, scratch) {
+        Some(contact) => Err(collision_messages::tell(model, root.state, &[contact])),
+        None => Ok(root),
+    }
+}
+
+/// As [`feasible`], after the configuration's state has come into being where the graph is lazy; and the error names all pairs
+/// that collide.
+///
+/// # Errors
+/// As [`feasible`].
+pub fn reach_feasible(model: &mut PlanningModel, settings: &SearchSettings, q: &[f64]) -> Result<Feasible, String> {
+    reach(model, settings, q, false)
+}
+
+/// As [`reach_feasible`], of the start: also what locked joints hold together is looked at, here and nowhere else.
+///
+/// # Errors
+/// As [`feasible`].
+pub fn reach_start(model: &mut PlanningModel, settings: &SearchSettings, q: &[f64]) -> Result<Feasible, String> {
+    reach(model, settings, q, true)
+}
+
+fn reach(model: &mut PlanningModel, settings: &SearchSettings, q: &[f64], is_start: bool) -> Result<Feasible, String> {
+    if model.graph.lazy {
+        model.reach(q, settings.membership_tolerance);
+    }
+    let (root, X_WJ) = in_a_state(model, settings, q)?;
+    let mut contacts = model.all_collisions(root.state, &X_WJ, settings.clearance_guard);
+    if is_start {
+        contacts.extend(model.rigid_collisions(root.state, &X_WJ, settings.clearance_guard));
+    }
+    if contacts.is_empty() { Ok(root) } else { Err(collision_messages::tell(model, root.state, &contacts)) }
+}
+
+/// All that is asked of a start or goal but that nothing collides there; also the poses of the bodies.
+fn in_a_state(model: &PlanningModel, settings: &SearchSettings, q: &[f64]) -> Result<(Feasible, Vec<Pose>), String> {
+    let robot = &model.problem.robot;
+    if q.len() != robot.space.size() {
+        return Err(format!("it has {} numbers instead of {}", q.len(), robot.space.size()));
+    }
+    if let Some(index) = q.iter().position(|x| !x.is_finite()) {
+        return Err(format!("{} is not finite", coordinate(robot, index)));
+    }
+    if let Some(index) = robot.space.first_out_of_bounds(q, 1e-9) {
+        let (low, high) = (robot.space.lower[index], robot.space.upper[index]);
+        let why = narrowed(robot, index);
+        return Err(format!("{} = {} is outside [{low}, {high}]{why}", coordinate(robot, index), q[index]));
+    }
+    let mut locked = q.to_vec();
+    model.lock(&mut locked);
+    if let Some(index) = (0..q.len()).find(|&i| (locked[i] - q[i]).abs() > settings.membership_tolerance) {
+        return Err(format!("{} = {} is locked at {}", coordinate(robot, index), q[index], locked[index]));
+    }
+    let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
+    model.kinematics.forward(&locked, &mut X_WJ);
+    let tolerance = settings.membership_tolerance;
+    let state = state_of(model, &locked, &X_WJ, tolerance)
+        .ok_or_else(|| format!("it lies in no state: {}", why_no_state(model, &locked, &X_WJ, tolerance)))?;
+    model.rest(state, &mut locked);
+    model.kinematics.forward(&locked, &mut X_WJ);
+    let parameters = parameters_of(model, state, &locked, &X_WJ);
+    Ok((Feasible { q: locked, state, parameters }, X_WJ))
+}
+
+/// The state of a configuration `q` with bodies at `X_WJ`: the first, by falling priority, whose manifold it is on. In a lazy
+/// graph only where the state has come into being ([`PlanningModel::reach`]).
+#[must_use]
+pub fn state_of(model: &Model, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> Option<StateId> {
+    if let Some(growth) = model.growth() {
+        return growth.known(&case_of(model, growth, q, X_WJ, tolerance)?);
+    }
+    let count = model.graph.constraints.len() as u32;
+    let holds: Vec<bool> = (0..count).map(|c| residual(model, ConstraintId(c), q, X_WJ) <= tolerance).collect();
+    let mut order: Vec<_> = (0..model.graph.states.len() as u32).map(StateId).collect();
+    order.sort_by_key(|&s| std::cmp::Reverse(model.graph.state(s).priority));
+    order.into_iter().find(|&s| model.graph.state(s).manifold.iter().all(|&c| holds[c.at()]))
+}
+
+fn case_of(model: &Model, growth: &Growth, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> Option<Case> {
+    growth.case_where(&model.problem, |kind| residual_of(model, growth_grasp(growth, kind), kind, q, X_WJ) <= tolerance)
+}
+
+fn growth_grasp(growth: &Growth, kind: ConstraintKind) -> Option<&Grasp> {
+    match kind {
+        ConstraintKind::Grasp { gripper, handle } | ConstraintKind::Pregrasp { gripper, handle } => {
+            growth.grasp(gripper, handle)
+        }
+        _ => None,
+    }
+}
+
+/// The state of a configuration, locked joints at their values; `None` where it is malformed too.
+pub(crate) fn state_at(model: &Model, q: &[f64], tolerance: f64) -> Option<StateId> {
+    let (q, X_WJ) = posed(model, q)?;
+    state_of(model, &q, &X_WJ, tolerance)
+}
+
+/// Likewise what its state would be in a lazy graph, whether that has come into being or not.
+pub(crate) fn case_at(model: &Model, q: &[f64], tolerance: f64) -> Option<Case> {
+    let (q, X_WJ) = posed(model, q)?;
+    case_of(model, model.growth()?, &q, &X_WJ, tolerance)
+}
+
+/// Whether a configuration lies in a state that may come into being and has not.
+pub(crate) fn is_unreached(model: &Model, q: &[f64], tolerance: f64) -> bool {
+    let Some(growth) = model.growth() else { return false };
+    case_at(model, q, tolerance).is_some_and(|case| growth.known(&case).is_none())
+}
+
+fn posed(model: &Model, q: &[f64]) -> Option<(Vec<f64>, Vec<Pose>)> {
+    if q.len() != model.problem.robot.space.size() || q.iter().any(|x| !x.is_finite()) {
+        return None;
+    }
+    let mut q = q.to_vec();
+    model.lock(&mut q);
+    let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
+    model.kinematics.forward(&q, &mut X_WJ);
+    Some((q, X_WJ))
+}
+
+/// The largest row of a constraint's error, metres and radians.
+#[must_use]
+pub fn residual(model: &Model, constraint: ConstraintId, q: &[f64], X_WJ: &[Pose]) -> f64 {
+    residual_of(model, model.grasp(constraint), model.graph.constraint(constraint).kind, q, X_WJ)
+}
+
+fn residual_of(model: &Model, grasp: Option<&Grasp>, kind: ConstraintKind, q: &[f64], X_WJ: &[Pose]) -> f64 {
+    match kind {
+        ConstraintKind::Grasp { .. } | ConstraintKind::Pregrasp { .. } => {
+            let Some(grasp) = grasp else { return f64::INFINITY };
+            let pregrasp = matches!(kind, ConstraintKind::Pregrasp { .. });
+            let relative = if pregrasp { grasp.pregrasp() } else { grasp.constraint() };
+            relative_pose_residual(&relative, X_WJ)
+        }
+        ConstraintKind::Placement { object, on } | ConstraintKind::Preplacement { object, on } => {
+            let Some(place) = model.objects()[object as usize].resting_on(on) else { return f64::INFINITY };
+            let lifted = matches!(kind, ConstraintKind::Preplacement { .. });
+            place.resting.residual(if lifted { model.problem.graph.preplacement_distance } else { 0.0 }, X_WJ)
+        }
+        // It stays wherever it is: no rows.
+        ConstraintKind::Rest { .. } => 0.0,
+        ConstraintKind::JointRest { .. } | ConstraintKind::Given { .. } => {
+            let given = model.constraint_of(kind);
+            given.map_or(f64::INFINITY, |given| constraints::residual(&model.problem.robot, &given, q, X_WJ))
+        }
+    }
+}
+
+/// The values that the foliating constraints of a state have at `q`, where the bodies are at `X_WJ`.
+#[must_use]
+pub fn parameters_of(model: &Model, state: StateId, q: &[f64], X_WJ: &[Pose]) -> Vec<Parameter> {
+    model.graph.state(state).foliation.iter().map(|&c| parameter_of(model, c, q, X_WJ)).collect()
+}
+
+/// The value that a foliating constraint has at `q`, where the bodies are at `X_WJ`.
+#[must_use]
+pub fn parameter_of(model: &Model, constraint: ConstraintId, q: &[f64], X_WJ: &[Pose]) -> Parameter {
+    let hangs = |carrier| {
+        let root = model.object_of(constraint).and_then(|object| model.objects()[object].root);
+        let value = root.map_or_else(Pose::identity, |root| hanging(root, carrier, X_WJ));
+        Parameter { constraint, carrier, value }
+    };
+    match model.graph.constraint(constraint).kind {
+        ConstraintKind::Grasp { .. } | ConstraintKind::Pregrasp { .. } => match model.grasp(constraint) {
+            Some(grasp) if !model.holds_rigidly(constraint) => {
+                let carrier = grasp.gripper.joint;
+                let held = Constraint::RelativePose(grasp.hold(0));
+                Parameter { constraint, carrier, value: constraints::parameter(&model.problem.robot, &held, q, X_WJ) }
+            }
+            grasp => hangs(grasp.and_then(|grasp| grasp.gripper.joint)),
+        },
+        ConstraintKind::Placement { on, .. } | ConstraintKind::Preplacement { on, .. } => hangs(on),
+        ConstraintKind::Rest { .. } => hangs(None),
+        ConstraintKind::JointRest { .. } | ConstraintKind::Given { .. } => {
+            let given = model.constraint(constraint);
+            let value = given
+                .map_or_else(Pose::identity, |given| constraints::parameter(&model.problem.robot, &given, q, X_WJ));
+            Parameter { constraint, carrier: None, value }
+        }
+    }
+}
+
+/// The constraint that keeps a configuration out of the least demanding state, for messages: of several such, out of the
+/// one that it is nearest to.
+fn why_no_state(model: &Model, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> String {
+    if let Some(growth) = model.growth() {
+        let residual = |kind| residual_of(model, growth_grasp(growth, kind), kind, q, X_WJ);
+        return match growth.worst_when_free(&model.problem, residual) {
+            Some((constraint, state, r)) if r > tolerance => {
+                format!("`{constraint}` of state `{state}` is off by {r:.3e}")
+            }
+            _ => "no state is allowed in which its grasps hold".into(),
+        };
+    }
+    let Some(least) = model.graph.states.iter().map(|s| s.priority).min() else { return "no state is allowed".into() };
+    let worst = |state: &'_ State| {
+        let all = state.manifold.iter().map(|&c| (c, residual(model, c, q, X_WJ)));
+        all.filter(|&(_, r)| r > tolerance).max_by(|a, b| a.1.total_cmp(&b.1))
+    };
+    let weakest = model.graph.states.iter().filter(|s| s.priority == least);
+    let broken = weakest.filter_map(|state| worst(state).map(|(c, r)| (state, c, r)));
+    match broken.min_by(|a, b| a.2.total_cmp(&b.2)) {
+        Some((state, constraint, r)) => {
+            format!("`{}` of state `{}` is off by {r:.3e}", model.graph.constraint(constraint).name, state.name)
+        }
+        None => "no state is allowed".into(),
+    }
+}
+
+/// Where a joint's range is smaller than its own limits: whose limits make it so, for messages.
+fn narrowed(robot: &Robot, index: usize) -> String {
+    let own =
+        |n: &&NarrowedLimits| matches!(robot.joints[n.leader.at()].source, Source::Coordinates { q, .. } if q == index);
+    let Some(narrowed) = robot.narrowed.iter().find(own) else { return String::new() };
+    let names: Vec<_> = narrowed.followers.iter().map(|f| robot.joints[f.at()].name.as_str()).collect();
+    let (low, high) = narrowed.own;
+    format!(", where its followers keep their limits ({}); its own are [{low}, {high}]", names.join(", "))
+}
+
+/// The name of a configuration number, for messages.
+pub(crate) fn coordinate(robot: &Robot, index: usize) -> String {
+    let owner = robot.joints.iter().find_map(|joint| match joint.source {
+        Source::Coordinates { q, .. } if (q..q + joint.motion.configuration_size()).contains(&index) => {
+            Some((joint, index - q))
+        }
+        _ => None,
+    });
+    match owner {
+        Some((joint, 0)) if joint.motion.configuration_size() == 1 => joint.name.clone(),
+        Some((joint, number)) => format!("number {number} of {}", joint.name),
+        None => format!("number {index}"),
+    }
+}
+
+impl PlanningModel {
+    /// Makes the state of a configuration come into being, where the graph is lazy and the configuration has the right
+    /// length and finite numbers; `None` where it lies in no state.
+    pub fn reach(&mut self, q: &[f64], tolerance: f64) -> Option<StateId> {
+        if !self.graph.lazy {
+            return state_at(self, q, tolerance);
+        }
+        let case = case_at(self, q, tolerance)?;
+        let known = self.growth.as_ref().and_then(|growth| growth.known(&case));
+        known.or_else(|| Arc::make_mut(&mut self.0).reach(case))
+    }
+}

@@ -1,0 +1,89 @@
+//! When a portfolio is over, what its host hears, and which world answers.
+
+use crate::events::{EventSink, SearchEvent, StopSignal};
+use crate::exploration::roots::Ending;
+use crate::schedule::StepCounter;
+use crate::schedulers::portfolio::members::{WorldCounts, Worlds};
+use crate::search::session::{AnswerIn, Search};
+use crate::settings::SearchSettings;
+use bevy_ecs::prelude::{Res, ResMut, World};
+use foliate_components::graph::leaf::LeafIndex;
+use foliate_components::outcome::SearchOutcome;
+
+/// Ends the portfolio when a world has solved the problem, when all together have spent a budget, when none of them goes on,
+/// or when the host or its clock says so. Budgets are looked at between rounds.
+pub fn conclude(
+    settings: Res<'_, SearchSettings>,
+    stop: Res<'_, StopSignal>,
+    worlds: Res<'_, Worlds>,
+    mut counter: ResMut<'_, StepCounter>,
+    mut ending: ResMut<'_, Ending>,
+) {
+    *counter = worlds.counts().iter().map(|count| count.counter).sum();
+    let nodes: usize = worlds.searches().map(|search| search.roadmap().nodes().len()).sum();
+    let bytes: u64 = worlds.searches().map(Search::bytes).sum();
+    // A world that was stopped in the middle of a step might have been the one to answer.
+    ending.0 = if stop.token.is_cancelled() {
+        Some(SearchOutcome::Cancelled)
+    } else if stop.is_out_of_memory() {
+        Some(SearchOutcome::MemoryLimit)
+    } else if stop.is_raised() {
+        Some(SearchOutcome::Timeout)
+    } else if worlds.winner().is_some() {
+        Some(SearchOutcome::Solved)
+    } else if nodes >= settings.max_nodes || bytes >= settings.max_bytes {
+        Some(SearchOutcome::MemoryLimit)
+    } else if settings.max_steps > 0 && counter.step >= settings.max_steps {
+        Some(SearchOutcome::StepLimit)
+    } else if worlds.running.iter().all(|running| running.has_ended()) {
+        worlds.searches().next().and_then(|first| first.ending().cloned())
+    } else {
+        None
+    };
+}
+
+/// Tells the host, where it listens, what the worlds have said in their turns, world by world, and how far they are together.
+/// Candidates that were dropped are those of all worlds, feedback is that of the one that would answer now.
+pub fn report_progress(
+    counter: Res<'_, StepCounter>,
+    ending: Res<'_, Ending>,
+    mut worlds: ResMut<'_, Worlds>,
+    mut events: ResMut<'_, EventSink>,
+) {
+    if !events.is_open() {
+        return;
+    }
+    let leader = worlds.leader();
+    let mut progress = [0; 3];
+    for (number, running) in worlds.deciding().iter_mut().enumerate() {
+        let is_told = |event: &SearchEvent| match event {
+            SearchEvent::Rejected { .. } => true,
+            SearchEvent::Feedback(_) => number == leader,
+            SearchEvent::Progress { .. } | SearchEvent::Solved { .. } => false,
+        };
+        running.events.try_iter().filter(is_told).for_each(|event| events.send(event));
+        events.dropped += std::mem::take(&mut running.search.world_mut().resource_mut::<EventSink>().dropped);
+        let (roadmap, leaves) = (running.search.roadmap(), running.search.world().resource::<LeafIndex>());
+        let sizes = [roadmap.nodes().len(), roadmap.edges().len(), leaves.leaves().len()];
+        progress.iter_mut().zip(sizes).for_each(|(sum, size)| *sum += size);
+    }
+    let (step, [nodes, edges, leaves]) = (counter.step, progress);
+    events.send(SearchEvent::Progress { step, candidates: counter.candidates, nodes, edges, leaves });
+    if ending.0 == Some(SearchOutcome::Solved) {
+        events.send(SearchEvent::Solved { step });
+    }
+}
+
+/// Once the portfolio has ended, hands over the world that answers: the winner's, or the first where there is none.
+pub fn answer(world: &mut World) {
+    let Some(ending) = world.resource::<Ending>().0.clone() else { return };
+    let Some(mut worlds) = world.remove_resource::<Worlds>().filter(|worlds| !worlds.running.is_empty()) else {
+        return;
+    };
+    let counts = worlds.counts();
+    let mut answer = worlds.running.swap_remove(worlds.leader()).search.into_world();
+    answer.insert_resource(Ending(Some(ending)));
+    answer.insert_resource(WorldCounts(counts));
+    answer.insert_resource(std::mem::take(&mut *world.resource_mut::<EventSink>()));
+    world.insert_resource(AnswerIn(Box::new(answer)));
+}

@@ -1,0 +1,66 @@
+//! Which nodes of a roadmap hang together with the start or a goal, and by which edge the way to it begins.
+
+use crate::exploration::roots::Roots;
+use foliate_components::roadmap::{EdgeId, NodeId, Roadmap};
+use std::collections::VecDeque;
+
+/// Grows with the roadmap; every node and edge is looked at a bounded number of times.
+#[derive(Debug, Default)]
+pub(crate) struct Rooted {
+    /// By node: the root it hangs on, and the first edge of the way there (none for the root itself).
+    ways: Vec<Option<(NodeId, Option<EdgeId>)>>,
+    roots: usize,
+    edges: usize,
+}
+
+impl Rooted {
+    /// Nodes that hang on a root by now and did not before, those nearer to it first.
+    pub(crate) fn grow(&mut self, roadmap: &Roadmap, roots: &Roots) -> Vec<NodeId> {
+        self.ways.resize(roadmap.nodes().len(), None);
+        let mut hung = Vec::new();
+        let all: Vec<NodeId> = roots.start.iter().chain(&roots.goals).copied().collect();
+        for &root in &all[self.roots..] {
+            self.hang(roadmap, root, (root, None), &mut hung);
+        }
+        self.roots = all.len();
+        for edge in (self.edges as u32..roadmap.edges().len() as u32).map(EdgeId) {
+            let row = roadmap.edge(edge);
+            for (near, far) in [(row.from, row.to), (row.to, row.from)] {
+                if let Some((root, _)) = self.ways[near.at()] {
+                    self.hang(roadmap, far, (root, Some(edge)), &mut hung);
+                }
+            }
+        }
+        self.edges = roadmap.edges().len();
+        hung
+    }
+
+    /// Hangs a node on a root, and breadth first what hangs on the node, unless it hangs on one already.
+    fn hang(&mut self, roadmap: &Roadmap, node: NodeId, way: (NodeId, Option<EdgeId>), hung: &mut Vec<NodeId>) {
+        let mut waiting = VecDeque::from([(node, way)]);
+        while let Some((node, way)) = waiting.pop_front() {
+            if self.ways[node.at()].is_none() {
+                self.ways[node.at()] = Some(way);
+                hung.push(node);
+                let edges = roadmap.edges_at(node);
+                waiting.extend(edges.map(|edge| (other_end(roadmap, edge, node), (way.0, Some(edge)))));
+            }
+        }
+    }
+
+    /// The root that a node hangs on; the node itself where it hangs on none.
+    pub(crate) fn root(&self, node: NodeId) -> NodeId {
+        self.ways[node.at()].map_or(node, |(root, _)| root)
+    }
+
+    /// The edge by which the way from a node to its root begins.
+    pub(crate) fn edge(&self, node: NodeId) -> Option<EdgeId> {
+        self.ways[node.at()].and_then(|(_, edge)| edge)
+    }
+}
+
+/// The end of an edge at which `node` does not lie.
+pub(crate) fn other_end(roadmap: &Roadmap, edge: EdgeId, node: NodeId) -> NodeId {
+    let row = roadmap.edge(edge);
+    if row.from == node { row.to } else { row.from }
+}

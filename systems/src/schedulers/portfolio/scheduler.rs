@@ -1,0 +1,52 @@
+//! `portfolio`: several searches of one problem, interleaved by counted work, that tell each other what they have reached.
+
+use crate::schedule::{SearchSet, empty_schedule};
+use crate::schedulers::mrrt::Mrrt;
+use crate::schedulers::portfolio::conclusion;
+use crate::schedulers::portfolio::members::{Member, Worlds, enter, pass_branches, take_turns};
+use crate::schedulers::sequence::scheduler::Sequence;
+use crate::search::scheduler::Scheduler;
+use bevy_ecs::prelude::{IntoScheduleConfigs, Schedule, World};
+
+/// Searches that take turns in worlds of their own ([`crate::schedulers::portfolio`]). The one that answers may depend on the members, on
+/// their order and on the length of a turn, never on the clock or the number of threads.
+#[derive(Clone)]
+pub struct Portfolio {
+    /// The searches. The first is alone until the second enters; in a round in which several succeed, the first of them
+    /// answers.
+    pub members: Vec<Member>,
+    /// Work of a turn, [`crate::schedule::StepCounter::work`]. The shorter the turns, the sooner worlds learn from each other.
+    pub quantum: u64,
+}
+
+/// Work of a turn unless a host says otherwise: about four steps.
+const QUANTUM: u64 = 64;
+
+/// Rounds that the first search has for itself. On one core whoever helps it takes time from it, which pays only where it has
+/// been unlucky.
+const ALONE: u64 = 16;
+
+impl Default for Portfolio {
+    /// `sequence`, and from the sixteenth round on `mrrt` beside it.
+    fn default() -> Self {
+        let members = vec![Member::new(Sequence), Member::new(Mrrt).entering(ALONE)];
+        Self { members, quantum: QUANTUM }
+    }
+}
+
+impl Scheduler for Portfolio {
+    fn name(&self) -> &'static str {
+        "portfolio"
+    }
+
+    fn schedule(&self, world: &mut World) -> Schedule {
+        world.insert_resource(Worlds::new(self.members.clone(), self.quantum));
+        let mut schedule = empty_schedule();
+        schedule.add_systems((
+            (enter, take_turns).chain().before(SearchSet::Commit),
+            pass_branches.in_set(SearchSet::Commit),
+            (conclusion::conclude, conclusion::report_progress, conclusion::answer).chain().in_set(SearchSet::Conclude),
+        ));
+        schedule
+    }
+}

@@ -1,0 +1,223 @@
+//! Joins the trees that a sequence of transitions needs to hang together: by a straight motion first, then by two trees
+//! that grow towards one another on the leaf.
+
+use crate::exploration::edges::{Connection, Connections, Passages};
+use crate::exploration::entities::NewNodes;
+use crate::exploration::explored::Families;
+use crate::exploration::roots::Roots;
+use crate::planning_model::model::PlanningModel;
+use crate::runtime::idle_tasks::Errands;
+use crate::runtime::random::{Purpose, stream};
+use crate::schedule::StepCounter;
+use crate::schedulers::sequence::candidate_roles::Turn;
+use crate::schedulers::sequence::lazy_extension::Plantings;
+use crate::schedulers::sequence::leaf_graph::{Join, LeafGraph};
+use crate::settings::SearchSettings;
+use crate::step::connection::speculative_checks::Foreseen;
+use bevy_ecs::prelude::{Query, Res, ResMut, Resource};
+use foliate_components::candidate::{Candidate, CandidateArena};
+use foliate_components::graph::leaf::LeafIndex;
+use foliate_components::roadmap::{ComponentId, NodeId, Roadmap};
+use rand::RngExt;
+
+/// Candidates that make up one effort.
+const EFFORT: f64 = 8.0;
+
+/// Straight motions that are tried in one round.
+const AT_ONCE: usize = 2;
+
+/// Straight motions beyond those of a round that threads may try meanwhile which have nothing else to do.
+const AHEAD: usize = 4;
+
+/// A node that has grown for a join is tried against so many nodes of the other side.
+const NEIGHBOURS: usize = 3;
+
+/// Share of the candidates for joins that keep still what both ends have in common.
+const STILL: f64 = 0.75;
+
+/// The joins that a straight motion could not make, of the sequence that is worked on.
+#[derive(Clone, Debug, Default, Resource)]
+pub struct Growing(pub Vec<Join>);
+
+/// The joins of this round, in the order of the proposals; `None` for what grew.
+#[derive(Clone, Debug, Default, Resource)]
+pub struct Tried(Vec<Option<Join>>);
+
+/// The joins of the sequence that is worked on for which it is not yet the turn, in order.
+#[derive(Clone, Debug, Default, Resource)]
+pub struct Next(Vec<Join>);
+
+/// Sets a part of the candidates to growing the trees of joins that a straight motion could not make.
+#[allow(clippy::too_many_arguments, reason = "a system's parameters are what it reads and writes")]
+pub fn grow_joins(
+    model: Res<'_, PlanningModel>,
+    settings: Res<'_, SearchSettings>,
+    step: Res<'_, StepCounter>,
+    roadmap: Res<'_, Roadmap>,
+    families: Res<'_, Families>,
+    growing: Res<'_, Growing>,
+    mut graph: ResMut<'_, LeafGraph>,
+    mut arena: ResMut<'_, CandidateArena>,
+    mut candidates: Query<'_, '_, &mut Candidate>,
+) {
+    if growing.0.is_empty() {
+        return;
+    }
+    let pool = arena.complete.len();
+    let size = arena.configuration_size();
+    let grows = |c: &Candidate| Turn::of(&step, pool, c).grows();
+    let mut chosen: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive() && grows(c)).collect();
+    chosen.sort_unstable_by_key(|c| c.index);
+    let first = (Turn::of(&step, pool, &Candidate::default()).number() / 4) as usize;
+    for (turn, candidate) in (first..).zip(&mut chosen) {
+        let join = growing.0[turn / 2 % growing.0.len()];
+        let (a, b) = graph.ends(join);
+        if roadmap.component_of(a) == roadmap.component_of(b) {
+            continue;
+        }
+        let from = if turn % 2 == 0 { a } else { b };
+        let leaf = graph.leaf(join);
+        let q = &mut arena.random[candidate.index as usize * size..][..size];
+        let mut rng = stream(settings.seed, Purpose::Join, step.step, candidate.index);
+        aim_between(&model, (roadmap.configuration(a), roadmap.configuration(b)), q, &mut rng);
+        candidate.near = nearest(&model, &roadmap, q, roadmap.nodes_on(leaf), roadmap.component_of(from));
+        candidate.component = candidate.near.map(|near| families.family_of(&roadmap, near));
+        candidate.transition = model.graph.loop_of(roadmap.node(from).state);
+        graph.count_failure(join, 1.0 / EFFORT);
+    }
+}
+
+/// Moves every other random configuration towards the straight motion between two others, by a random share.
+fn aim_between(model: &PlanningModel, (a, b): (&[f64], &[f64]), q: &mut [f64], rng: &mut impl RngExt) {
+    let space = &model.problem.robot.space;
+    let (along, away, still): (f64, f64, f64) = (rng.random(), 2.0 * rng.random::<f64>(), rng.random());
+    let mut middle = vec![0.0; q.len()];
+    space.interpolate(a, b, along, &mut middle);
+    let random = q.to_vec();
+    space.interpolate(&middle, &random, away.min(1.0), q);
+    if still < STILL {
+        for (index, x) in q.iter_mut().enumerate().filter(|&(index, _)| a[index] == b[index]) {
+            *x = a[index];
+        }
+    }
+    model.lock(q);
+}
+
+/// The nodes of a tree nearest to `q`, nearest first; ties by lowest id.
+fn nearest_few(
+    model: &PlanningModel,
+    roadmap: &Roadmap,
+    q: &[f64],
+    nodes: &[NodeId],
+    tree: ComponentId,
+) -> impl Iterator<Item = NodeId> {
+    let space = &model.problem.robot.space;
+    let own = nodes.iter().copied().filter(|&node| roadmap.component_of(node) == tree);
+    let far = |node| space.distance(q, roadmap.configuration(node), &model.robot_weights);
+    let mut near: Vec<_> = own.map(|node| (far(node), node)).collect();
+    near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    near.into_iter().take(NEIGHBOURS).map(|(_, node)| node)
+}
+
+/// The node of a tree nearest to `q`; ties by lowest id.
+fn nearest(model: &PlanningModel, roadmap: &Roadmap, q: &[f64], nodes: &[NodeId], tree: ComponentId) -> Option<NodeId> {
+    let own = nodes.iter().copied().filter(|&node| roadmap.component_of(node) == tree);
+    model.nearest(roadmap, q, own, &model.robot_weights)
+}
+
+/// Proposes the straight motions that the cheapest sequence needs and that have not been tried, and between what has grown
+/// for a join and the other side of it.
+#[allow(clippy::too_many_arguments, reason = "a system's parameters are what it reads and writes")]
+pub fn propose_joins(
+    model: Res<'_, PlanningModel>,
+    roadmap: Res<'_, Roadmap>,
+    roots: Res<'_, Roots>,
+    passages: Res<'_, Passages>,
+    mut new: ResMut<'_, NewNodes>,
+    mut growing: ResMut<'_, Growing>,
+    mut graph: ResMut<'_, LeafGraph>,
+    mut tried: ResMut<'_, Tried>,
+    mut later: ResMut<'_, Next>,
+    mut connections: ResMut<'_, Connections>,
+) {
+    graph.grow(&roadmap, &passages, &model.problem.robot.space, &model.robot_weights);
+    connections.0.clear();
+    if !graph.take_changes() && tried.0.is_empty() {
+        return;
+    }
+    tried.0.clear();
+    later.0.clear();
+    for node in std::mem::take(&mut new.0) {
+        let (leaf, tree) = (roadmap.node(node).leaf, roadmap.component_of(node));
+        for &join in growing.0.iter().filter(|&&join| graph.leaf(join) == leaf) {
+            let (a, b) = graph.ends(join);
+            let (a, b) = (roadmap.component_of(a), roadmap.component_of(b));
+            let other = if a == tree { b } else { a };
+            if a == b || (a != tree && b != tree) {
+                continue;
+            }
+            let q = roadmap.configuration(node);
+            for to in nearest_few(&model, &roadmap, q, roadmap.nodes_on(leaf), other) {
+                connections.0.push(Connection::between(node, to));
+                tried.0.push(None);
+            }
+        }
+    }
+    let (failed, untried): (Vec<_>, Vec<_>) =
+        graph.cheapest(&roadmap, &roots).unwrap_or_default().into_iter().partition(|&join| graph.effort(join) > 0.0);
+    growing.0 = failed;
+    let (passages, mut long): (Vec<_>, Vec<_>) = untried.into_iter().partition(|&join| graph.is_passage(join));
+    // What is most likely to fail comes first: then the rest need not be tried. Passages hardly ever do.
+    long.sort_by(|&a, &b| graph.cost(b).total_cmp(&graph.cost(a)).then(a.cmp(&b)));
+    let at_once = if long.is_empty() { passages.len() } else { AT_ONCE.min(long.len()) };
+    long.extend(passages);
+    let ahead = long.split_off(at_once);
+    for join in long {
+        let (from, to) = graph.ends(join);
+        connections.0.push(Connection::between(from, to));
+        tried.0.push(Some(join));
+    }
+    later.0.extend(ahead.into_iter().take(AHEAD));
+}
+
+/// Leaves the straight motions that come next to threads that have nothing else to do. Most of them are tried whatever
+/// becomes of those before them: the next way shares them.
+#[allow(clippy::too_many_arguments, reason = "a system's parameters are what it reads and writes")]
+pub fn foresee_joins(
+    model: Res<'_, PlanningModel>,
+    settings: Res<'_, SearchSettings>,
+    errands: Res<'_, Errands>,
+    roadmap: Res<'_, Roadmap>,
+    leaves: Res<'_, LeafIndex>,
+    passages: Res<'_, Passages>,
+    graph: Res<'_, LeafGraph>,
+    connections: Res<'_, Connections>,
+    next: Res<'_, Next>,
+    mut foreseen: ResMut<'_, Foreseen>,
+) {
+    let next: Vec<_> = next.0.iter().map(|&join| graph.ends(join)).collect();
+    let asked: Vec<_> = connections.0.iter().map(|connection| (connection.from, connection.to)).collect();
+    foreseen.expect((&model, &settings, &errands), (&roadmap, &leaves, &passages), &next, &asked);
+}
+
+/// Remembers which joins were free and which were not.
+pub fn learn_from_joins(
+    roadmap: Res<'_, Roadmap>,
+    passages: Res<'_, Passages>,
+    connections: Res<'_, Connections>,
+    tried: Res<'_, Tried>,
+    mut graph: ResMut<'_, LeafGraph>,
+    mut plantings: ResMut<'_, Plantings>,
+) {
+    for (connection, join) in connections.0.iter().zip(&tried.0) {
+        // One that was not asked about, because another joined the same trees, says nothing of what was planted.
+        if let Connection { from, to, verdict: Some(Err(_)) } = *connection
+            && let Some(passage) = passages.between(from, to)
+        {
+            plantings.take_back((roadmap.node(from).leaf, passage.transition, passage.drawn));
+        }
+        if let &Some(join) = join {
+            graph.count_tried(join, connection.is_certified());
+        }
+    }
+}

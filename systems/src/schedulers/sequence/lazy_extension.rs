@@ -1,0 +1,231 @@
+//! Candidates that are planted: waypoints and the short motions between them, without the long motion that leads there. The
+//! short ones become a passage, certified when a sequence needs it.
+
+use crate::exploration::entities::TransitionWeights;
+use crate::exploration::explored::Explored;
+use crate::heuristic::leaf_heuristic::Aims;
+use crate::planning_model::model::PlanningModel;
+use crate::runtime::parallel::each;
+use crate::runtime::random::{Purpose, draw, stream};
+use crate::runtime::scratch_pool::ScratchPool;
+use crate::schedule::StepCounter;
+use crate::schedulers::sequence::candidate_roles::Turn;
+use crate::settings::SearchSettings;
+use bevy_ecs::prelude::{Local, Query, Res, ResMut, Resource};
+use foliate_components::Pose;
+use foliate_components::candidate::{Candidate, CandidateArena, PlannedLeg};
+use foliate_components::graph::leaf::LeafId;
+use foliate_components::graph::{Leg, Transition, TransitionId, TransitionKind};
+use foliate_components::outcome::Rejection;
+use foliate_components::roadmap::Roadmap;
+use foliate_kernels::collision::{CollisionScratch, PairId};
+use rand::RngExt;
+use std::collections::BTreeMap;
+
+/// A transition loses half of its weight on a leaf in so many tries.
+const PATIENCE: f64 = 8.0;
+
+/// With so many successes a transition is planted half as often on a leaf as it is drawn there.
+const ENOUGH: f64 = 3.0;
+
+/// The share of the way from the near node to a random configuration at which a waypoint is looked for is a number drawn evenly
+/// from [0, 1] to this power. What is found near is joined by short motions; what is found far is found where near there is
+/// nothing.
+const AWAY: f64 = 0.7;
+
+/// What is tried from a leaf: a transition, and where it is crossed the leaf that it aims at.
+pub(crate) type Attempt = (LeafId, TransitionId, Option<LeafId>);
+
+/// What became of the transitions that were tried from each leaf.
+#[derive(Clone, Debug, Default, Resource)]
+pub struct Plantings {
+    counts: BTreeMap<Attempt, Count>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Count {
+    tries: u32,
+    planted: u32,
+}
+
+impl Plantings {
+    /// What is left of a transition's weight on a leaf: what stands there already is planted less, and what fails again and
+    /// again is tried less, but never never.
+    fn freshness(&self, attempt: Attempt) -> f64 {
+        let Count { tries, planted } = self.counts.get(&attempt).copied().unwrap_or_default();
+        1.0 / ((1.0 + f64::from(planted)) * (1.0 + f64::from(tries) / PATIENCE))
+    }
+
+    /// Remembers that what was planted leads nowhere.
+    pub(crate) fn take_back(&mut self, attempt: Attempt) {
+        if let Some(count) = self.counts.get_mut(&attempt) {
+            count.planted = count.planted.saturating_sub(1);
+        }
+    }
+
+    /// Probability that it is planted once more.
+    fn demand(&self, attempt: Attempt) -> f64 {
+        let planted = self.counts.get(&attempt).map_or(0, |count| count.planted);
+        ENOUGH / (ENOUGH + f64::from(planted))
+    }
+}
+
+/// Leaves out the candidates that have nothing to do so early.
+pub fn rest(step: Res<'_, StepCounter>, arena: Res<'_, CandidateArena>, mut candidates: Query<'_, '_, &mut Candidate>) {
+    for mut candidate in candidates.iter_mut().filter(|c| c.is_alive() && c.near.is_none()) {
+        if Turn::of(&step, arena.complete.len(), &candidate).rests() {
+            candidate.reject(Rejection::LeftOut);
+        }
+    }
+}
+
+/// Draws for the candidates that have none a transition that leads to another state, by weight, by where it leads to, and by
+/// what came of it so far; where its first leg may be left out, it is.
+#[allow(clippy::too_many_arguments, reason = "a system's parameters are what it reads and writes")]
+pub fn choose_plantings(
+    model: Res<'_, PlanningModel>,
+    settings: Res<'_, SearchSettings>,
+    step: Res<'_, StepCounter>,
+    explored: Explored<'_>,
+    arena: Res<'_, CandidateArena>,
+    weights: Res<'_, TransitionWeights>,
+    plantings: Res<'_, Plantings>,
+    mut aims: ResMut<'_, Aims>,
+    mut candidates: Query<'_, '_, &mut Candidate>,
+) {
+    for mut candidate in candidates.iter_mut().filter(|c| c.is_alive() && c.transition.is_none()) {
+        let Some(near) = candidate.near else { continue };
+        if Turn::of(&step, arena.complete.len(), &candidate).is_ordinary() {
+            continue;
+        }
+        let mut rng = stream(settings.seed, Purpose::Select, step.step, candidate.index | 1 << 31);
+        let row = explored.roadmap.node(near);
+        let from = explored.leaves.leaf(row.leaf);
+        let aim = candidate.aim.map(|aim| explored.leaves.leaf(aim));
+        let weigh = |(id, transition): (TransitionId, &Transition)| {
+            let drawn = candidate.aim.filter(|_| transition.kind == TransitionKind::Crossed);
+            let preference = aim.map_or(1.0, |aim| aims.preference(&model.graph, from, transition, aim));
+            (id, weights.0[id.at()] * preference * plantings.freshness((row.leaf, id, drawn)))
+        };
+        let leads_on = |&(_, transition): &(TransitionId, &Transition)| transition.kind != TransitionKind::Loop;
+        let choices: Vec<_> = model.graph.leaving(row.state).filter(leads_on).map(weigh).collect();
+        // Where there are only loops, the ordinary rule draws one.
+        if let Some(id) = draw(&choices, rng.random()) {
+            let transition = model.graph.transition(id);
+            let drawn = candidate.aim.filter(|_| transition.kind == TransitionKind::Crossed);
+            aims.count_try(row.leaf);
+            if rng.random::<f64>() >= plantings.demand((row.leaf, id, drawn)) {
+                candidate.reject(Rejection::LeftOut);
+                continue;
+            }
+            candidate.transition = Some(id);
+            candidate.plants = starts_far(transition);
+        }
+    }
+}
+
+/// Whether the first leg of a transition is a long motion on the leaf that it leaves.
+fn starts_far(transition: &Transition) -> bool {
+    let on_own_leaf = |leg: &Leg| leg.state == transition.from && !leg.short;
+    transition.kind != TransitionKind::Loop && transition.legs.first().is_some_and(on_own_leaf)
+}
+
+/// Moves the random configurations of what is to be planted towards the near node, by a random share.
+pub fn stay_near(
+    model: Res<'_, PlanningModel>,
+    settings: Res<'_, SearchSettings>,
+    step: Res<'_, StepCounter>,
+    roadmap: Res<'_, Roadmap>,
+    mut arena: ResMut<'_, CandidateArena>,
+    candidates: Query<'_, '_, &Candidate>,
+) {
+    let size = arena.configuration_size();
+    for candidate in candidates.iter().filter(|c| c.is_alive() && c.plants) {
+        let Some(near) = candidate.near else { continue };
+        let mut rng = stream(settings.seed, Purpose::Plant, step.step, candidate.index);
+        let away = rng.random::<f64>().powf(AWAY);
+        let q = &mut arena.random[candidate.index as usize * size..][..size];
+        let far = q.to_vec();
+        model.problem.robot.space.interpolate(roadmap.configuration(near), &far, away, q);
+        model.lock(q);
+    }
+}
+
+/// Leaves out the first legs of what is to be planted: only where they end is kept, and only where that keeps the margins of
+/// its own state.
+pub fn leave_out_first_legs(
+    model: Res<'_, PlanningModel>,
+    settings: Res<'_, SearchSettings>,
+    mut arena: ResMut<'_, CandidateArena>,
+    mut candidates: Query<'_, '_, &mut Candidate>,
+    buffers: Local<'_, ScratchPool<(CollisionScratch, Vec<Pose>)>>,
+) {
+    let buffers = &*buffers;
+    let size = arena.configuration_size();
+    let mut planted = Vec::new();
+    let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive() && c.plants).collect();
+    pool.sort_unstable_by_key(|c| c.index);
+    let mut legs = arena.legs.iter_mut().enumerate();
+    for candidate in pool {
+        let own = legs.find(|&(index, _)| index == candidate.index as usize);
+        let Some(first) = own.and_then(|(_, legs)| legs.first_mut()) else { continue };
+        let before = first.knots.len() - size;
+        first.knots.drain(..before);
+        planted.push((candidate, &*first));
+    }
+    if model.problem.margins.is_empty() {
+        return;
+    }
+    each(
+        &mut planted,
+        || buffers.borrow(),
+        |scratch, (candidate, first)| {
+            let (collision, X_WJ) = &mut **scratch;
+            X_WJ.resize(model.kinematics.bodies(), Pose::identity());
+            if let Some(pair) = breaks_margin(&model, &settings, first, (collision, X_WJ)) {
+                candidate.reject(Rejection::WaypointBlocked(0));
+                candidate.blocked_by = Some(model.pair_shapes(pair));
+            }
+        },
+    );
+}
+
+/// The pair that is closer than the margins of a leg's own state allow, where the leg ends. Along a transition the margins of
+/// what it brings together are lifted, but here other motions may start.
+fn breaks_margin(
+    model: &PlanningModel,
+    settings: &SearchSettings,
+    leg: &PlannedLeg,
+    (collision, X_WJ): (&mut CollisionScratch, &mut [Pose]),
+) -> Option<PairId> {
+    model.kinematics.forward(&leg.knots, X_WJ);
+    model.first_collision(leg.state, X_WJ, settings.clearance_guard, collision).map(|contact| contact.pair)
+}
+
+/// Drops what steering cut short of what is to be planted: nothing but the whole joins two leaves.
+pub fn drop_what_was_cut_short(mut arena: ResMut<'_, CandidateArena>, candidates: Query<'_, '_, &Candidate>) {
+    for candidate in candidates.iter().filter(|c| c.plants && !c.is_alive()) {
+        arena.legs[candidate.index as usize].clear();
+    }
+}
+
+/// Drops what is not certified to its end of what is to be planted, and remembers what came of each transition.
+pub fn keep_whole_plantings(
+    roadmap: Res<'_, Roadmap>,
+    mut plantings: ResMut<'_, Plantings>,
+    mut arena: ResMut<'_, CandidateArena>,
+    candidates: Query<'_, '_, &Candidate>,
+) {
+    let CandidateArena { legs, complete, .. } = &mut *arena;
+    for candidate in &candidates {
+        let (Some(near), Some(transition)) = (candidate.near, candidate.transition) else { continue };
+        let index = candidate.index as usize;
+        if candidate.plants && !complete[index] {
+            legs[index].clear();
+        }
+        let attempt = (roadmap.node(near).leaf, transition, candidate.drawn);
+        let count = plantings.counts.entry(attempt).or_default();
+        count.tries += 1;
+        count.planted += u32::from(!legs[index].is_empty());
+    }
+}

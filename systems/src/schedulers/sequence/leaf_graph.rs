@@ -1,0 +1,250 @@
+//! Which motions would join start and goal, and which of them to try first.
+//!
+//! Vertices are the trees of the roadmap; two trees are neighbours where both have a node on some leaf, and what it costs to
+//! join them there is an estimate that rises with each failed effort; or where a passage leads from one to the other. The
+//! cheapest way from the start's tree to a goal's is the sequence of transitions to work on.
+
+use crate::exploration::edges::Passages;
+use crate::exploration::roots::Roots;
+use foliate_components::graph::StateId;
+use foliate_components::graph::leaf::LeafId;
+use foliate_components::roadmap::{ComponentId, NodeId, Roadmap};
+use foliate_components::robot::configuration::ConfigurationSpace;
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BinaryHeap};
+
+use bevy_ecs::prelude::Resource;
+
+/// At an anchor on which so many joins have failed further ones are estimated to be twice as hard.
+const ANCHOR_PATIENCE: f64 = 4.0;
+
+/// An effort to grow together is estimated as so many straight motions.
+const GROWTH: f64 = 2.0;
+
+/// As if so many straight motions had been tried in every state, all of which had joined.
+const PRIOR: f64 = 2.0;
+
+/// What a passage is estimated to cost, in motions: it is short, and nearly always free.
+const PASSAGE: f64 = 0.1;
+
+/// A node by which its tree comes upon its leaf: a root, an end of what was planted, the end of an extension along a transition.
+#[derive(Clone, Debug)]
+struct Anchor {
+    node: NodeId,
+    leaf: LeafId,
+    state: StateId,
+    /// Place among the anchors of its leaf.
+    place: usize,
+    /// Distances to the anchors in front of it, weighted metres.
+    lengths: Vec<f64>,
+    /// Joins that have failed here.
+    failures: u32,
+    /// The anchor at the other end of a passage.
+    passage: Option<u32>,
+}
+
+/// Two anchors of different trees, on one leaf or with a passage between them, by number, the smaller one first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Join(pub(crate) u32, pub(crate) u32);
+
+/// See the module.
+#[derive(Clone, Debug, Default, Resource)]
+pub struct LeafGraph {
+    anchors: Vec<Anchor>,
+    /// By leaf: its anchors.
+    by_leaf: Vec<Vec<u32>>,
+    /// Nodes that have been looked at.
+    known: usize,
+    /// Efforts that have failed, by join.
+    efforts: BTreeMap<Join, f64>,
+    /// By state: straight motions that were tried, and those that joined.
+    straight: Vec<(f64, f64)>,
+    /// Whether anything was added or has failed since that was last asked.
+    has_changed: bool,
+    /// Distances that are kept: their number grows with the square of the anchors of a leaf.
+    lengths: u64,
+}
+
+impl LeafGraph {
+    /// Takes in the nodes that are new in the roadmap, and the passages to them. `weights` are metres per unit of each
+    /// velocity coordinate.
+    pub fn grow(&mut self, roadmap: &Roadmap, passages: &Passages, space: &ConfigurationSpace, weights: &[f64]) {
+        for (number, row) in (0u32..).zip(roadmap.nodes()).skip(self.known) {
+            let node = NodeId(number);
+            // What grows within a leaf comes from an older node of that leaf.
+            let grown = roadmap.edges_at(node).next().is_some_and(|edge| {
+                let row = roadmap.edge(edge);
+                row.to == node && roadmap.node(row.from).leaf == roadmap.node(node).leaf
+            });
+            if !grown {
+                self.add(node, row.leaf, roadmap, space, weights);
+            }
+            if let Some(passage) = passages.to(node) {
+                self.lead(passage.from, node);
+            }
+        }
+        self.has_changed |= self.known < roadmap.nodes().len();
+        self.known = roadmap.nodes().len();
+    }
+
+    /// Remembers a passage between two anchors.
+    fn lead(&mut self, from: NodeId, to: NodeId) {
+        let anchor = |node| self.anchors.binary_search_by_key(&node, |anchor| anchor.node).ok();
+        if let (Some(from), Some(to)) = (anchor(from), anchor(to)) {
+            self.anchors[from].passage = Some(to as u32);
+            self.anchors[to].passage = Some(from as u32);
+        }
+    }
+
+    /// Whether a join is a passage.
+    #[must_use]
+    pub fn is_passage(&self, join: Join) -> bool {
+        self.anchors[join.0 as usize].passage == Some(join.1)
+    }
+
+    /// Whether anything was added or has failed since this was last asked, so that another sequence may be the cheapest.
+    pub fn take_changes(&mut self) -> bool {
+        std::mem::take(&mut self.has_changed)
+    }
+
+    fn add(&mut self, node: NodeId, leaf: LeafId, roadmap: &Roadmap, space: &ConfigurationSpace, weights: &[f64]) {
+        if self.by_leaf.len() <= leaf.at() {
+            self.by_leaf.resize_with(leaf.at() + 1, Vec::new);
+        }
+        let here = &mut self.by_leaf[leaf.at()];
+        let q = roadmap.configuration(node);
+        let length =
+            |&other: &u32| space.distance(q, roadmap.configuration(self.anchors[other as usize].node), weights);
+        let lengths = here.iter().map(length).collect();
+        let state = roadmap.node(node).state;
+        if self.straight.len() <= state.at() {
+            self.straight.resize(state.at() + 1, (0.0, 0.0));
+        }
+        self.lengths += here.len() as u64;
+        self.anchors.push(Anchor { node, leaf, state, place: here.len(), lengths, failures: 0, passage: None });
+        here.push((self.anchors.len() - 1) as u32);
+    }
+
+    /// About how much memory it takes, bytes.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        let anchors = self.anchors.len() * (size_of::<Anchor>() + size_of::<u32>());
+        // A tree keeps its entries in nodes that are two thirds full.
+        let efforts = self.efforts.len() * size_of::<(Join, f64)>() * 3 / 2;
+        (anchors + efforts) as u64 + self.lengths * size_of::<f64>() as u64
+    }
+
+    /// The nodes of a join.
+    #[must_use]
+    pub fn ends(&self, join: Join) -> (NodeId, NodeId) {
+        (self.anchors[join.0 as usize].node, self.anchors[join.1 as usize].node)
+    }
+
+    /// The leaf of a join; of a passage that from which it leads.
+    #[must_use]
+    pub fn leaf(&self, join: Join) -> LeafId {
+        self.anchors[join.0 as usize].leaf
+    }
+
+    /// Efforts that a join has cost in vain; one is a straight motion, or as many candidates as a block of lanes takes.
+    #[must_use]
+    pub fn effort(&self, join: Join) -> f64 {
+        self.efforts.get(&join).copied().unwrap_or(0.0)
+    }
+
+    /// Remembers an effort that did not join.
+    pub fn count_failure(&mut self, join: Join, effort: f64) {
+        let spent = self.efforts.entry(join).or_default();
+        if *spent == 0.0 {
+            self.anchors[join.0 as usize].failures += 1;
+            self.anchors[join.1 as usize].failures += 1;
+        }
+        *spent += effort;
+        self.has_changed = true;
+    }
+
+    /// Remembers whether a join was free: its straight motion, or what makes it a passage, which is none where it is not.
+    pub fn count_tried(&mut self, join: Join, joined: bool) {
+        if self.is_passage(join) {
+            for anchor in [join.0, join.1] {
+                self.anchors[anchor as usize].passage = None;
+            }
+            self.has_changed = true;
+            return;
+        }
+        let (tried, made) = &mut self.straight[self.anchors[join.0 as usize].state.at()];
+        *tried += 1.0;
+        *made += f64::from(u8::from(joined));
+        if !joined {
+            self.count_failure(join, 1.0);
+        }
+    }
+
+    /// What a join is estimated to cost, in motions. Before anything was tried the rate at which straight motions join in its
+    /// state counts, so that where hardly any does the trees of one join are grown instead of trying all others.
+    #[must_use]
+    pub fn cost(&self, join: Join) -> f64 {
+        if self.is_passage(join) {
+            return PASSAGE;
+        }
+        let (a, b) = (&self.anchors[join.0 as usize], &self.anchors[join.1 as usize]);
+        let length = if a.place < b.place { b.lengths[a.place] } else { a.lengths[b.place] };
+        let hard = |anchor: &Anchor| 1.0 + f64::from(anchor.failures) / ANCHOR_PATIENCE;
+        let (tried, made) = self.straight[a.state.at()];
+        let effort = self.effort(join);
+        let tries = if effort > 0.0 { 1.0 + GROWTH * effort } else { (PRIOR + tried) / (PRIOR + made) };
+        (1.0 + length) * hard(a) * hard(b) * tries
+    }
+
+    /// The joins on the cheapest way from the start's tree to a goal's, the start's first; `None` where there is no way yet,
+    /// nothing where start and goal hang together. Ties go to the older tree.
+    #[must_use]
+    pub fn cheapest(&self, roadmap: &Roadmap, roots: &Roots) -> Option<Vec<Join>> {
+        let start = roadmap.component_of(roots.start?);
+        let goals: Vec<_> = roots.goals.iter().map(|&goal| roadmap.component_of(goal)).collect();
+        let trees: Vec<ComponentId> = self.anchors.iter().map(|anchor| roadmap.component_of(anchor.node)).collect();
+        let mut members: Vec<Vec<u32>> = vec![Vec::new(); roadmap.trees()];
+        (0u32..).zip(&trees).for_each(|(anchor, tree)| members[tree.at()].push(anchor));
+        let mut best = vec![f64::INFINITY; roadmap.trees()];
+        let mut came_by: Vec<Option<(Join, ComponentId)>> = vec![None; roadmap.trees()];
+        // Costs are never negative, so their bits are in their order.
+        let mut frontier = BinaryHeap::from([Reverse((0.0f64.to_bits(), start))]);
+        best[start.at()] = 0.0;
+        while let Some(Reverse((bits, tree))) = frontier.pop() {
+            let cost = f64::from_bits(bits);
+            if goals.contains(&tree) {
+                return Some(way_back(&came_by, tree));
+            }
+            if cost > best[tree.at()] {
+                continue;
+            }
+            for &anchor in &members[tree.at()] {
+                let Anchor { leaf, passage, .. } = &self.anchors[anchor as usize];
+                for &other in self.by_leaf[leaf.at()].iter().chain(passage) {
+                    let next = trees[other as usize];
+                    if best[next.at()] <= cost {
+                        continue;
+                    }
+                    let join = Join(anchor.min(other), anchor.max(other));
+                    let cost = cost + self.cost(join);
+                    if cost < best[next.at()] {
+                        best[next.at()] = cost;
+                        came_by[next.at()] = Some((join, tree));
+                        frontier.push(Reverse((cost.to_bits(), next)));
+                    }
+                }
+            }
+        }
+        None
+    }
+}
+
+fn way_back(came_by: &[Option<(Join, ComponentId)>], mut tree: ComponentId) -> Vec<Join> {
+    let mut way = Vec::new();
+    while let Some((join, before)) = came_by[tree.at()] {
+        way.push(join);
+        tree = before;
+    }
+    way.reverse();
+    way
+}

@@ -1,0 +1,11 @@
+//! What the scheduler `sequence` adds to the shared systems: certified short motions between two leaves, planted without the
+//! long motions that lead there, and joined on their leaves only where they make up a sequence from start to goal.
+
+pub mod candidate_roles;
+pub mod connect_iterations;
+pub mod joining;
+pub mod lazy_extension;
+pub mod leaf_graph;
+pub mod scheduler;
+
+pub use crate::schedulers::sequence::scheduler::Sequence;

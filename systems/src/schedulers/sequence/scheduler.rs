@@ -1,0 +1,75 @@
+//! `sequence`: sequences of transitions first, long motions last.
+
+use crate::heuristic::systems;
+use crate::schedulers::mrrt::Mrrt;
+use crate::schedulers::sequence::{connect_iterations, lazy_extension};
+use crate::search::scheduler::Scheduler;
+use crate::step::projection::project;
+
+use crate::planning_model::model::PlanningModel;
+use crate::runtime::system_sequence::in_order;
+use crate::schedule::{SearchSet, empty_schedule};
+use crate::schedulers::sequence::{joining, leaf_graph};
+use crate::step::{commit, conclusion, rendezvous, sampling, selection, steering, validation, waypoints};
+use bevy_ecs::prelude::{IntoScheduleConfigs, Schedule, World};
+use foliate_components::graph::TransitionKind;
+
+/// Short motions between leaves are planted where `mrrt` would first certify how to get there; only the long motions of
+/// sequences that reach from the start to a goal are certified, those estimated to be easiest first. A problem whose only
+/// transitions are loops has no sequences: it is left to [`Mrrt`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sequence;
+
+impl Scheduler for Sequence {
+    fn name(&self) -> &'static str {
+        "sequence"
+    }
+
+    fn schedule(&self, world: &mut World) -> Schedule {
+        if stays_on_its_leaf(world) {
+            return Mrrt.schedule(world);
+        }
+        world.init_resource::<leaf_graph::LeafGraph>();
+        world.init_resource::<lazy_extension::Plantings>();
+        world.init_resource::<joining::Growing>();
+        world.init_resource::<joining::Tried>();
+        world.init_resource::<joining::Next>();
+        world.init_resource::<connect_iterations::Rounds>();
+        let mut schedule = empty_schedule();
+        schedule.add_systems((
+            in_order((sampling::reset_candidates, sampling::sample_configurations)).in_set(SearchSet::Sample),
+            in_order((
+                joining::grow_joins,
+                lazy_extension::rest,
+                selection::gather_weights,
+                systems::measure_leaves,
+                systems::choose_leaves,
+                selection::select_nodes,
+                lazy_extension::choose_plantings,
+                selection::select_transitions,
+            ))
+            .in_set(SearchSet::Select),
+            in_order((rendezvous::draw_leaves, lazy_extension::stay_near)).in_set(SearchSet::Rendezvous),
+            in_order((project::project_waypoints, lazy_extension::leave_out_first_legs)).in_set(SearchSet::Project),
+            in_order((waypoints::check_waypoints, steering::steer_legs, lazy_extension::drop_what_was_cut_short))
+                .in_set(SearchSet::Steer),
+            in_order((validation::certify_legs, lazy_extension::keep_whole_plantings)).in_set(SearchSet::Validate),
+            in_order((commit::commit_extensions, crate::goals::systems::draw_more_goals)).in_set(SearchSet::Commit),
+            connect_iterations::join_in_rounds.in_set(SearchSet::Connect),
+            in_order((
+                conclusion::conclude,
+                conclusion::report_progress,
+                conclusion::report_feedback,
+                conclusion::report_solution,
+            ))
+            .in_set(SearchSet::Conclude),
+        ));
+        schedule
+    }
+}
+
+/// Whether every transition is a loop, so that all sequences are empty and there is nothing to plant: plain motion planning.
+fn stays_on_its_leaf(world: &World) -> bool {
+    let graph = &world.resource::<PlanningModel>().graph;
+    !graph.lazy && graph.transitions.iter().all(|transition| transition.kind == TransitionKind::Loop)
+}

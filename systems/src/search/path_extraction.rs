@@ -1,0 +1,223 @@
+//! From a roadmap in which start and goal hang together to the path between them.
+
+use crate::planning_model::model::PlanningModel;
+use crate::search::path_clearance::{pair_counts, path_clearance};
+use crate::settings::SearchSettings;
+use foliate_components::graph::leaf::{LeafId, LeafIndex};
+use foliate_components::graph::{StateId, TransitionId};
+use foliate_components::path::{Certificate, ManipulationPath, Segment};
+use foliate_components::roadmap::{EdgeId, Motion, NodeId, Roadmap};
+use foliate_components::robot::configuration::{Group, quaternion, wrap};
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+use std::f64::consts::TAU;
+
+/// The shortest path (weighted length of its motions) from `start` to `goal`; ties by lowest node id. `None` where they
+/// do not hang together.
+#[must_use]
+pub fn extract_path(
+    model: &PlanningModel,
+    settings: &SearchSettings,
+    roadmap: &Roadmap,
+    leaves: &LeafIndex,
+    start: NodeId,
+    goal: NodeId,
+) -> Option<ManipulationPath> {
+    let edges = shortest_route(model, roadmap, start, goal)?;
+    let mut path = ManipulationPath::default();
+    let mut certificate = Certificate { path_tolerance: settings.path_tolerance, ..Certificate::default() };
+    let (mut at, mut moved) = (start, 0.0_f64);
+    for edge in edges {
+        let row = roadmap.edge(edge);
+        let (forward, left) = (row.from == at, at);
+        at = if forward { row.to } else { row.from };
+        let motions = roadmap.motions_of(edge);
+        let first = if forward { motions.first() } else { motions.last() };
+        let next = first.map(|motion| leaves.leaf(motion.leaf).state);
+        path.segments.extend(passed_through(model, leaves, path.segments.last(), roadmap.node(left).leaf, next));
+        let mut add = |motion: &Motion| {
+            let segment = segment(model, leaves, motion, forward);
+            let gap = model.carrier_gap(leaves.leaf(motion.leaf), leaves, &segment.knots);
+            certificate.max_residual = certificate.max_residual.max(motion.residual).max(gap.residual);
+            moved = moved.max(gap.moved);
+            path.segments.push(segment);
+        };
+        if forward {
+            motions.iter().for_each(&mut add);
+        } else {
+            motions.iter().rev().for_each(&mut add);
+        }
+    }
+    path.certificate = certificate;
+    unwrap_coordinates(model, &mut path);
+    path.certificate.min_clearance = proved_clearance(model, settings, &path, moved);
+    path.certificate.pairs = pair_counts(model, &path);
+    Some(path)
+}
+
+/// What is proved of the clearance without asking again: nodes and motions keep the guard beyond all margins. As the path is
+/// written objects may be `moved` from where they were then, both of a pair. Little more than that they do not touch;
+/// [`path_clearance`] says how close they come.
+fn proved_clearance(
+    model: &PlanningModel,
+    settings: &SearchSettings,
+    path: &ManipulationPath,
+    moved: f64,
+) -> Option<f64> {
+    let kept = settings.clearance_guard - 2.0 * moved;
+    match model.collision.counts().looked_at() {
+        0 => None,
+        _ if kept > 0.0 => Some(kept),
+        _ => path_clearance(model, path).map(|found| found.lower),
+    }
+}
+
+/// The states that motions of the path were to reach and that it leaves instead, since it travels them backwards.
+pub(crate) fn reached_backwards(model: &PlanningModel, roadmap: &Roadmap, start: NodeId, goal: NodeId) -> Vec<StateId> {
+    let mut at = start;
+    let mut states = Vec::new();
+    for edge in shortest_route(model, roadmap, start, goal).unwrap_or_default() {
+        let row = roadmap.edge(edge);
+        let forward = row.from == at;
+        at = if forward { row.to } else { row.from };
+        if !forward {
+            states.extend(roadmap.motions_of(edge).iter().map(|m| model.graph.transition(m.transition).to));
+        }
+    }
+    states
+}
+
+fn segment(model: &PlanningModel, leaves: &LeafIndex, motion: &Motion, forward: bool) -> Segment {
+    let size = model.problem.robot.space.size();
+    let mut knots: Vec<Vec<f64>> = motion.knots.chunks_exact(size).map(<[f64]>::to_vec).collect();
+    if !forward {
+        knots.reverse();
+    }
+    let leaf = leaves.leaf(motion.leaf);
+    let transition = in_direction(model, motion.transition, forward);
+    let (attachments, constraints) = (model.attachments(leaf, leaves), model.demands(leaf, leaves));
+    Segment { transition, state: leaf.state, attachments, constraints, knots }
+}
+
+/// A node's own state, where no motion beside it lies in it: what is grasped on arrival and let go at once is grasped, and
+/// whoever proves the path has to know it. Stands still.
+fn passed_through(
+    model: &PlanningModel,
+    leaves: &LeafIndex,
+    before: Option<&Segment>,
+    leaf: LeafId,
+    next: Option<StateId>,
+) -> Option<Segment> {
+    let (before, leaf) = (before?, leaves.leaf(leaf));
+    let knot = before.knots.last()?;
+    let passed = leaf.state != before.state && next != Some(leaf.state);
+    passed.then(|| Segment {
+        transition: before.transition,
+        state: leaf.state,
+        attachments: model.attachments(leaf, leaves),
+        constraints: model.demands(leaf, leaves),
+        knots: vec![knot.clone(), knot.clone()],
+    })
+}
+
+/// The transition that a motion travels when it is traversed `forward` or backwards.
+fn in_direction(model: &PlanningModel, transition: TransitionId, forward: bool) -> TransitionId {
+    if forward { transition } else { model.graph.transition(transition).reverse.unwrap_or(transition) }
+}
+
+/// Makes each coordinate's number continuous along the whole path although roadmap nodes hold it only up to its
+/// representation: unlimited angles modulo 2π, quaternions up to their sign.
+fn unwrap_coordinates(model: &PlanningModel, path: &mut ManipulationPath) {
+    let factors = &model.problem.robot.space.factors;
+    let mut last: Option<Vec<f64>> = None;
+    for knot in path.segments.iter_mut().flat_map(|s| &mut s.knots) {
+        if let Some(last) = &last {
+            for factor in factors {
+                match factor.group {
+                    Group::Circle => follow_angle(last, knot, factor.q),
+                    Group::Plane => follow_angle(last, knot, factor.q + 2),
+                    Group::FreeFlyer => follow_sign(last, knot, factor.q),
+                    Group::Real => {}
+                }
+            }
+        }
+        last = Some(knot.clone());
+    }
+}
+
+/// Unwrapping rounds; angles closer than this are one.
+const SAME_ANGLE: f64 = 1e-13;
+
+fn follow_angle(last: &[f64], knot: &mut [f64], i: usize) {
+    // Where two motions meet, or an angle stands still, the number is the same bit for bit; what is added elsewhere are
+    // whole turns, so that other numbers keep their bits too.
+    let turn = wrap(knot[i] - last[i]);
+    knot[i] = if turn.abs() < SAME_ANGLE { last[i] } else { knot[i] + TAU * ((last[i] - knot[i]) / TAU).round() };
+}
+
+fn follow_sign(last: &[f64], knot: &mut [f64], i: usize) {
+    if quaternion(last, i).dot(quaternion(knot, i)) < 0.0 {
+        knot[i + 3..i + 7].iter_mut().for_each(|x| *x = -*x);
+    }
+}
+
+#[derive(PartialEq)]
+struct Frontier {
+    cost: f64,
+    node: NodeId,
+}
+
+impl Eq for Frontier {}
+
+impl Ord for Frontier {
+    /// Smallest cost first, then lowest id: reversed for a max-heap.
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.cost.total_cmp(&self.cost).then(other.node.cmp(&self.node))
+    }
+}
+
+impl PartialOrd for Frontier {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+/// Dijkstra over the roadmap.
+fn shortest_route(model: &PlanningModel, roadmap: &Roadmap, start: NodeId, goal: NodeId) -> Option<Vec<EdgeId>> {
+    let mut best = vec![f64::INFINITY; roadmap.nodes().len()];
+    let mut came_by: Vec<Option<EdgeId>> = vec![None; roadmap.nodes().len()];
+    let mut frontier = BinaryHeap::from([Frontier { cost: 0.0, node: start }]);
+    best[start.at()] = 0.0;
+    while let Some(Frontier { cost, node }) = frontier.pop() {
+        if node == goal {
+            return Some(route_back(roadmap, &came_by, start, goal));
+        }
+        if cost > best[node.at()] {
+            continue;
+        }
+        for edge in roadmap.edges_at(node) {
+            let row = roadmap.edge(edge);
+            let next = if row.from == node { row.to } else { row.from };
+            let cost = cost + roadmap.motions_of(edge).iter().map(|m| model.length(&m.knots)).sum::<f64>();
+            if cost < best[next.at()] {
+                best[next.at()] = cost;
+                came_by[next.at()] = Some(edge);
+                frontier.push(Frontier { cost, node: next });
+            }
+        }
+    }
+    None
+}
+
+fn route_back(roadmap: &Roadmap, came_by: &[Option<EdgeId>], start: NodeId, goal: NodeId) -> Vec<EdgeId> {
+    let mut route = Vec::new();
+    let mut node = goal;
+    while node != start {
+        let Some(edge) = came_by[node.at()] else { break };
+        route.push(edge);
+        let row = roadmap.edge(edge);
+        node = if row.from == node { row.to } else { row.from };
+    }
+    route.reverse();
+    route
+}

@@ -1,0 +1,193 @@
+//! A search as a host embeds it: a world, a schedule, and the loop that steps it.
+
+use crate::events::{EventSink, StopSignal};
+use crate::exploration::roots::{Ending, Roots};
+use crate::exploration::{memory, writer};
+use crate::goals::sampler::GoalSampler;
+use crate::goals::systems::plant;
+use crate::planning_model::model::PlanningModel;
+use crate::runtime::idle_tasks::{Errands, Watch};
+use crate::schedule::StepCounter;
+use crate::search::path_extraction::{extract_path, reached_backwards};
+use crate::search::scheduler::Scheduler;
+use crate::search::world::{empty_world, plant_roots, roots_in};
+use crate::settings::SearchSettings;
+use bevy_ecs::prelude::{Resource, Schedule, World};
+use foliate_components::graph::leaf::LeafIndex;
+use foliate_components::graph::{StateId, TransitionId};
+use foliate_components::outcome::{GoalStatistics, SearchOutcome, StateStatistics, TransitionStatistics};
+use foliate_components::path::ManipulationPath;
+use foliate_components::roadmap::Roadmap;
+
+/// A search under way. It owns its world; the model is shared, but for a lazy graph, of which every search has its own.
+pub struct Search {
+    world: World,
+    schedule: Schedule,
+    ending: Option<SearchOutcome>,
+}
+
+impl Search {
+    /// Prepares a search: checks start and goals and makes them the roots of trees.
+    ///
+    /// A start or goal that is out of bounds, in collision or in no state ends the search before it begins
+    /// ([`SearchOutcome::InfeasibleStart`], [`SearchOutcome::InfeasibleGoal`]).
+    #[must_use]
+    pub fn new(
+        model: &PlanningModel,
+        scheduler: &dyn Scheduler,
+        settings: SearchSettings,
+        stop: StopSignal,
+        events: EventSink,
+    ) -> Self {
+        let mut world = empty_world(model, settings, stop, events);
+        let ending = plant_roots(&mut world).err();
+        let schedule = scheduler.schedule(&mut world);
+        Self { world, schedule, ending }
+    }
+
+    /// Another search of the problem that is searched in `beside`: the same model and stop signal, the same start and the
+    /// goals known there by now, in a world of its own that shares nothing with that one from then on.
+    #[must_use]
+    pub fn beside(beside: &World, scheduler: &dyn Scheduler, settings: SearchSettings, events: EventSink) -> Self {
+        let model = beside.resource::<PlanningModel>();
+        let mut world = empty_world(model, settings, beside.resource::<StopSignal>().clone(), events);
+        let (start, goals) = roots_in(beside);
+        let start = start.map(|root| plant(&mut world, root));
+        let goals = goals.into_iter().map(|root| plant(&mut world, root)).collect();
+        world.insert_resource(Roots { start, goals });
+        world.insert_resource(beside.resource::<GoalSampler>().clone());
+        let schedule = scheduler.schedule(&mut world);
+        Self { world, schedule, ending: None }
+    }
+
+    /// How the search has ended, once it has.
+    #[must_use]
+    pub fn ending(&self) -> Option<&SearchOutcome> {
+        self.ending.as_ref()
+    }
+
+    /// One step of all candidates. Returns how the search has ended, once it has.
+    pub fn step(&mut self) -> Option<&SearchOutcome> {
+        if self.ending.is_none() {
+            self.schedule.run(&mut self.world);
+            self.ending = self.world.resource::<Ending>().0.clone();
+            if let Some(AnswerIn(world)) = self.world.remove_resource() {
+                self.world = *world;
+            }
+            if self.ending == Some(SearchOutcome::Solved) {
+                self.expand_backwards();
+            }
+        }
+        self.ending.as_ref()
+    }
+
+    /// Steps until the search ends, on the threads of the pool in which it is called.
+    ///
+    /// Call it inside `rayon::ThreadPool::install` of a pool that the host owns; the answer does not depend on its size. The
+    /// pool's other threads do not sleep meanwhile, as far as there are cores for them: see [`crate::runtime::idle_tasks`].
+    pub fn run(&mut self) -> SearchOutcome {
+        let watch = Watch::begin(self.world.resource::<Errands>());
+        loop {
+            watch.call();
+            if let Some(outcome) = self.step() {
+                return outcome.clone();
+            }
+        }
+    }
+
+    /// Makes the transitions come into being that the path travels backwards, so that it can name them.
+    fn expand_backwards(&mut self) {
+        let (model, roadmap) = (self.world.resource::<PlanningModel>(), self.roadmap());
+        let roots = self.world.resource::<Roots>();
+        let ends = roots.start.zip(roots.reached_goal(roadmap));
+        let Some((start, goal)) = ends.filter(|_| model.graph.lazy) else { return };
+        for state in reached_backwards(model, roadmap, start, goal) {
+            writer::expand(&mut self.world, state);
+        }
+    }
+
+    /// The model of this search: ids of transitions and states in paths and statistics are those of its graph. Of a lazy
+    /// graph it has what this search has reached.
+    #[must_use]
+    pub fn model(&self) -> &PlanningModel {
+        self.world.resource::<PlanningModel>()
+    }
+
+    /// The path, once the search is solved.
+    #[must_use]
+    pub fn path(&self) -> Option<ManipulationPath> {
+        if self.ending != Some(SearchOutcome::Solved) {
+            return None;
+        }
+        let roadmap = self.world.resource::<Roadmap>();
+        let roots = self.world.resource::<Roots>();
+        let settings = self.world.resource::<SearchSettings>();
+        let goal = roots.reached_goal(roadmap)?;
+        let leaves = self.world.resource::<LeafIndex>();
+        extract_path(self.model(), settings, roadmap, leaves, roots.start?, goal)
+    }
+
+    /// Leaves the world behind.
+    #[must_use]
+    pub fn into_world(self) -> World {
+        self.world
+    }
+
+    /// The world: roadmap, leaves and statistics, for queries.
+    #[must_use]
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// The world, for systems of the host's own between steps.
+    pub fn world_mut(&mut self) -> &mut World {
+        &mut self.world
+    }
+
+    /// The roadmap.
+    #[must_use]
+    pub fn roadmap(&self) -> &Roadmap {
+        self.world.resource::<Roadmap>()
+    }
+
+    /// About how much memory it takes beyond the model that it was given, see [`crate::exploration::memory`].
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        memory::taken_in(&self.world)
+    }
+
+    /// Work done so far.
+    #[must_use]
+    pub fn counter(&self) -> StepCounter {
+        *self.world.resource::<StepCounter>()
+    }
+
+    /// What became of the candidates, by transition: the funnel.
+    #[must_use]
+    pub fn statistics(&mut self) -> Vec<(TransitionId, TransitionStatistics)> {
+        let mut query = self.world.query::<(&TransitionId, &TransitionStatistics)>();
+        let mut all: Vec<_> = query.iter(&self.world).map(|(id, s)| (*id, s.clone())).collect();
+        all.sort_by_key(|&(id, _)| id);
+        all
+    }
+
+    /// What the search has of every state.
+    #[must_use]
+    pub fn states(&mut self) -> Vec<(StateId, StateStatistics)> {
+        let mut query = self.world.query::<(&StateId, &StateStatistics)>();
+        let mut all: Vec<_> = query.iter(&self.world).map(|(id, s)| (*id, *s)).collect();
+        all.sort_by_key(|&(id, _)| id);
+        all
+    }
+
+    /// What became of the tries to find configurations for goals that leave something free.
+    #[must_use]
+    pub fn goal_statistics(&self) -> &GoalStatistics {
+        self.world.resource::<GoalSampler>().statistics()
+    }
+}
+
+/// Another world that has the answer: where a step leaves it in its world, that one takes its place once the search has
+/// ended. For schedulers whose systems step searches of their own.
+#[derive(Resource)]
+pub struct AnswerIn(pub Box<World>);

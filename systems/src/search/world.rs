@@ -1,0 +1,125 @@
+//! TODO(page): what world is.
+
+use crate::events::{EventSink, StopSignal};
+use crate::exploration::edges::{Connections, Passages};
+use crate::exploration::entities::{NewNodes, TransitionWeights};
+use crate::exploration::explored::Families;
+use crate::exploration::memory::Compiled;
+use crate::exploration::neighbours::index::Neighbours;
+use crate::exploration::reached_leaves::ReachedLeaves;
+use crate::exploration::roots::{Ending, Roots};
+use crate::exploration::writer;
+use crate::goals::sampler::GoalSampler;
+use crate::goals::systems::plant;
+use crate::planning_model::model::PlanningModel;
+use crate::planning_model::state_classification;
+use crate::planning_model::state_classification::Feasible;
+use crate::runtime::idle_tasks::Errands;
+use crate::schedule::StepCounter;
+use crate::settings::SearchSettings;
+use crate::step::connection::speculative_checks::Foreseen;
+use bevy_ecs::prelude::{Mut, World};
+use foliate_components::candidate::CandidateArena;
+use foliate_components::graph::leaf::LeafIndex;
+use foliate_components::outcome::SearchOutcome;
+use foliate_components::problem::Goal;
+use foliate_components::roadmap::Roadmap;
+
+/// A world with all resources in place, and no roots.
+pub(crate) fn empty_world(
+    model: &PlanningModel,
+    settings: SearchSettings,
+    stop: StopSignal,
+    events: EventSink,
+) -> World {
+    let mut world = World::new();
+    let size = model.problem.robot.space.size();
+    let candidates = settings.candidates.clamp(1, 4096);
+    world.insert_resource(model.clone());
+    writer::spawn_graph_and_candidates(&mut world, candidates);
+    world.insert_resource(CandidateArena::new(candidates, size));
+    world.insert_resource(Roadmap::new(size));
+    world.init_resource::<LeafIndex>();
+    world.init_resource::<NewNodes>();
+    world.init_resource::<Connections>();
+    world.init_resource::<Passages>();
+    world.init_resource::<Compiled>();
+    world.init_resource::<Errands>();
+    world.init_resource::<Foreseen>();
+    world.init_resource::<ReachedLeaves>();
+    world.init_resource::<Families>();
+    world.init_resource::<crate::heuristic::leaf_heuristic::Aims>();
+    world.init_resource::<TransitionWeights>();
+    world.init_resource::<StepCounter>();
+    world.init_resource::<Roots>();
+    world.init_resource::<Ending>();
+    world.init_resource::<GoalSampler>();
+    world.insert_resource(Neighbours::new(model, &settings));
+    world.insert_resource(settings);
+    world.insert_resource(stop);
+    world.insert_resource(events);
+    world
+}
+
+/// Start and goals as they stand in a world.
+pub(crate) fn roots_in(world: &World) -> (Option<Feasible>, Vec<Feasible>) {
+    let (roadmap, leaves, roots) =
+        (world.resource::<Roadmap>(), world.resource::<LeafIndex>(), world.resource::<Roots>());
+    let root = |node| {
+        let row = roadmap.node(node);
+        let parameters = leaves.leaf(row.leaf).parameters.iter().map(|&id| *leaves.parameter(id)).collect();
+        Feasible { q: roadmap.configuration(node).to_vec(), state: row.state, parameters }
+    };
+    (roots.start.map(root), roots.goals.iter().copied().map(root).collect())
+}
+
+/// Makes start and goals the roots of trees. A goal that leaves something free and of which no configuration was found yet
+/// is looked for again during the search.
+pub(crate) fn plant_roots(world: &mut World) -> Result<(), SearchOutcome> {
+    let settings = world.resource::<SearchSettings>().clone();
+    let found = world.resource_scope(|world, mut model: Mut<'_, PlanningModel>| {
+        find_roots(&mut model, &settings, world.resource::<StopSignal>())
+    })?;
+    world.insert_resource(found.sampler);
+    if let Some(why) = found.hopeless {
+        return Err(SearchOutcome::InfeasibleGoal(why));
+    }
+    let start = plant(world, found.start);
+    let goals = found.goals.into_iter().map(|goal| plant(world, goal)).collect();
+    world.insert_resource(Roots { start: Some(start), goals });
+    Ok(())
+}
+
+/// Where trees begin.
+struct FoundRoots {
+    start: Feasible,
+    goals: Vec<Feasible>,
+    sampler: GoalSampler,
+    /// Why there is no goal and will be none.
+    hopeless: Option<String>,
+}
+
+fn find_roots(
+    model: &mut PlanningModel,
+    settings: &SearchSettings,
+    stop: &StopSignal,
+) -> Result<FoundRoots, SearchOutcome> {
+    let q = model.problem.start.clone();
+    let start = state_classification::reach_start(model, settings, &q).map_err(SearchOutcome::InfeasibleStart)?;
+    let mut sampler = GoalSampler::new(model, settings, &start.q);
+    let mut goals = Vec::new();
+    let mut complaint = String::from("the problem names no goal");
+    for goal in model.problem.goals.clone() {
+        if let Goal::Configuration(q) = goal {
+            match state_classification::reach_feasible(model, settings, &q) {
+                Ok(goal) => goals.push(goal),
+                Err(why) => complaint = why,
+            }
+        }
+    }
+    goals.extend(sampler.draw_first(model, settings, stop));
+    let given_up = sampler.given_up(model, settings);
+    let hopeless = goals.is_empty() && (sampler.is_empty() || given_up.is_some());
+    let hopeless = hopeless.then(|| given_up.unwrap_or(complaint));
+    Ok(FoundRoots { start, goals, sampler, hopeless })
+}

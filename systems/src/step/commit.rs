@@ -1,0 +1,205 @@
+//! Set Commit, and the end of Connect: the only place where roadmap entities are born. Serial, in candidate order.
+
+use crate::exploration::edges::{Connection, Connections, Obstacle, Passage, Passages};
+use crate::exploration::entities::{EntityTable, NewNodes};
+use crate::exploration::explored::Families;
+use crate::exploration::memory::Compiled;
+use crate::exploration::writer::{add_edge, add_node, count_in, intern_leaf};
+use crate::planning_model::model::PlanningModel;
+use crate::schedule::StepCounter;
+use bevy_ecs::prelude::{Mut, World};
+use foliate_components::candidate::{Candidate, CandidateArena, LegParameter, PlannedLeg};
+use foliate_components::graph::leaf::{Leaf, LeafId, LeafIndex, ParameterId};
+use foliate_components::graph::{ConstraintId, TransitionId};
+use foliate_components::outcome::{Rejection, TransitionStatistics};
+use foliate_components::roadmap::{ComponentId, Motion, NodeId, Roadmap};
+
+/// Turns what is certified of each candidate into a node and an edge, and counts how each ended.
+pub fn commit_extensions(world: &mut World) {
+    world.resource_scope(|world, mut arena: Mut<'_, CandidateArena>| {
+        let entities = world.resource::<EntityTable>().candidates.clone();
+        let mut new_nodes = Vec::new();
+        for entity in entities {
+            let Some(candidate) = world.get::<Candidate>(entity).cloned() else { continue };
+            let index = candidate.index as usize;
+            let legs = std::mem::take(&mut arena.legs[index]);
+            count(world, &candidate, !legs.is_empty(), arena.complete[index]);
+            if let (Some(near), Some(transition), false) = (candidate.near, candidate.transition, legs.is_empty()) {
+                if candidate.plants {
+                    new_nodes.extend(plant(world, (near, transition, candidate.drawn), legs));
+                } else {
+                    new_nodes.push(add_extension(world, near, transition, legs));
+                }
+            }
+        }
+        // Roots stand in the list before the first step.
+        world.resource_mut::<NewNodes>().0.extend(new_nodes);
+    });
+    let pool = world.resource::<EntityTable>().candidates.len() as u64;
+    let mut counter = world.resource_mut::<StepCounter>();
+    counter.step += 1;
+    counter.candidates += pool;
+}
+
+/// Adds the edges of certified connections whose ends still lie in different trees, in the order of proposal. Passages of
+/// which something is known now are passages no longer.
+pub fn commit_connections(world: &mut World) {
+    let proposals = std::mem::take(&mut world.resource_mut::<Connections>().0);
+    world.resource_mut::<StepCounter>().connections += proposals.len() as u64;
+    for Connection { from, to, verdict } in proposals {
+        let roadmap = world.resource::<Roadmap>();
+        let state = roadmap.node(from).state;
+        let apart = roadmap.component_of(from) != roadmap.component_of(to);
+        let passage = verdict.as_ref().and_then(|_| world.resource_mut::<Passages>().take(from, to));
+        if passage.is_none() {
+            count_in(world, state, |s| s.connections_tried += 1);
+        }
+        match (verdict, passage) {
+            (Some(Ok(motions)), passage) if apart => {
+                let Some(along) = motions.first().map(|motion| motion.transition) else { continue };
+                add_edge(world, from, to, along, motions);
+                if passage.is_none() {
+                    count_in(world, state, |s| s.connections_made += 1);
+                }
+            }
+            (Some(Err(obstacle)), Some(passage)) => count_obstacle(world, &passage, obstacle),
+            _ => {}
+        }
+    }
+}
+
+/// What was planted has not reached the target after all.
+fn count_obstacle(world: &mut World, passage: &Passage, obstacle: Obstacle) {
+    let entity = world.resource::<EntityTable>().transitions[passage.transition.at()];
+    if let Some(mut statistics) = world.get_mut::<TransitionStatistics>(entity) {
+        statistics.reached = statistics.reached.saturating_sub(1);
+        statistics.count_rejection(Rejection::MotionBlocked(obstacle.leg as u8), obstacle.blocked_by);
+    }
+}
+
+pub(crate) fn count(world: &mut World, candidate: &Candidate, kept: bool, complete: bool) {
+    if let Some(near) = candidate.near {
+        let state = world.resource::<Roadmap>().node(near).state;
+        count_in(world, state, |s| s.extended += 1);
+    }
+    let Some(transition) = candidate.transition else { return };
+    let entity = world.resource::<EntityTable>().transitions[transition.at()];
+    let Some(mut statistics) = world.get_mut::<TransitionStatistics>(entity) else { return };
+    statistics.attempts += 1;
+    let is_first = statistics.attempts == 1;
+    match (kept, complete) {
+        (true, true) => statistics.reached += 1,
+        (true, false) => statistics.partial += 1,
+        (false, _) => {}
+    }
+    if let Some(reason) = candidate.rejected {
+        statistics.count_rejection(reason, candidate.blocked_by);
+    }
+    if is_first {
+        world.resource_scope(|world, mut compiled: Mut<'_, Compiled>| {
+            compiled.note(world.resource::<PlanningModel>(), transition);
+        });
+    }
+}
+
+/// Makes the end of the leg that was left out the root of a tree of its own, of the family of `near`, and what the legs behind
+/// it lead to that of another; what they are on the way is a passage. Where no leg moves the two hang together at once.
+/// Returns the node that they lead to.
+fn plant(
+    world: &mut World,
+    (near, transition, drawn): (NodeId, TransitionId, Option<LeafId>),
+    mut legs: Vec<PlannedLeg>,
+) -> Option<NodeId> {
+    let behind = legs.split_off(1);
+    let [first] = &*legs else { return None };
+    let known = |parameter: &LegParameter| match parameter {
+        LegParameter::Known(id) => Some(*id),
+        LegParameter::Fresh(_) => None,
+    };
+    // It lies on the leaf of `near`, of which everything is known.
+    let parameters = first.parameters.iter().map(known).collect::<Option<_>>()?;
+    let (size, born) = {
+        let roadmap = world.resource::<Roadmap>();
+        (roadmap.configuration_size(), roadmap.node(near).component)
+    };
+    let family = world.resource::<Families>().born_for(born);
+    let leaf = intern_leaf(world, Leaf { state: first.state, parameters });
+    let from = add_planted(world, &first.knots[first.knots.len() - size..], leaf, family);
+    if behind.iter().all(|leg| leg.knots.len() <= size) {
+        return Some(add_extension(world, from, transition, behind));
+    }
+    let (motions, end) = intern_legs(world, transition, behind);
+    let (q, leaf) = end?;
+    let to = add_planted(world, &q, leaf, family);
+    world.resource_mut::<Passages>().add(to, Passage { from, transition, drawn, motions });
+    Some(to)
+}
+
+/// Adds the root of a tree of a family.
+fn add_planted(world: &mut World, q: &[f64], leaf: LeafId, family: ComponentId) -> NodeId {
+    let trees = world.resource::<Roadmap>().trees() as u32;
+    let mut families = world.resource_mut::<Families>();
+    let known = families.of.len() as u32;
+    families.of.extend((known..trees).map(ComponentId));
+    families.of.push(family);
+    add_node(world, q, leaf, None)
+}
+
+fn add_extension(world: &mut World, near: NodeId, transition: TransitionId, legs: Vec<PlannedLeg>) -> NodeId {
+    let (motions, end) = intern_legs(world, transition, legs);
+    let component = world.resource::<Roadmap>().node(near).component;
+    let Some((q, leaf)) = end else { return near };
+    let node = add_node(world, &q, leaf, Some(component));
+    add_edge(world, near, node, transition, motions);
+    node
+}
+
+/// The motions of a transition's legs, and where the last one ends: its configuration and leaf. What they have found is interned.
+fn intern_legs(
+    world: &mut World,
+    transition: TransitionId,
+    legs: Vec<PlannedLeg>,
+) -> (Vec<Motion>, Option<(Vec<f64>, LeafId)>) {
+    let mut fresh = Vec::new();
+    let size = world.resource::<Roadmap>().configuration_size();
+    let mut motions = Vec::with_capacity(legs.len());
+    let mut end = None;
+    for leg in legs {
+        let parameters = intern_parameters(world, &leg.parameters, &mut fresh);
+        let q = leg.knots[leg.knots.len() - size..].to_vec();
+        let leaf = intern_leaf(world, Leaf { state: leg.state, parameters });
+        if leg.knots.len() > size {
+            motions.push(Motion {
+                transition,
+                leg: leg.leg,
+                leaf,
+                knots: leg.knots,
+                clearance: leg.clearance,
+                residual: leg.residual,
+            });
+        }
+        end = Some((q, leaf));
+    }
+    (motions, end)
+}
+
+/// Ids of a leg's parameters; what the candidate has found is interned once, however many legs carry it.
+fn intern_parameters(
+    world: &mut World,
+    parameters: &[LegParameter],
+    fresh: &mut Vec<(ConstraintId, ParameterId)>,
+) -> Box<[ParameterId]> {
+    let mut index = world.resource_mut::<LeafIndex>();
+    let mut intern = |parameter: &LegParameter| match parameter {
+        LegParameter::Known(id) => *id,
+        LegParameter::Fresh(value) => {
+            if let Some(&(_, id)) = fresh.iter().find(|(constraint, _)| *constraint == value.constraint) {
+                return id;
+            }
+            let id = index.add_parameter(*value);
+            fresh.push((value.constraint, id));
+            id
+        }
+    };
+    parameters.iter().map(&mut intern).collect()
+}

@@ -1,0 +1,106 @@
+//! TODO(page): what attempt is.
+
+use crate::exploration::edges::{Obstacle, Passages, Verdict};
+use crate::planning_model::model::PlanningModel;
+use crate::settings::SearchSettings;
+use crate::step::{steering, validation};
+use foliate_components::Pose;
+use foliate_components::graph::leaf::{LeafId, LeafIndex};
+use foliate_components::graph::{StateId, TransitionId};
+use foliate_components::roadmap::{Motion, NodeId, Roadmap};
+use foliate_kernels::collision::CollisionScratch;
+use foliate_kernels::constrained_motion::MotionScratch;
+use foliate_kernels::kinematics::Carriage;
+
+/// Buffers of one thread.
+pub(crate) type ConnectionScratch = (CollisionScratch, MotionScratch);
+
+/// What is to be tried between two nodes, with all that it takes: whoever certifies it needs no world.
+pub(crate) enum Attempt {
+    /// The straight motion between two nodes of one leaf.
+    Straight(Straight),
+    /// The motions of a passage.
+    Passage(Vec<(Motion, StateId, Vec<Carriage>)>),
+}
+
+/// A motion to be steered and certified within a leaf.
+pub(crate) struct Straight {
+    transition: TransitionId,
+    state: StateId,
+    leaf: LeafId,
+    carriages: Vec<Carriage>,
+    /// Right-hand sides of the rows that are left on the leaf.
+    arguments: Vec<Pose>,
+    ends: (Vec<f64>, Vec<f64>),
+}
+
+impl Attempt {
+    /// `None` where there is no passage, nor any motion within the leaf.
+    pub(crate) fn new(
+        model: &PlanningModel,
+        (roadmap, leaves, passages): (&Roadmap, &LeafIndex, &Passages),
+        (from, to): (NodeId, NodeId),
+    ) -> Option<Self> {
+        if let Some(passage) = passages.between(from, to) {
+            let with_carriages = |motion: &Motion| {
+                let leaf = leaves.leaf(motion.leaf);
+                (motion.clone(), leaf.state, model.carriages_of_leaf(leaf, leaves))
+            };
+            return Some(Self::Passage(passage.motions.iter().map(with_carriages).collect()));
+        }
+        let row = roadmap.node(from);
+        let leaf = leaves.leaf(row.leaf);
+        Some(Self::Straight(Straight {
+            transition: model.graph.loop_of(row.state)?,
+            state: row.state,
+            leaf: row.leaf,
+            carriages: model.carriages_of_leaf(leaf, leaves),
+            arguments: steering::arguments_on(model, leaf, leaves)?,
+            ends: (roadmap.configuration(from).to_vec(), roadmap.configuration(to).to_vec()),
+        }))
+    }
+
+    /// The certified motions, whole or not at all.
+    pub(crate) fn certify(
+        &self,
+        model: &PlanningModel,
+        settings: &SearchSettings,
+        (collision, motion): &mut ConnectionScratch,
+    ) -> Verdict {
+        collision.set_level(settings.level);
+        match self {
+            Self::Straight(straight) => {
+                straight.certify(model, settings, (collision, motion)).map(|motion| vec![motion])
+            }
+            Self::Passage(motions) => motions
+                .iter()
+                .map(|(motion, state, carriages)| {
+                    let (transition, knots) = (motion.transition, &motion.knots);
+                    validation::certify_whole(model, settings, (transition, *state), carriages, knots, collision)
+                        .map(|clearance| Motion { clearance, ..motion.clone() })
+                        .map_err(|blocked_by| Obstacle { leg: motion.leg, blocked_by })
+                })
+                .collect(),
+        }
+    }
+}
+
+impl Straight {
+    fn certify(
+        &self,
+        model: &PlanningModel,
+        settings: &SearchSettings,
+        (collision, motion): (&mut CollisionScratch, &mut MotionScratch),
+    ) -> Result<Motion, Obstacle> {
+        let ends = (&*self.ends.0, &*self.ends.1);
+        let obstacle = |blocked_by| Obstacle { leg: 0, blocked_by };
+        let steered = steering::steer_whole(model, settings, self.state, &self.arguments, ends, motion)
+            .ok_or_else(|| obstacle(None))?;
+        let (carriages, knots) = (&self.carriages, steered.knots);
+        let along = (self.transition, self.state);
+        let clearance =
+            validation::certify_whole(model, settings, along, carriages, &knots, collision).map_err(obstacle)?;
+        let residual = steered.residual;
+        Ok(Motion { transition: self.transition, leg: 0, leaf: self.leaf, knots, clearance, residual })
+    }
+}

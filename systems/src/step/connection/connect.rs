@@ -1,0 +1,116 @@
+//! Set Connect: new nodes against nodes on the same leaf in other trees (P1 Alg. 3).
+//!
+//! P1's line 7 asks whether both configurations lie on one leaf of the transition between them; here that is equality of
+//! leaf ids, and the transition is the loop of their state. (Across states Alg. 3 would have to invent waypoints; a crossed
+//! extension does that on purpose, with a leaf it has chosen.)
+
+use crate::events::StopSignal;
+use crate::exploration::edges::{Connection, Connections, Passages};
+use crate::exploration::entities::NewNodes;
+use crate::exploration::neighbours::index::Neighbours;
+use crate::planning_model::model::PlanningModel;
+use crate::runtime::idle_tasks::Errands;
+use crate::runtime::parallel::each;
+use crate::runtime::scratch_pool::ScratchPool;
+use crate::settings::SearchSettings;
+use crate::step::connection::attempt::{Attempt, ConnectionScratch};
+use crate::step::connection::speculative_checks::{Foreseen, Prospect};
+use bevy_ecs::prelude::{Local, Res, ResMut};
+use foliate_components::graph::leaf::LeafIndex;
+use foliate_components::roadmap::Roadmap;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Pairs every new node with the nearest nodes of its leaf in each other tree.
+pub fn propose_connections(
+    model: Res<'_, PlanningModel>,
+    settings: Res<'_, SearchSettings>,
+    roadmap: Res<'_, Roadmap>,
+    neighbours: Res<'_, Neighbours>,
+    mut new: ResMut<'_, NewNodes>,
+    mut connections: ResMut<'_, Connections>,
+) {
+    let new = std::mem::take(&mut new.0);
+    let pairs = neighbours.of_other_trees(&model, &roadmap, &new, settings.connect_neighbours);
+    connections.0.clear();
+    connections.0.extend(pairs.into_iter().map(|(from, to)| Connection::between(from, to)));
+}
+
+/// Steers and certifies the proposals; whole or not at all. Of those that would join the same two trees all behind the
+/// first that is certified are left out: its edge makes them needless. Threads for which none is left go on with what is
+/// foreseen.
+#[allow(clippy::too_many_arguments, reason = "a system's parameters are what it reads and writes")]
+pub fn certify_connections(
+    model: Res<'_, PlanningModel>,
+    settings: Res<'_, SearchSettings>,
+    stop: Res<'_, StopSignal>,
+    roadmap: Res<'_, Roadmap>,
+    leaves: Res<'_, LeafIndex>,
+    passages: Res<'_, Passages>,
+    foreseen: Res<'_, Foreseen>,
+    errands: Res<'_, Errands>,
+    mut connections: ResMut<'_, Connections>,
+    buffers: Local<'_, ScratchPool<ConnectionScratch>>,
+) {
+    let buffers = &*buffers;
+    let bridges = Bridges::new(&connections.0, &roadmap);
+    // In order: what stands in front makes what is behind needless. What another thread is at already comes last, so that
+    // nobody waits for it who could do something else.
+    let mut proposals: Vec<_> = connections.0.iter_mut().enumerate().collect();
+    proposals.sort_by_key(|(_, c)| foreseen.of(c.from, c.to).is_some_and(Prospect::is_under_way));
+    let left = AtomicUsize::new(proposals.len());
+    each(
+        &mut proposals,
+        || buffers.borrow(),
+        |scratch, (index, connection)| {
+            let index = *index;
+            if left.fetch_sub(1, Ordering::Relaxed) == 1 {
+                foreseen.release(&errands);
+            }
+            if !stop.is_raised() && !bridges.is_needless(index) {
+                let ends = (connection.from, connection.to);
+                connection.verdict = match foreseen.of(ends.0, ends.1) {
+                    Some(prospect) => Some(prospect.certify(scratch)),
+                    None => Attempt::new(&model, (&roadmap, &leaves, &passages), ends)
+                        .map(|attempt| attempt.certify(&model, &settings, scratch)),
+                };
+                if connection.is_certified() {
+                    bridges.build(index);
+                }
+            }
+        },
+    );
+    // What other threads have certified behind the first is no part of the answer.
+    let needless = connections.0.iter_mut().enumerate().filter(|&(index, _)| bridges.is_needless(index));
+    needless.for_each(|(_, connection)| connection.verdict = None);
+}
+
+/// For every two trees the first proposal that has joined them. It is the same whatever the threads do: a proposal is left
+/// out only where one in front of it was certified.
+struct Bridges {
+    /// By proposal: which two trees, as an index into `first`.
+    trees: Vec<usize>,
+    first: Vec<AtomicUsize>,
+}
+
+impl Bridges {
+    fn new(proposals: &[Connection], roadmap: &Roadmap) -> Self {
+        let joined = |proposal: &Connection| {
+            let (a, b) = (roadmap.component_of(proposal.from), roadmap.component_of(proposal.to));
+            (a.min(b), a.max(b))
+        };
+        let joined: Vec<_> = proposals.iter().map(joined).collect();
+        let mut pairs = joined.clone();
+        pairs.sort_unstable();
+        pairs.dedup();
+        let trees = joined.iter().map(|pair| pairs.partition_point(|p| p < pair)).collect();
+        Self { trees, first: pairs.iter().map(|_| AtomicUsize::new(usize::MAX)).collect() }
+    }
+
+    fn is_needless(&self, proposal: usize) -> bool {
+        self.first[self.trees[proposal]].load(Ordering::Relaxed) < proposal
+    }
+
+    fn build(&self, proposal: usize) {
+        self.first[self.trees[proposal]].fetch_min(proposal, Ordering::Relaxed);
+    }
+}

@@ -1,0 +1,191 @@
+//! Motions that are likely to be proposed next, certified by threads that have nothing else to do.
+//!
+//! What a motion between two nodes is does not depend on when it is asked for, so an answer that is there already is the
+//! answer. Which motions are foreseen, and how far a thread came with them, decides only who does the work.
+
+use crate::exploration::edges::{Passages, Verdict};
+use crate::planning_model::model::PlanningModel;
+use crate::runtime::idle_tasks::Errands;
+use crate::runtime::scratch_pool::ScratchPool;
+use crate::settings::SearchSettings;
+use crate::step::connection::attempt::{Attempt, ConnectionScratch};
+use bevy_ecs::prelude::Resource;
+use foliate_components::graph::leaf::LeafIndex;
+use foliate_components::roadmap::{NodeId, Roadmap};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
+
+/// See the module.
+#[derive(Default, Resource)]
+pub struct Foreseen {
+    prospects: Vec<(NodeId, NodeId, Arc<Prospect>)>,
+    buffers: Arc<ScratchPool<ConnectionScratch>>,
+}
+
+/// A motion that may be asked for.
+pub(crate) struct Prospect {
+    attempt: Attempt,
+    model: PlanningModel,
+    settings: SearchSettings,
+    /// Whether somebody has begun.
+    is_taken: AtomicBool,
+    /// Whether who had begun has given up.
+    is_lost: AtomicBool,
+    answer: OnceLock<Verdict>,
+}
+
+/// Gives a prospect up where nothing came of it.
+struct Taken<'a>(&'a Prospect);
+
+impl Drop for Taken<'_> {
+    fn drop(&mut self) {
+        self.0.is_lost.store(self.0.answer.get().is_none(), Ordering::Release);
+    }
+}
+
+impl Prospect {
+    /// Certifies it, unless somebody has begun to.
+    fn certify_ahead(&self, buffers: &ScratchPool<ConnectionScratch>) {
+        if !self.is_taken.swap(true, Ordering::AcqRel) {
+            // The answer stays where it is until somebody asks.
+            let _ = self.certify_now(&mut buffers.borrow());
+        }
+    }
+
+    fn certify_now(&self, scratch: &mut ConnectionScratch) -> Verdict {
+        let _given_up_in_a_panic = Taken(self);
+        let answer = self.attempt.certify(&self.model, &self.settings, scratch);
+        self.answer.get_or_init(|| answer).clone()
+    }
+
+    /// Whether another thread is at it.
+    pub(crate) fn is_under_way(&self) -> bool {
+        self.is_taken.load(Ordering::Acquire) && self.answer.get().is_none()
+    }
+
+    /// The certified motions, whole or not at all: those of the thread that has begun, else by this one.
+    pub(crate) fn certify(&self, scratch: &mut ConnectionScratch) -> Verdict {
+        while self.is_taken.swap(true, Ordering::AcqRel) && !self.is_lost.load(Ordering::Acquire) {
+            match self.answer.get() {
+                Some(answer) => return answer.clone(),
+                None => std::thread::yield_now(),
+            }
+        }
+        self.certify_now(scratch)
+    }
+}
+
+impl Foreseen {
+    /// Leaves the motions between these nodes to be certified, most likely first, for whoever has nothing else to do. What was
+    /// foreseen before is kept where it is foreseen again or asked for now.
+    pub fn expect(
+        &mut self,
+        (model, settings, errands): (&PlanningModel, &SearchSettings, &Errands),
+        known: (&Roadmap, &LeafIndex, &Passages),
+        next: &[(NodeId, NodeId)],
+        asked: &[(NodeId, NodeId)],
+    ) {
+        self.prospects.retain(|&(from, to, _)| next.contains(&(from, to)) || asked.contains(&(from, to)));
+        // A lazy graph grows in place as long as nobody else holds the model.
+        if !errands.are_done() || model.graph.lazy {
+            return;
+        }
+        for &(from, to) in next {
+            if self.of(from, to).is_none()
+                && let Some(attempt) = Attempt::new(model, known, (from, to))
+            {
+                let prospect = Prospect {
+                    attempt,
+                    model: model.clone(),
+                    settings: settings.clone(),
+                    is_taken: AtomicBool::new(false),
+                    is_lost: AtomicBool::new(false),
+                    answer: OnceLock::new(),
+                };
+                self.prospects.push((from, to, Arc::new(prospect)));
+            }
+        }
+    }
+
+    /// Lets threads that have nothing else to do begin with what is foreseen.
+    pub(crate) fn release(&self, errands: &Errands) {
+        let errand = |(_, _, prospect): &(NodeId, NodeId, Arc<Prospect>)| {
+            let (prospect, buffers) = (Arc::clone(prospect), Arc::clone(&self.buffers));
+            Box::new(move || prospect.certify_ahead(&buffers)) as Box<dyn FnOnce() + Send>
+        };
+        let open = |(_, _, prospect): &&(NodeId, NodeId, Arc<Prospect>)| !prospect.is_taken.load(Ordering::Relaxed);
+        errands.replace(self.prospects.iter().filter(open).map(errand));
+    }
+
+    /// What was foreseen between two nodes.
+    pub(crate) fn of(&self, from: NodeId, to: NodeId) -> Option<&Prospect> {
+        self.prospects.iter().find(|&&(a, b, _)| (a, b) == (from, to)).map(|(_, _, prospect)| &**prospect)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Foreseen, Ordering};
+    use crate::events::{EventSink, StopSignal};
+    use crate::exploration::edges::Passages;
+    use crate::planning_model::model::{Model, PlanningModel};
+    use crate::runtime::idle_tasks::Errands;
+    use crate::schedulers::mrrt::Mrrt;
+    use crate::search::session::Search;
+    use crate::settings::SearchSettings;
+    use crate::step::connection::attempt::{Attempt, ConnectionScratch};
+    use foliate_components::graph::leaf::LeafIndex;
+    use foliate_components::roadmap::NodeId;
+    use foliate_components::samples::boxes_on_a_table;
+    use std::sync::Arc;
+
+    #[test]
+    fn what_was_foreseen_is_what_is_certified_when_it_is_asked_for() {
+        // Out of the arm's reach, so that the search goes on.
+        let problem = boxes_on_a_table(&[(0.6, 0.1)], &[(1.45, 0.75)]).ok();
+        let model = problem.and_then(|problem| Model::new(problem).ok());
+        assert!(model.is_some());
+        let Some(model) = model else { return };
+        let model = PlanningModel(Arc::new(model));
+        let settings = SearchSettings::default();
+        let mut search = Search::new(&model, &Mrrt, settings.clone(), StopSignal::default(), EventSink::default());
+        (0..4).for_each(|_| assert!(search.step().is_none()));
+        let (roadmap, leaves) = (search.roadmap(), search.world().resource::<LeafIndex>());
+        let on = |node: NodeId| roadmap.nodes_on(roadmap.node(node).leaf);
+        let nodes = || (0..roadmap.nodes().len() as u32).map(NodeId);
+        let pairs: Vec<_> = nodes().flat_map(|a| on(a).iter().map(move |&b| (a, b))).filter(|(a, b)| a < b).collect();
+        let passages = Passages::default();
+        let known = (roadmap, leaves, &passages);
+        let mut scratch = ConnectionScratch::default();
+        let mut direct = |ends| Attempt::new(&model, known, ends).map(|it| it.certify(&model, &settings, &mut scratch));
+        let answers: Vec<_> = pairs.iter().filter_map(|&ends| direct(ends)).collect();
+        assert_eq!(answers.len(), pairs.len());
+        assert!(answers.iter().any(Result::is_ok) && answers.iter().any(Result::is_err), "{} pairs", pairs.len());
+
+        let (mut foreseen, errands) = (Foreseen::default(), Errands::default());
+        foreseen.expect((&model, &settings, &errands), known, &pairs, &[]);
+        assert!(foreseen.prospects.is_empty(), "nobody would do it");
+        errands.pretend();
+        foreseen.expect((&model, &settings, &errands), known, &pairs, &[]);
+        foreseen.release(&errands);
+        // One after the other: done ahead, not begun, begun by somebody who gave up.
+        let done = pairs.len().div_ceil(3);
+        (0..done).for_each(|_| assert!(errands.do_one()));
+        for (number, (&(from, to), answer)) in pairs.iter().zip(&answers).enumerate() {
+            let prospect = foreseen.of(from, to);
+            assert!(prospect.is_some());
+            let Some(prospect) = prospect else { return };
+            assert_eq!(prospect.answer.get().is_some(), number < done);
+            if number >= done && number % 2 == 0 {
+                prospect.is_taken.store(true, Ordering::Relaxed);
+                prospect.is_lost.store(true, Ordering::Relaxed);
+            }
+            assert_eq!(&prospect.certify(&mut scratch), answer);
+            assert_eq!(&prospect.certify(&mut scratch), answer, "asked for twice");
+        }
+        // What has been asked for is not begun again, and what is neither foreseen nor asked for any more is forgotten.
+        assert!(errands.do_one());
+        foreseen.expect((&model, &settings, &errands), known, &pairs[..2], &pairs[1..3]);
+        assert_eq!(foreseen.prospects.len(), 3.min(pairs.len()));
+    }
+}
