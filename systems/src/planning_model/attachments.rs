@@ -3,6 +3,7 @@
 use crate::planning_model::graph::attachment_order::{Carriers, is_rigid, solid_grasp};
 use crate::planning_model::graph::support_placement::Resting;
 use crate::planning_model::model::Model;
+use crate::planning_model::state_classification;
 use foliate_components::Pose;
 use foliate_components::candidate::{LegParameter, PlannedLeg};
 use foliate_components::constraint::{Constraint, Locked, LockedValue};
@@ -163,8 +164,15 @@ impl Model {
         let carrying = || self.carriers(leaf.state).of.iter().flatten();
         let mut X_WJ = vec![Pose::identity(); self.kinematics.bodies()];
         let mut gap = CarrierGap::default();
+        // A position and a rotation have three rows each: their errors are at most √3 times the largest row.
+        let off = |q: &[f64], X_WJ: &[Pose]| {
+            let largest = carrying().map(|&constraint| state_classification::residual(self, constraint, q, X_WJ));
+            3.0_f64.sqrt() * largest.fold(0.0, f64::max)
+        };
         for q in knots {
             self.kinematics.forward(q, &mut X_WJ);
+            // Where an object is written its handle may be off by more than its origin.
+            gap.residual = gap.residual.max(off(q, &X_WJ));
             let written: Vec<Pose> = carriages.iter().map(|c| X_WJ[c.object.at()]).collect();
             self.kinematics.carry(q, &carriages, &mut X_WJ);
             for (carriage, written) in carriages.iter().zip(written) {
@@ -174,9 +182,7 @@ impl Model {
                 gap.residual = gap.residual.max(shift).max(turn);
                 gap.moved = gap.moved.max(shift + turn * self.reach_of(carriage.object));
             }
-            let off = carrying()
-                .map(|&constraint| crate::planning_model::state_classification::residual(self, constraint, q, &X_WJ));
-            gap.residual = off.fold(gap.residual, f64::max);
+            gap.residual = gap.residual.max(off(q, &X_WJ));
         }
         gap
     }
@@ -240,7 +246,7 @@ impl Model {
 /// How far a motion as it is written is from the leaf that it lies on.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CarrierGap {
-    /// Of objects and what carries them, metres and radians.
+    /// Of objects and what carries them: the largest error of a position or a rotation, metres and radians.
     pub residual: f64,
     /// At most this far is any point of an object from where its carrier takes it, metres.
     pub moved: f64,
