@@ -12,8 +12,5 @@ pub mod path_file;
 pub mod planner;
 pub mod scene;
 
-pub use foliate_components as components;
-pub use foliate_kernels as kernels;
-pub use foliate_systems as systems;
-
-pub use planner::{FunnelRow, GoalReport, Planner, Report, Solution, StateRow};
+pub use crate::planner::{FunnelRow, GoalReport, Planner, Report, Solution, StateRow};
+pub use {foliate_components as components, foliate_kernels as kernels, foliate_systems as systems};

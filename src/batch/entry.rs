@@ -1,6 +1,9 @@
 //! A problem of a batch.
 
-use crate::scene::{LoadStop, PackagePath, Scene, SceneError, load_scene};
+use crate::scene::assemble::scene::Scene;
+use crate::scene::load::load_scene;
+use crate::scene::reading::error::{LoadStop, SceneError};
+use crate::scene::sources::package::PackagePath;
 use foliate_components::problem::Problem;
 use foliate_systems::planning_model::{Model, ModelError, PlanningModel, ProblemTables};
 use std::sync::Arc;

@@ -1,8 +1,8 @@
 //! What an earlier run of a batch has left, and whether it is the same batch.
 
-use super::BatchError;
 use super::entry::Entry;
 use super::row::{COLUMNS, Row, RowOutcome};
+use crate::batch::error::BatchError;
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::problem::Problem;
 use foliate_components::robot::shape::Geometry;
@@ -24,7 +24,7 @@ impl Identity {
         let path = out.join("settings.json");
         let text = serde_json::to_string_pretty(self)
             .map_err(|e| BatchError::Io { path: path.clone(), source: std::io::Error::other(e) })?;
-        super::record::write_whole(&path, &(text + "\n"))
+        crate::batch::error::write_whole(&path, &(text + "\n"))
     }
 
     /// Whether the results in a folder were made with the same.

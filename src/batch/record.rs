@@ -1,28 +1,30 @@
 //! The files of a batch.
 
-use super::BatchError;
-use super::kept::{self, Identity};
-use super::row::{COLUMNS, Row, csv_line};
-use crate::output::{self, Lines};
+use crate::batch::error::{BatchError, text, write_whole};
+use crate::batch::kept;
+use crate::batch::kept::Identity;
+use crate::batch::row::{COLUMNS, Row, csv_line};
+use crate::output;
+use crate::output::Lines;
 use std::collections::HashSet;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// Writes rows as they come.
-pub(super) struct Recorder {
+pub(crate) struct Recorder {
     path: PathBuf,
     lines: Lines,
     rows: Vec<(usize, Row)>,
 }
 
 /// `paths/SCENE-SEED.json`.
-pub(super) fn path_file(out: &Path, scene: &str, seed: u64) -> PathBuf {
+pub(crate) fn path_file(out: &Path, scene: &str, seed: u64) -> PathBuf {
     out.join("paths").join(format!("{scene}-{seed}.json"))
 }
 
 impl Recorder {
     /// Makes the folder and begins `results.csv`, which must not be there yet: the paths beside it belong to its rows.
-    pub(super) fn create(out: &Path, identity: &Identity) -> Result<Self, BatchError> {
+    pub(crate) fn create(out: &Path, identity: &Identity) -> Result<Self, BatchError> {
         let folder = out.join("paths");
         std::fs::create_dir_all(&folder).map_err(|source| BatchError::Io { path: folder.clone(), source })?;
         let path = out.join("results.csv");
@@ -38,7 +40,7 @@ impl Recorder {
 
     /// Goes on with the `results.csv` of an earlier run of the same batch: its whole rows stay, but for those that were not
     /// solved to an end. A folder without one is begun.
-    pub(super) fn resume(
+    pub(crate) fn resume(
         out: &Path,
         identity: &Identity,
         index: impl Fn(&Row) -> Option<usize>,
@@ -71,12 +73,12 @@ impl Recorder {
     }
 
     /// Numbers of the solves that have their row already.
-    pub(super) fn done(&self) -> HashSet<usize> {
+    pub(crate) fn done(&self) -> HashSet<usize> {
         self.rows.iter().map(|(index, _)| *index).collect()
     }
 
     /// Adds the row of the solve with that number. It is in the file when this returns.
-    pub(super) fn record(&mut self, index: usize, row: &Row) -> Result<(), BatchError> {
+    pub(crate) fn record(&mut self, index: usize, row: &Row) -> Result<(), BatchError> {
         self.append(&row.csv())?;
         self.rows.push((index, row.clone()));
         Ok(())
@@ -87,20 +89,10 @@ impl Recorder {
     }
 
     /// Puts the rows in order.
-    pub(super) fn finish(mut self) -> Result<Vec<Row>, BatchError> {
+    pub(crate) fn finish(mut self) -> Result<Vec<Row>, BatchError> {
         self.rows.sort_by_key(|(index, _)| *index);
         let rows: Vec<Row> = self.rows.into_iter().map(|(_, row)| row).collect();
         write_whole(&self.path, &text(&rows))?;
         Ok(rows)
     }
-}
-
-/// `results.csv` with some rows.
-fn text<'a>(rows: impl IntoIterator<Item = &'a Row>) -> String {
-    rows.into_iter().fold(csv_line(&COLUMNS), |text, row| text + &row.csv())
-}
-
-/// Writes a file: there is never half of one.
-pub(super) fn write_whole(path: &Path, text: &str) -> Result<(), BatchError> {
-    output::write(path, text.as_bytes()).map_err(|source| BatchError::Io { path: path.to_owned(), source })
 }

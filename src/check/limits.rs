@@ -1,8 +1,9 @@
 //! Limits and bounds, joint knots, quaternions, environments and times: what needs no geometry.
 
-use super::models::{Value, World, shown};
-use super::report::{CheckReport, Kind, Place};
-use crate::path_file::{PathFile, SegmentEntry};
+use crate::check::report::check_report::{CheckReport, Place, shown};
+use crate::check::report::kind::Kind;
+use crate::check::world::models::{Value, World};
+use crate::path_file::document::{PathFile, SegmentEntry};
 use foliate_components::robot::{Motion, PartKind};
 
 /// Rounding allowed beyond a limit, radians or metres.

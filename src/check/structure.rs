@@ -1,8 +1,10 @@
 //! Whether a file is well formed: names, sizes, numbers. What is wrong is told by its JSON path.
 
-use super::CheckError;
-use super::models::shown;
-use crate::path_file::{ConstraintEntry, HandleEntry, PathFile, PoseRow, SegmentEntry, SurfaceEntry};
+use crate::check::report::check_report::shown;
+use crate::check::report::error::CheckError;
+use crate::path_file::ConstraintEntry;
+use crate::path_file::constraint::PoseRow;
+use crate::path_file::document::{HandleEntry, PathFile, SegmentEntry, SurfaceEntry};
 use std::collections::HashSet;
 
 /// Most parts of a file.
@@ -136,8 +138,8 @@ fn surface(entry: &SurfaceEntry, place: impl Fn() -> String) -> Checked {
         if polygon.len() < 3 || polygon.iter().any(|&i| i as usize >= entry.points.len()) {
             return refuse(place(), "at least three indices of points are wanted");
         }
-        let corners = super::attachments::corners(entry, polygon);
-        if super::attachments::normal(&corners).is_none() {
+        let corners = crate::check::world::models::corners(entry, polygon);
+        if crate::check::world::models::normal(&corners).is_none() {
             return refuse(place(), "has no area, so no normal");
         }
     }

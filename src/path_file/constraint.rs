@@ -17,7 +17,6 @@
 //! `value` (`length`, `position`) the first knot of the segment is the reference. What is not zero is an error, and errors stay
 //! within `tolerance` along the whole motion.
 
-use super::PoseRow;
 use foliate_components::Pose;
 use foliate_components::constraint::{
     CentreOfMass, Constraint, Frame, Locked, LockedValue, Masses, PlaneRow, Reference, RelativePose, Row, Rows,
@@ -256,9 +255,11 @@ fn centre_of_mass(robot: &Robot, balance: &CentreOfMass, argument: &Pose, entry:
 #[cfg(test)]
 mod tests {
     use super::*;
-    use foliate_components::constraint::Mask;
-    use foliate_components::pose::{exp_so3, log_so3, pose_from_array};
-    use foliate_components::robot::JointIndex;
+    use foliate_components::Pose;
+    use foliate_components::constraint::{Constraint, Frame, Mask, Reference, RelativePose};
+    use foliate_components::path::PathConstraint;
+    use foliate_components::pose::{exp_so3, log_so3, pose_from_array, pose_to_array};
+    use foliate_components::robot::{JointIndex, Robot};
     use foliate_components::samples::boxes_on_a_table;
     use foliate_kernels::constraints::{placement_of, relative_pose};
     use foliate_kernels::kinematics::Kinematics;
@@ -350,3 +351,6 @@ mod tests {
         }
     }
 }
+
+/// x y z qx qy qz qw.
+pub type PoseRow = [f64; 7];

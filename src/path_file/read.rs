@@ -1,8 +1,8 @@
 //! Reading a path file that a stranger wrote: regular files only, never more than a cap, and no more memory than a small
 //! multiple of the text.
 
-use super::PathFile;
-use super::save::PathFileError;
+use crate::path_file::document::PathFile;
+use crate::path_file::error::PathFileError;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -26,14 +26,14 @@ pub fn read(path: &Path) -> Result<PathFile, PathFileError> {
         .map_err(|source| {
             // A file of another format is refused by its name and not by a missing field.
             if let Ok(Format { format }) = serde_json::from_str(&text)
-                && format != super::FORMAT
+                && format != crate::path_file::document::FORMAT
             {
                 return PathFileError::Format { path: path.to_owned(), found: format };
             }
             let place = super::place::json_path(&text, source.line(), source.column());
             PathFileError::Json { path: path.to_owned(), place, source }
         })
-        .and_then(|file| match file.format == super::FORMAT {
+        .and_then(|file| match file.format == crate::path_file::document::FORMAT {
             true => Ok(file),
             false => Err(PathFileError::Format { path: path.to_owned(), found: file.format }),
         })

@@ -1,24 +1,16 @@
 //! Path files on disk.
 
-pub use super::read::read;
-use super::{FileNames, PartFiles, PathFile, SceneFileEntry};
 use crate::output;
-use crate::scene::{ModelFile, Origin, PartSource, Scene, SceneFile, SceneOrigin, folder_of, shipped_scenes};
+use crate::path_file::document::{PathFile, SceneFileEntry};
+use crate::path_file::error::PathFileError;
+pub use crate::path_file::read::read;
+use crate::path_file::write::{FileNames, PartFiles};
+use crate::scene::assemble::scene::{PartSource, Scene, SceneFile, SceneOrigin};
+use crate::scene::shipped::shipped_scenes;
+use crate::scene::sources::source::{ModelFile, Origin, folder_of};
 use std::collections::HashMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
-
-/// Why a path file was not written or read.
-#[derive(Debug, thiserror::Error)]
-#[allow(missing_docs, reason = "the messages are the documentation")]
-pub enum PathFileError {
-    #[error("{}: {source}", path.display())]
-    Io { path: PathBuf, source: std::io::Error },
-    #[error("{}: {place}: {source}", path.display())]
-    Json { path: PathBuf, place: String, source: serde_json::Error },
-    #[error("{}: `format` is `{found}`; this version reads `{}`", path.display(), super::FORMAT)]
-    Format { path: PathBuf, found: String },
-}
 
 /// The files of a scene as a path file at `out` has to name them. Models that live only in the program are written beside it,
 /// into `PATH.models/`, two of one name and different content under different names, unless `out` is a device or a pipe.

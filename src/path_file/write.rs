@@ -1,11 +1,13 @@
 //! From a planned path to its file.
 
 use super::constraint::entries;
-use super::{
+use crate::path_file::constraint::PoseRow;
+use crate::path_file::document::{
     AttachmentEntry, CertificateEntry, Documents, FORMAT, GripperEntry, HandleEntry, PairsEntry, PartEntry, PathFile,
-    PoseRow, SceneFileEntry, SegmentEntry, SurfaceEntry,
+    SceneFileEntry, SegmentEntry, SurfaceEntry,
 };
-use crate::scene::{UpAxis, coordinate_names};
+use crate::scene::assemble::names::configuration::coordinate_names;
+use crate::scene::mesh::formats::triangles::UpAxis;
 use foliate_components::Pose;
 use foliate_components::coverage::PairCounts;
 use foliate_components::graph::ConstraintGraph;

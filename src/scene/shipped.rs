@@ -1,9 +1,10 @@
 //! Scenes that live in the program.
 
-use super::assemble::{Scene, SceneFile, SceneOrigin, load};
-use super::error::SceneError;
-use super::package::PackagePath;
-use super::source::{Embedded, SceneBase, sha256};
+use crate::scene::assemble::load::load;
+use crate::scene::assemble::scene::{Scene, SceneFile, SceneOrigin};
+use crate::scene::reading::error::SceneError;
+use crate::scene::sources::package::PackagePath;
+use crate::scene::sources::source::{Embedded, SceneBase, sha256};
 
 /// A scene that is shipped in the binary.
 #[derive(Clone, Copy, Debug)]

@@ -2,10 +2,9 @@
 //!
 //! A column `NAME.velocity` or `NAME.acceleration` holds the derivatives of `NAME`; `NAME.position` is `NAME`.
 
-use super::super::motion::{POINTS, Point};
-use super::{COLUMNS, Table};
-use crate::scene::SceneError;
-use crate::scene::error::quoted;
+use crate::certify::formats::table::{COLUMNS, Table};
+use crate::certify::motion::piecewise::{POINTS, Point};
+use crate::scene::reading::error::{SceneError, quoted};
 
 /// What columns of times are called.
 const TIMES: [&str; 3] = ["time", "t", "time_from_start"];

@@ -4,10 +4,9 @@
 //! `velocities` and `accelerations` (as positions), `names` (joints, text). Numbers are floats of 4 or 8 bytes in either byte order, rows
 //! or columns first.
 
-use super::super::motion::{POINTS, Point};
-use super::{COLUMNS, Table};
-use crate::scene::SceneError;
-use crate::scene::error::quoted;
+use crate::certify::formats::table::{COLUMNS, Table};
+use crate::certify::motion::piecewise::{POINTS, Point};
+use crate::scene::reading::error::{SceneError, quoted};
 
 /// Longest header, bytes.
 const HEADER: usize = 1 << 16;
@@ -211,8 +210,10 @@ pub(super) fn npz(file: &str, content: Vec<u8>) -> Result<Table, SceneError> {
 
 #[cfg(feature = "cli")]
 mod archive {
-    use super::super::CAP;
-    use super::{Failure, Point, SceneError, Table, parse};
+    use super::{Failure, parse};
+    use crate::certify::formats::table::{CAP, Table};
+    use crate::certify::motion::piecewise::Point;
+    use crate::scene::reading::error::SceneError;
     use std::io::{Cursor, Read};
 
     /// Names of arrays; the first is the one that is documented.
@@ -235,7 +236,7 @@ mod archive {
         let mut archive = Archive { file, zip, left: CAP };
         let Some((_, positions)) = archive.array(POSITIONS, |bytes| parse(bytes)?.matrix())? else {
             let names = archive.zip.file_names().take(16).filter_map(Result::ok);
-            let have: Vec<_> = names.map(|name| crate::scene::error::quoted(&name)).collect();
+            let have: Vec<_> = names.map(|name| crate::scene::reading::error::quoted(&name)).collect();
             let message = "has no array `positions`";
             return Err(SceneError::new(file, "archive", message).hint(format!("it holds {}", have.join(", "))));
         };

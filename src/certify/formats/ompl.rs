@@ -3,10 +3,9 @@
 //! States of compound spaces stand one after the other: SO(2) as an angle in (−π, π], of which the shortest way is meant; SE(2) as x y
 //! yaw; SE(3) as x y z and a quaternion x y z w, as our coordinates stand.
 
-use super::super::motion::{POINTS, Point};
-use super::{COLUMNS, Table};
-use crate::scene::SceneError;
-use crate::scene::error::quoted;
+use crate::certify::formats::table::{COLUMNS, Table};
+use crate::certify::motion::piecewise::{POINTS, Point};
+use crate::scene::reading::error::{SceneError, quoted};
 
 pub(super) fn read(file: &str, text: &str) -> Result<Table, SceneError> {
     let mut table = Table { element: "state", shortest: true, ..Table::default() };

@@ -1,9 +1,9 @@
 //! Path files of our own: knots as a polyline, objects on what carries them.
 
-use super::super::motion::{Attachment, POINTS, Point};
-use super::Table;
-use crate::path_file::{AttachmentEntry, FORMAT, PathFile, SegmentEntry};
-use crate::scene::SceneError;
+use crate::certify::formats::table::Table;
+use crate::certify::motion::piecewise::{Attachment, POINTS, Point};
+use crate::path_file::document::{AttachmentEntry, FORMAT, PathFile, SegmentEntry};
+use crate::scene::reading::error::SceneError;
 use std::collections::BTreeMap;
 
 /// A knot that differs by less from the one before is the same: segments share theirs. Radians, metres.

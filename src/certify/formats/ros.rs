@@ -4,10 +4,9 @@
 //! Times are `{sec, nanosec}`, `{secs, nsecs}` or a number of seconds. Roots of mobile bases stand in `multi_dof_joint_trajectory`; they
 //! go straight from point to point, whatever the joints do. Trajectories in a row are joined, the next from where the last ends.
 
-use super::super::motion::{POINTS, Point};
-use super::Table;
-use crate::scene::SceneError;
-use crate::scene::error::{did_you_mean, quoted};
+use crate::certify::formats::table::Table;
+use crate::certify::motion::piecewise::{POINTS, Point};
+use crate::scene::reading::error::{SceneError, did_you_mean, quoted};
 use foliate_components::robot::{Motion as JointMotion, Part, Robot};
 use glam::{DQuat, EulerRot};
 use serde::Deserialize;

@@ -1,11 +1,11 @@
 //! What a file says of the problem once, against the scene: documents, limits, pairs, margins, locked joints.
 
 use super::parts::same_pose;
-use super::{Contract, differs};
-use crate::check::attachments::corners;
-use crate::check::models::{ordered, shown};
-use crate::check::report::{CheckReport, Kind, Place};
-use crate::path_file::{PathFile, SurfaceEntry};
+use crate::check::contract::scene_contract::{Contract, differs};
+use crate::check::report::check_report::{CheckReport, Place, shown};
+use crate::check::report::kind::Kind;
+use crate::check::world::models::{corners, ordered};
+use crate::path_file::document::{PathFile, SurfaceEntry};
 use foliate_components::Pose;
 use foliate_components::pose::pose_from_array;
 use foliate_components::robot::{LinkIndex, Source, Surface};

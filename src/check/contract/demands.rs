@@ -4,17 +4,20 @@
 //! Demands are told in the words of path files, so that the file's own constraints can be recognised: these are proved
 //! anyway. What cannot be recognised (parameters of a centre of mass, which are free from leaf to leaf) is proved here.
 
-use super::Contract;
 use super::parts::same_pose;
-use crate::check::articulation::held_beyond;
-use crate::check::documents::Frames;
-use crate::check::leaf::Leaf;
-use crate::check::motion::SegmentMotion;
-use crate::check::reach::Reach;
-use crate::check::report::{CheckReport, Kind, Place};
-use crate::check::work::Work;
-use crate::check::{CheckError, balance, constraint};
-use crate::path_file::{ConstraintEntry, FrameEntry, PathFile, constraint_entries};
+use crate::check::contract::scene_contract::Contract;
+use crate::check::leaf::articulation::held_beyond;
+use crate::check::leaf::on_leaf::Leaf;
+use crate::check::leaf::{balance, constraint};
+use crate::check::motion::reach::Reach;
+use crate::check::motion::segment::SegmentMotion;
+use crate::check::report::check_report::{CheckReport, Place};
+use crate::check::report::error::CheckError;
+use crate::check::report::kind::Kind;
+use crate::check::report::work::Work;
+use crate::check::world::documents::Frames;
+use crate::path_file::document::PathFile;
+use crate::path_file::{ConstraintEntry, FrameEntry, constraint_entries};
 use foliate_components::Pose;
 use foliate_components::constraint::{Constraint, Frame, Locked, LockedValue, Reference, RelativePose, Row};
 use foliate_components::path::PathConstraint;

@@ -1,13 +1,14 @@
 //! The path begins where the scene says and ends at one of its goals.
 
-use super::Contract;
 use super::demands::all_hold;
-use crate::check::CheckError;
-use crate::check::documents::Frames;
-use crate::check::motion::SegmentMotion;
-use crate::check::report::{CheckReport, Kind, Place};
-use crate::check::work::Work;
-use crate::path_file::{PathFile, SegmentEntry};
+use crate::check::contract::scene_contract::Contract;
+use crate::check::motion::segment::SegmentMotion;
+use crate::check::report::check_report::{CheckReport, Place};
+use crate::check::report::error::CheckError;
+use crate::check::report::kind::Kind;
+use crate::check::report::work::Work;
+use crate::check::world::documents::Frames;
+use crate::path_file::document::{PathFile, SegmentEntry};
 use foliate_components::Pose;
 use foliate_components::pose::pose_from_array;
 use foliate_components::problem::{Goal, PartialGoal};

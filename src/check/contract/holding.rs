@@ -1,9 +1,9 @@
 //! Who holds what and what lies where, segment by segment, is what the scene allows.
 
-use super::Contract;
-use crate::check::models::shown;
-use crate::check::report::{CheckReport, Kind, Place};
-use crate::path_file::{AttachmentEntry, PathFile};
+use crate::check::contract::scene_contract::Contract;
+use crate::check::report::check_report::{CheckReport, Place, shown};
+use crate::check::report::kind::Kind;
+use crate::path_file::document::{AttachmentEntry, PathFile};
 use foliate_components::problem::{ObjectOptions, Rule};
 use foliate_components::robot::{GripperIndex, HandleIndex, JointIndex, PartKind, RootJoint};
 use std::collections::HashSet;

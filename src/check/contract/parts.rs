@@ -1,9 +1,10 @@
 //! The file's parts are the scene's, and the models that it names are as the scene has them: joints, links, shapes, masses.
 
-use super::{Contract, differs};
-use crate::check::models::{Body, Part as FilePart, Value, World, shown};
-use crate::check::report::{CheckReport, Kind, Place};
-use crate::path_file::{PartEntry, PathFile};
+use crate::check::contract::scene_contract::{Contract, differs};
+use crate::check::report::check_report::{CheckReport, Place, shown};
+use crate::check::report::kind::Kind;
+use crate::check::world::models::{Body, Part as FilePart, Value, World};
+use crate::path_file::document::{PartEntry, PathFile};
 use foliate_components::Pose;
 use foliate_components::pose::pose_from_array;
 use foliate_components::robot::shape::Geometry;
@@ -42,7 +43,7 @@ impl Contract<'_> {
             self.entry(number, part, &file.parts[index], report);
             self.model(part, &world.parts[index], file, world, report);
         }
-        let pair = |a: &str, b: &str| super::super::models::ordered(a, b);
+        let pair = |a: &str, b: &str| crate::check::world::models::ordered(a, b);
         let name = |link: foliate_components::robot::LinkIndex| robot.links[link.at()].name.as_str();
         let disabled: HashSet<_> = robot.disabled_pairs.iter().map(|p| pair(name(p.first), name(p.second))).collect();
         if disabled != world.disabled {
@@ -71,7 +72,7 @@ impl Contract<'_> {
         same("root", &entry.root, root);
         same("mimic", &entry.mimic, if part.mimic_follows { "follow" } else { "free" });
         if let Some(source) = self.scene.and_then(|scene| scene.parts.get(number)) {
-            let as_written = crate::scene::UpAxis::AsWritten.word();
+            let as_written = crate::scene::mesh::formats::triangles::UpAxis::AsWritten.word();
             same("mesh_up_axis", entry.mesh_up_axis.as_deref().unwrap_or(as_written), source.mesh_up_axis.word());
         }
         let pose = pose_from_array(entry.world_from_root);

@@ -1,9 +1,9 @@
 //! In which of the problem's own states each segment lies: those whose constraints it says, one after another as the
 //! problem's transitions allow.
 
-use super::Contract;
 use super::demands::{Said, said};
-use crate::path_file::PathFile;
+use crate::check::contract::scene_contract::Contract;
+use crate::path_file::document::PathFile;
 use foliate_components::problem::WrittenTransition;
 
 impl Contract<'_> {

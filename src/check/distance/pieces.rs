@@ -3,8 +3,8 @@
 //! Two boxes are at least as far apart as their shadows on the axes of either. What is nearer than anything known is
 //! opened, the nearest first; what is left closed bounds the answer from below.
 
-use super::apart::{Bounds, Wanted, apart, depth};
-use super::convex::{Core, Piece, parts};
+use crate::check::distance::apart::{Bounds, Wanted, apart, depth};
+use crate::check::distance::convex::{Core, Piece, parts};
 use foliate_components::Pose;
 use foliate_components::robot::shape::{Geometry, Mesh};
 use glam::{DMat3, DVec3};
@@ -47,7 +47,7 @@ impl Pieces {
     pub(in crate::check) fn of(geometry: &Geometry) -> Self {
         match (Core::of(geometry), geometry) {
             (Some((core, radius)), _) => {
-                let (center, half) = super::bounds(geometry);
+                let (center, half) = bounds(geometry);
                 let half = half - DVec3::splat(radius);
                 let node = Node { center, half, first: 0, count: 1 };
                 Self { nodes: vec![node], content: Content::One(core), radius }
@@ -210,5 +210,21 @@ impl Descent<'_> {
         let back = self.place.0.transpose() * way;
         let gap_back = (back.abs() - b.half - self.shadows.transpose() * a.half).max(DVec3::ZERO).length();
         gap.max(gap_back)
+    }
+}
+
+pub(crate) fn bounds(geometry: &Geometry) -> (DVec3, DVec3) {
+    match geometry {
+        Geometry::Sphere { radius } => (DVec3::ZERO, DVec3::splat(*radius)),
+        Geometry::Box { half_extents } => (DVec3::ZERO, *half_extents),
+        Geometry::Cylinder { radius, half_length } => (DVec3::ZERO, DVec3::new(*radius, *radius, *half_length)),
+        Geometry::Capsule { radius, half_length } => {
+            (DVec3::ZERO, DVec3::new(*radius, *radius, *half_length + *radius))
+        }
+        Geometry::Mesh(mesh) => {
+            let low = mesh.vertices.iter().copied().reduce(DVec3::min).unwrap_or_default();
+            let high = mesh.vertices.iter().copied().reduce(DVec3::max).unwrap_or_default();
+            ((low + high) / 2.0, (high - low) / 2.0)
+        }
     }
 }

@@ -1,8 +1,8 @@
 //! Distances of random pairs of shapes of all kinds, beside the search's code; written for coal where that is asked
 //! (`FOLIATE_WRITE_DISTANCES=FILE`, see `tests/independent/checker_distances.py`).
 
-use super::pieces::distance;
-use super::{Pieces, Wanted};
+use super::apart::Wanted;
+use super::pieces::{Pieces, distance};
 use foliate_components::Pose;
 use foliate_components::pose::exp_so3;
 use foliate_components::robot::shape::{Geometry, Mesh};

@@ -1,9 +1,9 @@
 //! `[[goal]]`: whole configurations, or what is demanded of any.
 
-use super::configuration::{Reader, coordinate_names};
 use super::written::several;
-use crate::scene::error::{SceneError, did_you_mean, quoted};
-use crate::scene::keys::{Item, Keys};
+use crate::scene::assemble::names::configuration::{Reader, coordinate_names};
+use crate::scene::reading::error::{SceneError, did_you_mean, quoted};
+use crate::scene::reading::keys::{Item, Keys};
 use foliate_components::Pose;
 use foliate_components::problem::{Goal, NamedConstraint, PartialGoal};
 use foliate_components::robot::{Motion, PartIndex, PartKind, Robot, RootJoint, Source};

@@ -1,12 +1,12 @@
 //! `[graph]`: who may hold what, where things may lie.
 
-use super::constraint::{self, Context};
-use super::frame;
-use super::locked::{Locks, scalar_joint, within};
-use super::part::one_of;
 use super::written;
-use crate::scene::error::{SceneError, did_you_mean, quoted};
-use crate::scene::keys::{Item, Keys};
+use crate::scene::assemble::constraints::constraint;
+use crate::scene::assemble::names::frame;
+use crate::scene::assemble::names::frame::{Context, one_of};
+use crate::scene::assemble::names::locked::{Locks, scalar_joint, within};
+use crate::scene::reading::error::{SceneError, did_you_mean, quoted};
+use crate::scene::reading::keys::{Item, Keys};
 use foliate_components::Pose;
 use foliate_components::problem::{GraphOptions, JointRest, ObjectOptions, RestingJoint, RestingPlane, Rule};
 use foliate_components::robot::{

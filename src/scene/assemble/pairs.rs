@@ -1,9 +1,9 @@
 //! `ignore` and `margins`: pairs of links.
 
-use super::Loader;
 use super::part::LoadedPart;
-use crate::scene::error::{SceneError, did_you_mean, quoted};
-use crate::scene::keys::{Item, Keys};
+use crate::scene::assemble::scene::Loader;
+use crate::scene::reading::error::{SceneError, did_you_mean, quoted};
+use crate::scene::reading::keys::{Item, Keys};
 use foliate_components::problem::Margin;
 use foliate_components::robot::{DisabledPair, LinkIndex, Part, PartIndex, Robot};
 use foliate_kernels::collision::adjacent_links_while;

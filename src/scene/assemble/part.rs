@@ -1,17 +1,18 @@
 //! `[[part]]`: one robot, object or environment, read and placed.
 
-use super::Loader;
-use crate::scene::error::{SceneError, did_you_mean, quoted};
-use crate::scene::keys::{Item, Keys};
-use crate::scene::mesh::UpAxis;
-use crate::scene::source::{ModelFile, OpenError, Opened, Origin, open};
-use crate::scene::srdf::{check_mask, check_polygons};
-use crate::scene::{srdf, urdf};
+use crate::scene::assemble::documents::{documents, part_name};
+use crate::scene::assemble::names::frame::one_of;
+use crate::scene::assemble::scene::{Loader, PartSource};
+use crate::scene::mesh::formats::triangles::UpAxis;
+use crate::scene::reading::error::{SceneError, did_you_mean, quoted};
+use crate::scene::reading::keys::{Item, Keys};
+use crate::scene::sources::source::{OpenError, Opened, Origin, open};
+use crate::scene::urdf::read;
 use foliate_components::Pose;
 use foliate_components::pose::pose_to_array;
-use foliate_components::robot::model::{GripperModel, HandleModel, JointKind, Model, SurfaceModel};
+use foliate_components::robot::model::{JointKind, Model};
 use foliate_components::robot::{PartKind, PartPlacement, RootJoint};
-use glam::{DQuat, DVec3};
+use glam::DQuat;
 use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::PI;
 
@@ -29,25 +30,7 @@ pub(crate) struct LoadedPart<'f> {
     pub item: Item<'f>,
 }
 
-/// The files that a part came from.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PartSource {
-    /// The part's name.
-    pub name: String,
-    /// Its URDF.
-    pub urdf: ModelFile,
-    /// Its SRDF, where it has one.
-    pub srdf: Option<ModelFile>,
-    /// SHA-256 (hexadecimal) of every file that it was read from: by `urdf`, `srdf`, and each mesh as the URDF writes its name.
-    pub sha256: BTreeMap<String, String>,
-    /// What was done with the up axis of COLLADA meshes.
-    pub mesh_up_axis: UpAxis,
-    /// Where an environment's joints stand that the scene gives values (radians, metres), by name within the part, in the model's
-    /// order. The others stand at zero.
-    pub joint_values: Vec<(String, f64)>,
-}
-
-pub(super) fn read<'f>(item: &Item<'f>, loader: &mut Loader<'_>) -> Result<LoadedPart<'f>, SceneError> {
+pub(crate) fn read<'f>(item: &Item<'f>, loader: &mut Loader<'_>) -> Result<LoadedPart<'f>, SceneError> {
     let mut keys = item.keys()?;
     let name = part_name(&keys.required("name")?)?;
     let kind = kind(&keys.required("kind")?)?;
@@ -57,14 +40,20 @@ pub(super) fn read<'f>(item: &Item<'f>, loader: &mut Loader<'_>) -> Result<Loade
     };
     let urdf_file = opened(&keys.required("urdf")?, loader)?;
     let base = urdf_file.file.base();
-    let mut context = urdf::Context::new(&mut loader.meshes, &base, up_axis, &mut loader.warnings);
+    let mut context = read::Context::new(&mut loader.meshes, &base, up_axis, &mut loader.warnings);
     context.may_be_frames = kind == PartKind::Environment;
-    let mut model = urdf::read(&urdf_file.label, &urdf_file.text, &mut context)?;
+    let mut model = read::read(&urdf_file.label, &urdf_file.text, &mut context)?;
     let mut sha256 = context.sha256;
     sha256.insert("urdf".into(), urdf_file.file.sha256.clone());
     let srdf_file = keys.optional("srdf").map(|item| opened(&item, loader)).transpose()?;
     if let Some(file) = &srdf_file {
-        srdf::read(&file.label, &file.text, &mut model, &mut loader.warnings, &loader.packages.limits().stop)?;
+        crate::scene::srdf::read::read(
+            &file.label,
+            &file.text,
+            &mut model,
+            &mut loader.warnings,
+            &loader.packages.limits().stop,
+        )?;
         sha256.insert("srdf".into(), file.file.sha256.clone());
     }
     documents(&mut keys, &mut model)?;
@@ -79,27 +68,6 @@ pub(super) fn read<'f>(item: &Item<'f>, loader: &mut Loader<'_>) -> Result<Loade
     let urdf = urdf_file.file;
     let source = PartSource { name: name.to_owned(), urdf, srdf, sha256, mesh_up_axis: up_axis, joint_values };
     Ok(LoadedPart { model, placement, source, ignore, item: item.clone() })
-}
-
-/// The value that a word stands for.
-pub(super) fn one_of<T: Copy>(item: &Item<'_>, words: &[(&'static str, T)]) -> Result<T, SceneError> {
-    let word = item.string()?;
-    match words.iter().find(|(w, _)| *w == word) {
-        Some((_, value)) => Ok(*value),
-        None => {
-            let known: Vec<_> = words.iter().map(|(w, _)| *w).collect();
-            let message = format!("`{}` is none of {}", quoted(word), known.join(", "));
-            Err(item.error(message).hint(did_you_mean(word, known)))
-        }
-    }
-}
-
-fn part_name<'f>(item: &Item<'f>) -> Result<&'f str, SceneError> {
-    let name = item.string()?;
-    match name.chars().all(|c| c.is_alphanumeric() || matches!(c, '_' | '-' | '.')) && name.len() <= 64 {
-        true => Ok(name),
-        false => Err(item.error("a part's name is at most 64 letters, digits, `_`, `-` and `.`")),
-    }
 }
 
 fn kind(item: &Item<'_>) -> Result<PartKind, SceneError> {
@@ -178,7 +146,7 @@ fn root_bounds(keys: &mut Keys<'_>, root: RootJoint) -> Result<Vec<(f64, f64)>, 
 }
 
 /// `"part/root_joint" = [x, y, theta]`, or a pose, in `[locked]`: the root's bounds become equal, so that it never moves.
-pub(super) fn lock_roots(keys: &mut Keys<'_>, parts: &mut [LoadedPart<'_>]) -> Result<(), SceneError> {
+pub(crate) fn lock_roots(keys: &mut Keys<'_>, parts: &mut [LoadedPart<'_>]) -> Result<(), SceneError> {
     let Some(item) = keys.optional("locked") else { return Ok(()) };
     for (name, item) in item.keys()?.entries() {
         let part = name.strip_suffix("/root_joint");
@@ -279,131 +247,4 @@ fn freeze(keys: &mut Keys<'_>, model: &mut Model, mimic_follows: bool) -> Result
         (joint.kind, joint.mimic) = (JointKind::Fixed, None);
     }
     Ok(named)
-}
-
-/// `gripper`, `handle`, `surface`, `masks` and `mask_complements` of a part.
-fn documents(keys: &mut Keys<'_>, model: &mut Model) -> Result<(), SceneError> {
-    for item in keys.optional("gripper").map_or(Ok(Vec::new()), |i| i.list())? {
-        let gripper = gripper(&item, model)?;
-        model.grippers.push(gripper);
-    }
-    for item in keys.optional("handle").map_or(Ok(Vec::new()), |i| i.list())? {
-        let handle = handle(&item, model)?;
-        model.handles.push(handle);
-    }
-    for item in keys.optional("surface").map_or(Ok(Vec::new()), |i| i.list())? {
-        let surface = surface(&item, model)?;
-        model.surfaces.push(surface);
-    }
-    if let Some(item) = keys.optional("masks") {
-        for (name, item) in item.keys()?.entries() {
-            let mask = legal_mask(&item)?;
-            let handle = handle_of(&item, name, model)?;
-            (handle.mask, handle.mask_complement) = (mask, mask.map(|m| !m));
-        }
-    }
-    if let Some(item) = keys.optional("mask_complements") {
-        for (name, item) in item.keys()?.entries() {
-            handle_of(&item, name, model)?.mask_complement = item.mask()?;
-        }
-    }
-    Ok(())
-}
-
-fn legal_mask(item: &Item<'_>) -> Result<[bool; 6], SceneError> {
-    let mask = item.mask()?;
-    check_mask(mask).map(|()| mask).map_err(|m| item.error(m).hint("free one rotation, all of them, or none"))
-}
-
-fn handle_of<'m>(item: &Item<'_>, name: &str, model: &'m mut Model) -> Result<&'m mut HandleModel, SceneError> {
-    let names: Vec<String> = model.handles.iter().map(|h| h.name.clone()).collect();
-    match model.handles.iter_mut().find(|h| h.name == name) {
-        Some(handle) => Ok(handle),
-        None => Err(item
-            .error("no handle of this part has this name")
-            .hint(did_you_mean(name, names.iter().map(String::as_str)))),
-    }
-}
-
-/// `name` and `link` of a document.
-fn name_and_link(
-    keys: &mut Keys<'_>,
-    model: &Model,
-    mut taken: impl Iterator<Item = String>,
-) -> Result<(String, String), SceneError> {
-    let item = keys.required("name")?;
-    let name = item.string()?;
-    if taken.any(|t| t == name) {
-        return Err(item.error(format!("`{}` exists already", quoted(name))).hint("perhaps in the SRDF"));
-    }
-    let item = keys.required("link")?;
-    let link = item.string()?;
-    if !model.links.iter().any(|l| l.name == link) {
-        let links = model.links.iter().map(|l| l.name.as_str());
-        return Err(item.error(format!("link `{}` does not exist", quoted(link))).hint(did_you_mean(link, links)));
-    }
-    Ok((name.to_owned(), link.to_owned()))
-}
-
-fn gripper(item: &Item<'_>, model: &Model) -> Result<GripperModel, SceneError> {
-    let mut keys = item.keys()?;
-    let (name, link) = name_and_link(&mut keys, model, model.grippers.iter().map(|g| g.name.clone()))?;
-    let gripper = GripperModel {
-        name,
-        link,
-        link_from_gripper: keys.optional("pose").map_or(Ok(Pose::identity()), |i| i.pose())?,
-        clearance: keys.optional("clearance").map_or(Ok(0.0), |i| i.distance())?,
-    };
-    keys.finish()?;
-    Ok(gripper)
-}
-
-fn handle(item: &Item<'_>, model: &Model) -> Result<HandleModel, SceneError> {
-    let mut keys = item.keys()?;
-    let (name, link) = name_and_link(&mut keys, model, model.handles.iter().map(|h| h.name.clone()))?;
-    let mask = keys.optional("mask").map_or(Ok([true; 6]), |i| legal_mask(&i))?;
-    let approaching_direction = match keys.optional("approaching_direction") {
-        Some(item) => {
-            let direction = DVec3::from_array(item.array("a direction")?);
-            direction.try_normalize().ok_or_else(|| item.error("a direction has a length"))?
-        }
-        None => DVec3::X,
-    };
-    let handle = HandleModel {
-        name,
-        link,
-        link_from_handle: keys.optional("pose").map_or(Ok(Pose::identity()), |i| i.pose())?,
-        clearance: keys.optional("clearance").map_or(Ok(0.0), |i| i.distance())?,
-        mask,
-        mask_complement: keys.optional("mask_complement").map_or(Ok(mask.map(|m| !m)), |i| i.mask())?,
-        approaching_direction,
-    };
-    keys.finish()?;
-    Ok(handle)
-}
-
-fn surface(item: &Item<'_>, model: &Model) -> Result<SurfaceModel, SceneError> {
-    let mut keys = item.keys()?;
-    let (name, link) = name_and_link(&mut keys, model, model.surfaces.iter().map(|s| s.name.clone()))?;
-    let points = keys.required("points")?.list()?;
-    let points: Vec<DVec3> =
-        points.iter().map(|p| p.array("x y z").map(DVec3::from_array)).collect::<Result<_, _>>()?;
-    let item = keys.required("polygons")?;
-    let mut polygons = Vec::new();
-    for polygon in item.list()? {
-        let mut indices = Vec::new();
-        for number in polygon.list()? {
-            match number.number()? {
-                x if x >= 0.0 && x.fract() == 0.0 && (x as usize) < points.len() => indices.push(x as u32),
-                x => return Err(number.error(format!("{x} is no index of the {} points", points.len()))),
-            }
-        }
-        polygons.push(indices);
-    }
-    if polygons.is_empty() {
-        return Err(item.error("is empty"));
-    }
-    check_polygons(&points, &polygons).map_err(|message| item.error(message))?;
-    keys.finish()?;
-    Ok(SurfaceModel { name, link, points, polygons })
 }

@@ -1,7 +1,7 @@
 //! `everywhere`, `state` and `transition` of `[graph]`: states that the problem itself writes down, such as stances.
 
-use crate::scene::error::{SceneError, did_you_mean, quoted};
-use crate::scene::keys::{Item, Keys};
+use crate::scene::reading::error::{SceneError, did_you_mean, quoted};
+use crate::scene::reading::keys::{Item, Keys};
 use foliate_components::problem::{GraphOptions, NamedConstraint, WrittenLeg, WrittenState, WrittenTransition};
 
 /// Most states, and most legs of a transition.

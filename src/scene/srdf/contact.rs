@@ -1,7 +1,9 @@
 //! Contact surfaces: convex planar polygons on a link.
 
 use super::frames::text;
-use super::{Reader, SceneError, elements};
+use crate::scene::reading::error::SceneError;
+use crate::scene::reading::xml::elements;
+use crate::scene::srdf::reader::Reader;
 use foliate_components::robot::model::SurfaceModel;
 use glam::DVec3;
 use roxmltree::Node;

@@ -1,7 +1,9 @@
 //! Pairs of links that are not tested: one by one, or all pairs of a link but some (`<disable_default_collisions>` and
 //! `<enable_collisions>`, of SRDF since 2021).
 
-use super::{Reader, SceneError, elements, quoted};
+use crate::scene::reading::error::{SceneError, quoted};
+use crate::scene::reading::xml::elements;
+use crate::scene::srdf::reader::Reader;
 use roxmltree::Node;
 use std::collections::{BTreeMap, HashSet};
 

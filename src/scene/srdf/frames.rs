@@ -1,6 +1,8 @@
 //! Grippers and handles: frames in their link.
 
-use super::{Reader, SceneError, Xml, elements, quoted};
+use crate::scene::reading::error::{SceneError, quoted};
+use crate::scene::reading::xml::{Xml, elements};
+use crate::scene::srdf::reader::Reader;
 use foliate_components::Pose;
 use foliate_components::pose::rotation_from_rpy;
 use foliate_components::robot::model::{GripperModel, HandleModel};

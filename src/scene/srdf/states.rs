@@ -1,6 +1,8 @@
 //! Named configurations. Configuration tools name them per group, so that one name is there several times: all of them apply.
 
-use super::{Reader, SceneError, elements, label, quoted};
+use crate::scene::reading::error::{SceneError, quoted};
+use crate::scene::reading::xml::{elements, label};
+use crate::scene::srdf::reader::Reader;
 use foliate_components::robot::model::GroupState;
 use roxmltree::Node;
 use std::collections::hash_map::Entry;

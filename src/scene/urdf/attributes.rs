@@ -3,8 +3,8 @@
 //! Other programs put elements of their own into URDF files, so that a name alone is no fault. It is told, since whoever wrote
 //! `<origin xzy="…"/>` meant a place.
 
-use crate::scene::error::{SceneError, nearest, quoted};
-use crate::scene::xml::{Xml, elements};
+use crate::scene::reading::error::{SceneError, nearest, quoted};
+use crate::scene::reading::xml::{Xml, elements};
 use roxmltree::Node;
 use std::collections::BTreeMap;
 

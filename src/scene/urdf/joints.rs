@@ -1,7 +1,9 @@
 //! The joints of a URDF, and the tree that they make of its links.
 
-use super::{Xml, elements, origin, tree};
-use crate::scene::error::{SceneError, did_you_mean, quoted};
+use super::tree;
+use crate::scene::reading::error::{SceneError, did_you_mean, quoted};
+use crate::scene::reading::xml::{Xml, elements};
+use crate::scene::urdf::values::origin;
 use foliate_components::robot::model::{JointKind, JointModel, Model};
 use glam::DVec3;
 use roxmltree::Node;

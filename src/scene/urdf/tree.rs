@@ -1,7 +1,7 @@
 //! Whether joints and links make one tree, and followers lead to a joint of their own.
 
-use super::Xml;
-use crate::scene::error::{SceneError, did_you_mean, quoted};
+use crate::scene::reading::error::{SceneError, did_you_mean, quoted};
+use crate::scene::reading::xml::Xml;
 use foliate_components::robot::model::{JointKind, JointModel, Model};
 use roxmltree::Node;
 use std::collections::HashMap;

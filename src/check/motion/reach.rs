@@ -1,0 +1,248 @@
+//! How far things can move: travel of every joint, and upper bounds of distances that hold all along a segment.
+//!
+//! Reaches are plain sums of lengths along the attachment tree: nothing on a body is farther from an axis than the
+//! offsets between them added up. Loose, and hard to get wrong.
+
+use crate::check::motion::segment::{At, SegmentMotion, Via, half_angle};
+use crate::check::world::models::Value;
+use foliate_components::Pose;
+use foliate_components::robot::Motion;
+
+/// What a joint does along a segment, summed up from the first knot to each knot.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Travel {
+    /// Radians.
+    pub turn: Vec<f64>,
+    /// Metres.
+    pub shift: Vec<f64>,
+}
+
+/// Travel of all joints, and lengths of all edges of the attachment tree.
+pub(crate) struct Reach {
+    /// By joint; none where it stands still.
+    pub travel: Vec<Option<Travel>>,
+    /// By body: from the parent's origin to the axis, and from there to the body's origin. Metres.
+    lengths: Vec<(f64, f64)>,
+    /// By body: the joint of its edge, if any.
+    joints: Vec<Option<usize>>,
+    parents: Vec<Option<usize>>,
+}
+
+/// A joint between two bodies, and how far from its axis the farthest point on the way to the end is at most.
+pub(crate) struct Lever {
+    pub joint: usize,
+    pub reach: f64,
+}
+
+impl Reach {
+    pub(crate) fn new(motion: &SegmentMotion<'_>) -> Self {
+        let bodies = 0..motion.world.bodies.len();
+        let joint = |via: Via| match via {
+            Via::Rigid(_) => None,
+            Via::Joint(j) | Via::Back(j) => Some(j),
+        };
+        Self {
+            travel: bodies.clone().map(|j| travel(motion, j)).collect(),
+            lengths: bodies.map(|b| edge_lengths(motion, motion.edges[b].via)).collect(),
+            joints: motion.edges.iter().map(|e| joint(e.via)).collect(),
+            parents: motion.edges.iter().map(|e| e.parent).collect(),
+        }
+    }
+
+    fn up(&self, body: Option<usize>) -> Vec<usize> {
+        let mut chain = Vec::new();
+        let mut next = body;
+        while let Some(body) = next {
+            chain.push(body);
+            next = self.parents[body];
+        }
+        chain
+    }
+
+    /// Bodies from each end up to, and without, the lowest that carries both.
+    fn between(&self, a: Option<usize>, b: Option<usize>) -> [Vec<usize>; 2] {
+        let (mut a, mut b) = (self.up(a), self.up(b));
+        while let (Some(x), Some(y)) = (a.last(), b.last()) {
+            if x != y {
+                break;
+            }
+            a.pop();
+            b.pop();
+        }
+        [a, b]
+    }
+
+    /// Moving joints between two solids that lie within the given distances of their bodies' origins (for the world,
+    /// anywhere), each with its lever to the solid on its own side.
+    pub(crate) fn levers(&self, a: (Option<usize>, f64), b: (Option<usize>, f64)) -> Vec<Lever> {
+        let chains = self.between(a.0, b.0);
+        let mut levers = Vec::new();
+        for (chain, reach) in chains.iter().zip([a.1, b.1]) {
+            let mut reach = reach;
+            for &body in chain {
+                let (before, after) = self.lengths[body];
+                reach += after;
+                if let Some(joint) = self.joints[body].filter(|&j| self.travel[j].is_some()) {
+                    levers.push(Lever { joint, reach });
+                }
+                reach += before;
+            }
+        }
+        levers
+    }
+
+    /// Moving joints from one frame outwards to a point that is within a distance of its body's origin (or of the
+    /// world's), each with the longest that the point can be from its axis.
+    fn outwards(&self, from: Option<usize>, point: (Option<usize>, f64)) -> Vec<Lever> {
+        let [near, far] = self.between(from, point.0);
+        let mut reach = point.1;
+        let mut levers = Vec::new();
+        let moving = |body: usize| self.joints[body].filter(|&j| self.travel[j].is_some());
+        // From the point back to where the way turns down, and on to the frame.
+        for &body in &far {
+            let (before, after) = self.lengths[body];
+            levers.extend(moving(body).map(|joint| Lever { joint, reach: reach + after }));
+            reach += after + before;
+        }
+        for &body in near.iter().rev() {
+            let (before, after) = self.lengths[body];
+            levers.extend(moving(body).map(|joint| Lever { joint, reach: reach + before }));
+            reach += before + after;
+        }
+        levers.reverse();
+        levers
+    }
+
+    /// How fast and how bent the way of a point is, read from a frame: see [`Bends`].
+    pub(crate) fn bends(&self, from: Option<usize>, point: (Option<usize>, f64), knots: usize) -> Bends {
+        let mut bends = Bends::still(knots);
+        for lever in self.outwards(from, point) {
+            let Some(travel) = &self.travel[lever.joint] else { continue };
+            for knot in 0..bends.turn.len() {
+                let turn = travel.turn[knot + 1] - travel.turn[knot];
+                let shift = travel.shift[knot + 1] - travel.shift[knot];
+                bends.add(knot, turn, shift, lever.reach);
+            }
+        }
+        bends
+    }
+
+    /// How far two solids have moved against each other at most, from the first knot to each knot. Metres.
+    pub(crate) fn movement(&self, levers: &[Lever], knots: usize) -> Vec<f64> {
+        let mut movement = vec![0.0; knots];
+        for lever in levers {
+            let Some(travel) = &self.travel[lever.joint] else { continue };
+            for (sum, (turn, shift)) in movement.iter_mut().zip(travel.turn.iter().zip(&travel.shift)) {
+                *sum += turn * lever.reach + shift;
+            }
+        }
+        movement
+    }
+}
+
+/// Bounds on how a point moves against a frame from each knot to the next, per whole interval: with the joints between
+/// them read outwards, ‖p″‖ ≤ Σᵢⱼ|Δᵢ||Δⱼ|cᵢⱼ, where cᵢⱼ is, for i inside j or the same, the distance of the point from
+/// axis j if both turn, 1 if only i turns, 0 if i shifts.
+#[derive(Clone, Debug)]
+pub(crate) struct Bends {
+    /// ‖p′‖, metres.
+    pub speed: Vec<f64>,
+    /// ‖p″‖, metres.
+    pub point: Vec<f64>,
+    /// Sum of the turns, radians.
+    pub turn: Vec<f64>,
+    /// Sum of turns and shifts, radians and metres.
+    pub travel: Vec<f64>,
+}
+
+impl Bends {
+    /// Of what does not move.
+    pub(crate) fn still(knots: usize) -> Self {
+        let zeros = vec![0.0; knots.saturating_sub(1)];
+        Self { speed: zeros.clone(), point: zeros.clone(), turn: zeros.clone(), travel: zeros }
+    }
+
+    /// A further joint, outside those that were added before.
+    fn add(&mut self, knot: usize, turn: f64, shift: f64, reach: f64) {
+        let swing = turn * reach + shift;
+        // A root's shift may be outside its turn: twice their product is never too little.
+        self.point[knot] += turn * turn * reach + 2.0 * turn * shift + 2.0 * self.turn[knot] * swing;
+        self.speed[knot] += swing;
+        self.turn[knot] += turn;
+        self.travel[knot] += turn + shift;
+    }
+
+    /// The sum of two motions, the other times a factor; turns and travels are the larger ones.
+    pub(crate) fn plus(mut self, factor: f64, other: &Self) -> Self {
+        let sum = |a: &mut Vec<f64>, b: &[f64]| a.iter_mut().zip(b).for_each(|(a, b)| *a += factor * b);
+        sum(&mut self.speed, &other.speed);
+        sum(&mut self.point, &other.point);
+        let most = |a: &mut Vec<f64>, b: &[f64]| a.iter_mut().zip(b).for_each(|(a, b)| *a = a.max(*b));
+        most(&mut self.turn, &other.turn);
+        most(&mut self.travel, &other.travel);
+        self
+    }
+}
+
+fn travel(motion: &SegmentMotion<'_>, joint: usize) -> Option<Travel> {
+    let body = &motion.world.bodies[joint];
+    if body.value == Value::Still {
+        return None;
+    }
+    let mut travel = Travel { turn: vec![0.0], shift: vec![0.0] };
+    let (mut turned, mut shifted) = (0.0, 0.0);
+    for knot in 0..motion.last() {
+        let (turn, shift) = step(motion, joint, knot);
+        turned += turn;
+        shifted += shift;
+        travel.turn.push(turned);
+        travel.shift.push(shifted);
+    }
+    let still = turned == 0.0 && shifted == 0.0;
+    (!still).then_some(travel)
+}
+
+/// How far a joint turns and shifts from a knot to the next.
+fn step(motion: &SegmentMotion<'_>, joint: usize, knot: usize) -> (f64, f64) {
+    let body = &motion.world.bodies[joint];
+    let (here, there) = (&motion.knots[knot], &motion.knots[knot + 1]);
+    let scalar = || (motion.scalar(joint, At::knot(knot + 1)) - motion.scalar(joint, At::knot(knot))).abs();
+    let shift = |columns: &[usize]| columns.iter().map(|&c| (there[c] - here[c]).powi(2)).sum::<f64>().sqrt();
+    match (body.motion, &body.value) {
+        (Motion::Revolute { .. }, _) => (scalar(), 0.0),
+        (Motion::Prismatic { .. }, _) => (0.0, scalar()),
+        (Motion::Planar, Value::Columns(c)) => ((there[c[2]] - here[c[2]]).abs(), shift(&c[..2])),
+        (Motion::FreeFlyer, Value::Columns(c)) => {
+            (2.0 * half_angle(motion.quaternion(c, knot), motion.quaternion(c, knot + 1)), shift(&c[..3]))
+        }
+        (Motion::Planar | Motion::FreeFlyer, _) => (0.0, 0.0),
+    }
+}
+
+/// From the parent's origin to the axis, and from there to the body's origin.
+fn edge_lengths(motion: &SegmentMotion<'_>, via: Via) -> (f64, f64) {
+    let length = |pose: &Pose| pose.translation.length();
+    match via {
+        Via::Rigid(pose) => (length(&pose), 0.0),
+        // A turn is about the body's own origin, after the shift.
+        Via::Joint(joint) => (length(&motion.world.bodies[joint].parent_from_joint) + slide(motion, joint), 0.0),
+        Via::Back(joint) => (0.0, length(&motion.world.bodies[joint].parent_from_joint) + slide(motion, joint)),
+    }
+}
+
+/// How far a joint shifts its body's origin at most.
+fn slide(motion: &SegmentMotion<'_>, joint: usize) -> f64 {
+    let body = &motion.world.bodies[joint];
+    let knots = 0..motion.knots.len();
+    let offset = |columns: &[usize]| {
+        let length = |row: &Vec<f64>| columns.iter().map(|&c| row[c] * row[c]).sum::<f64>().sqrt();
+        motion.knots.iter().map(length).fold(0.0, f64::max)
+    };
+    match (body.motion, &body.value) {
+        (Motion::Revolute { .. }, _) => 0.0,
+        (Motion::Prismatic { .. }, _) => knots.map(|k| motion.scalar(joint, At::knot(k)).abs()).fold(0.0, f64::max),
+        (Motion::Planar, Value::Columns(c)) => offset(&c[..2]),
+        (Motion::FreeFlyer, Value::Columns(c)) => offset(&c[..3]),
+        (Motion::Planar | Motion::FreeFlyer, _) => 0.0,
+    }
+}

@@ -1,0 +1,226 @@
+//! Path files: `"format": "foliate.path/1"`, the contract that other people's checkers read (DESIGN §6).
+//!
+//! The models and this file are all that is needed to play a path back or to prove it again. Numbers are written so that
+//! they read back bit for bit; a file holds neither clock times nor thread counts, so that it does not depend on them.
+
+use crate::path_file::constraint::{ConstraintEntry, PoseRow};
+use crate::path_file::place;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// The value of `format`.
+pub const FORMAT: &str = "foliate.path/1";
+
+/// A path file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PathFile {
+    /// [`FORMAT`].
+    pub format: String,
+    /// Name of the scene.
+    pub scene: String,
+    /// The scene file that the path answers; a file without one can only be proved relative to what it says itself.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scene_file: Option<SceneFileEntry>,
+    /// Seed of the search.
+    pub seed: u64,
+    /// Scheduler of the search.
+    pub scheduler: String,
+    /// SIMD level of the search; results are equal bit for bit only at one level.
+    pub simd: String,
+    /// Robots, objects and environment.
+    pub parts: Vec<PartEntry>,
+    /// Names of the numbers of a knot.
+    pub coordinates: Vec<String>,
+    /// Bounds of those that have any, by coordinate.
+    #[serde(deserialize_with = "place::unique")]
+    pub limits: BTreeMap<String, [f64; 2]>,
+    /// Grippers, handles and surfaces.
+    pub documents: Documents,
+    /// Link, link, reason: pairs that are not tested besides the SRDFs' own.
+    pub ignored_pairs: Vec<[String; 3]>,
+    /// Link, link, metres: minimum distances.
+    pub margins: Vec<(String, String, f64)>,
+    /// Gap between an object's surface and its support, metres.
+    pub placement_margin: f64,
+    /// The path, in the direction of travel.
+    pub segments: Vec<SegmentEntry>,
+    /// What was proven.
+    pub certificate: CertificateEntry,
+}
+
+/// Where a scene file is, and which one it was.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneFileEntry {
+    /// The name of a shipped scene, or the scene file's path relative to the path file.
+    pub file: String,
+    /// SHA-256 of the scene file, hexadecimal.
+    pub sha256: String,
+}
+
+/// A part and where its models are.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PartEntry {
+    /// Name.
+    pub name: String,
+    /// `robot`, `object` or `environment`.
+    pub kind: String,
+    /// `package://` URL, or a path relative to the path file.
+    pub urdf: String,
+    /// As `urdf`.
+    pub srdf: Option<String>,
+    /// `follow` or `free`.
+    pub mimic: String,
+    /// `fixed`, `freeflyer` or `planar`.
+    pub root: String,
+    /// Pose of what does not move freely.
+    pub world_from_root: PoseRow,
+    /// What is done with the up axis of COLLADA meshes: `as-written` (also where it is left out) or `declared`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mesh_up_axis: Option<String>,
+    /// SHA-256 (hexadecimal) of every file that the part was read from: by `urdf`, `srdf`, and each mesh as the URDF writes
+    /// its name. Empty in files that do not say.
+    #[serde(default, deserialize_with = "place::unique", skip_serializing_if = "BTreeMap::is_empty")]
+    pub sha256: BTreeMap<String, String>,
+}
+
+/// Grippers, handles and surfaces, by name.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Documents {
+    /// Grippers.
+    #[serde(deserialize_with = "place::unique")]
+    pub grippers: BTreeMap<String, GripperEntry>,
+    /// Handles.
+    #[serde(deserialize_with = "place::unique")]
+    pub handles: BTreeMap<String, HandleEntry>,
+    /// Contact surfaces.
+    #[serde(deserialize_with = "place::unique")]
+    pub surfaces: BTreeMap<String, SurfaceEntry>,
+}
+
+/// A gripper in its link.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GripperEntry {
+    /// `part/link`.
+    pub link: String,
+    /// Its frame.
+    pub link_from_gripper: PoseRow,
+}
+
+/// A handle in its link.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HandleEntry {
+    /// `part/link`.
+    pub link: String,
+    /// Its frame.
+    pub link_from_handle: PoseRow,
+    /// Rows of the handle's pose in the gripper that a grasp makes zero: tx ty tz rx ry rz.
+    pub mask: [bool; 6],
+    /// Rows that stay constant while held.
+    pub mask_complement: [bool; 6],
+}
+
+/// Contact polygons on a link.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SurfaceEntry {
+    /// `part/link`.
+    pub link: String,
+    /// Vertices in the link frame, metres.
+    pub points: Vec<[f64; 3]>,
+    /// Indices into `points`, counter-clockwise seen from outside.
+    pub polygons: Vec<Vec<u32>>,
+}
+
+/// A motion on one leaf.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SegmentEntry {
+    /// Transition, in the direction of travel.
+    pub transition: String,
+    /// State in which the motion lies.
+    pub state: String,
+    /// What each object hangs on.
+    pub attachments: Vec<AttachmentEntry>,
+    /// Further constraints that hold along the segment.
+    pub constraints: Vec<ConstraintEntry>,
+    /// Configurations.
+    pub knots: Vec<Vec<f64>>,
+    /// Seconds, one per knot, once the path has been timed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub times: Option<Vec<f64>>,
+}
+
+/// What an object hangs on: a gripper by a handle, a support by a surface, a link that it rests on, or nothing but its place.
+///
+/// An object follows its carrier. One that is held but has no carrier (its handle leaves rotations free) moves as written,
+/// like a robot's root; one without any attachment stays where it is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AttachmentEntry {
+    /// The part, or `part/link` of an articulated one.
+    pub object: String,
+    /// Who holds it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gripper: Option<String>,
+    /// By which handle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub handle: Option<String>,
+    /// The object's surface.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surface: Option<String>,
+    /// The surface that carries it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub support: Option<String>,
+    /// `part/link` that it rests on without polygons; how it rests is one of the segment's constraints.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub on: Option<String>,
+    /// Whether the object follows this attachment rigidly.
+    pub carrier: bool,
+}
+
+/// What was proven over the continuum.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CertificateEntry {
+    /// Bound that residuals keep.
+    pub path_tolerance: f64,
+    /// The largest residual, bounded.
+    pub max_residual: f64,
+    /// The smallest clearance beyond the margins, bounded from below, metres; none where no pair was tested.
+    pub min_clearance: Option<f64>,
+    /// `within`.
+    pub joint_limits: String,
+    /// Which pairs of collision shapes were looked at.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pairs: Option<PairsEntry>,
+}
+
+/// How many pairs of collision shapes were tested, and how many were left out, by reason.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PairsEntry {
+    /// Tested along the motion.
+    pub tested: u64,
+    /// Rigid to one another through fixed or locked joints of the problem: tested once, at the start.
+    pub rigid: u64,
+    /// Not tested: on one link, or on links that fixed joints of the model make one body.
+    pub same_body: u64,
+    /// Not tested: both belong to the environment.
+    pub environment: u64,
+    /// Not tested: an SRDF disables them.
+    pub srdf: u64,
+    /// Not tested: two links that one joint joins, which touch where that joint is.
+    pub adjacent: u64,
+    /// Not tested: the scene ignores them.
+    pub ignored: u64,
+    /// Tested without their margin while one grasps the other.
+    pub grasped: u64,
+    /// Tested without their margin while one is placed on the other.
+    pub placed: u64,
+}

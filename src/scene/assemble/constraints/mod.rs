@@ -1,0 +1,4 @@
+//! TODO(page): what lies in scene/assemble/constraints.
+
+pub(crate) mod constraint;
+pub(crate) mod mass;

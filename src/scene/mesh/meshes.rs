@@ -1,0 +1,290 @@
+//! Triangle meshes from STL, OBJ and COLLADA files: strict readers with caps, in metres.
+//!
+//! COLLADA units and node transforms are applied. The declared up axis is not, unless asked for: ROS, pinocchio and coal
+//! take mesh coordinates as the link's, and published models rely on it (TIAGo's collision meshes declare `Y_UP` and
+//! agree with its STL meshes only as they are written).
+
+use crate::scene::mesh::cache::key::Key;
+use crate::scene::mesh::cache::mesh_cache::{Kept, SMALLEST_FILE};
+use crate::scene::mesh::formats::triangles::{Triangles, UpAxis};
+use crate::scene::mesh::formats::{dae, obj, stl};
+use crate::scene::reading::error::{LoadStop, SceneError};
+use crate::scene::reading::input;
+use crate::scene::reading::limits::LoadLimits;
+use crate::scene::sources::package::{Base, Contained, PackagePath, contained, is_below};
+use foliate_components::robot::shape::Mesh;
+use foliate_kernels::collision::solids::mesh_record;
+use foliate_systems::events::StopSignal;
+use glam::DVec3;
+use sha2::{Digest, Sha256};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+/// Most triangles of all meshes of a scene, each file counted once.
+const TRIANGLES_IN_ALL: usize = 20_000_000;
+
+/// Most bytes of memory that are kept for the next file.
+const KEPT_BUFFER: usize = 16 << 20;
+
+/// The meshes of a scene: each file is read once.
+pub(crate) struct Meshes<'a> {
+    packages: &'a PackagePath,
+    read: HashMap<(PathBuf, [u64; 3], UpAxis), LoadedMesh>,
+    triangles: usize,
+    /// That the meshes take which are read.
+    bytes: u64,
+    /// SHA-256 of the files that were read.
+    sums: HashMap<PathBuf, [u8; 32]>,
+    /// About entries of the cache.
+    remarks: Vec<SceneError>,
+    /// Whether the cache has grown.
+    has_kept: bool,
+    /// Bytes of the last file, and of the last entry.
+    buffers: [Vec<u8>; 2],
+}
+
+/// A mesh, and the SHA-256 of the bytes that it was read from.
+#[derive(Clone)]
+pub(crate) struct LoadedMesh {
+    pub mesh: Arc<Mesh>,
+    pub sha256: [u8; 32],
+}
+
+/// What a model asks for.
+pub(crate) struct MeshRequest<'a> {
+    /// As the model writes it.
+    pub url: &'a str,
+    pub scale: DVec3,
+    pub up_axis: UpAxis,
+    pub base: &'a Base,
+}
+
+/// Why a mesh is not there: the name leads nowhere, or the file is wrong.
+pub(crate) enum MeshError {
+    /// Message and hint; the model's element is to blame.
+    Name(String, String),
+    /// Located in the mesh file.
+    File(SceneError),
+}
+
+impl<'a> Meshes<'a> {
+    pub fn new(packages: &'a PackagePath) -> Self {
+        Self {
+            packages,
+            read: HashMap::new(),
+            triangles: 0,
+            bytes: 0,
+            sums: HashMap::new(),
+            remarks: Vec::new(),
+            has_kept: false,
+            buffers: Default::default(),
+        }
+    }
+
+    /// How much reading may take.
+    pub fn limits(&self) -> &LoadLimits {
+        self.packages.limits()
+    }
+
+    /// Refuses a file of so many bytes that would take more memory than is left, before it is read.
+    fn check_memory(&self, path: &Path, reader: Reader, bytes: u64) -> Result<(), SceneError> {
+        let name = path.display().to_string();
+        self.packages.limits().reached(&name)?;
+        let wanted = self.bytes.saturating_add(bytes.saturating_mul(reader.working_bytes()));
+        match self.packages.limits().mesh_bytes {
+            Some(most) if wanted > most => {
+                let mib = |bytes: u64| bytes.div_ceil(1 << 20);
+                let mut error = SceneError::stopped(&name, LoadStop::Memory);
+                error.message = format!(
+                    "with this mesh, reading would take about {} MiB, more than the {} MiB left",
+                    mib(wanted),
+                    mib(most)
+                );
+                Err(error.hint("simplify the collision meshes, or raise the memory limit"))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The mesh of that name, scaled.
+    pub fn load(&mut self, request: &MeshRequest<'_>) -> Result<LoadedMesh, MeshError> {
+        let path = self.resolve(request.url, request.base)?;
+        let key = (path, request.scale.to_array().map(f64::to_bits), request.up_axis);
+        if let Some(mesh) = self.read.get(&key) {
+            return Ok(mesh.clone());
+        }
+        let opened = self.open(&key.0, request);
+        // What was cut short has no fault of its own.
+        self.packages.limits().reached(&key.0.display().to_string()).map_err(MeshError::File)?;
+        let (mesh, sha256) = opened.map_err(MeshError::File)?;
+        self.bytes += (size_of_val(&*mesh.vertices) + size_of_val(&*mesh.triangles)) as u64;
+        let loaded = LoadedMesh { mesh: Arc::new(mesh), sha256 };
+        self.triangles += loaded.mesh.triangles.len();
+        if self.triangles > TRIANGLES_IN_ALL {
+            let message = format!("with this mesh the model has more than {TRIANGLES_IN_ALL} triangles");
+            return Err(MeshError::Name(message, "simplify the collision meshes".into()));
+        }
+        self.read.insert(key, loaded.clone());
+        Ok(loaded)
+    }
+
+    /// The mesh of a file, with what the cache knows of it (or else does afterwards), and the SHA-256 of the file.
+    fn open(&mut self, path: &Path, request: &MeshRequest<'_>) -> Result<(Mesh, [u8; 32]), SceneError> {
+        let reader = Reader::of(path)?;
+        let size = std::fs::metadata(path).map_or(0, |metadata| metadata.len());
+        self.check_memory(path, reader, size)?;
+        let stop = &self.packages.limits().stop;
+        let [bytes, entry] = &mut self.buffers;
+        input::bytes_into(path, reader.cap(), bytes)?;
+        // A path file says which bytes a proof is about, so that there is one sum of a file.
+        let sum: [u8; 32] = Sha256::digest(&*bytes).into();
+        if self.sums.insert(path.to_owned(), sum).is_some_and(|before| before != sum) {
+            return Err(SceneError::new(path.display().to_string(), "file", "has changed while the model was read"));
+        }
+        let cache = self.packages.mesh_cache().filter(|_| bytes.len() >= SMALLEST_FILE);
+        let go_on = || !stop.is_raised();
+        let Some(mut mesh) = meant(reader.read(path, bytes, request.up_axis, stop)?, request, &go_on) else {
+            return Err(SceneError::stopped(&path.display().to_string(), LoadStop::Deadline));
+        };
+        let Some(cache) = cache else { return Ok((mesh, sum)) };
+        let key = Key::new(&sum, reader.name(), request.up_axis, request.scale);
+        let why = match cache.find(&key, entry) {
+            Kept::Record(record) if mesh_record::proves(&mesh, &record) => {
+                mesh.record = Some(record);
+                return Ok((mesh, sum));
+            }
+            Kept::Record(_) => Some("what it says of the mesh does not hold".to_owned()),
+            Kept::Bad(why) => Some(why),
+            Kept::Nothing => None,
+        };
+        if let Some(why) = why {
+            let entry = cache.path(&key).display().to_string();
+            let remark = SceneError::new(entry, "kept mesh", format!("is not used: {why}"));
+            self.remarks.push(remark.hint("it is written anew"));
+        }
+        mesh.record = mesh_record::record_while(&mesh, &go_on);
+        self.has_kept |= mesh.record.as_ref().is_some_and(|record| cache.keep(&key, record));
+        Ok((mesh, sum))
+    }
+
+    /// SHA-256 of a mesh's file, where it was read.
+    pub fn sum(&self, path: &Path) -> Option<[u8; 32]> {
+        self.sums.get(path).copied()
+    }
+
+    /// When all meshes are read: remarks about the cache, which is cut to its size where it has grown.
+    pub fn finish(self) -> Vec<SceneError> {
+        if let Some(cache) = self.packages.mesh_cache().filter(|_| self.has_kept) {
+            cache.trim();
+        }
+        self.remarks
+    }
+
+    fn resolve(&self, url: &str, base: &Base) -> Result<PathBuf, MeshError> {
+        let fail = |message: &str, hint: &str| Err(MeshError::Name(message.into(), hint.into()));
+        let hint = "use package://NAME/PATH, or a path below the model's directory";
+        if url.starts_with("package://") {
+            return self.packages.resolve(url).map_err(|e| MeshError::Name(e.message, e.hint));
+        }
+        if let Some((scheme, _)) = url.split_once("://") {
+            return fail(&format!("`{}://` URLs are not read", crate::scene::reading::error::quoted(scheme)), hint);
+        }
+        let inner = Path::new(url);
+        if !is_below(inner) {
+            return fail("leads out of the model's directory", hint);
+        }
+        match base {
+            Base::Embedded => fail("an embedded model has no directory with meshes", "use primitive shapes"),
+            Base::Directory(directory) => match contained(directory, inner) {
+                Contained::File(path) => Ok(path),
+                Contained::Outside(_) => fail("leads out of the model's directory by a link", hint),
+                Contained::Missing => {
+                    let place = directory.display();
+                    fail("no such file", &format!("looked in {place}; relative names start at the model's directory"))
+                }
+            },
+        }
+    }
+}
+
+/// The mesh that a model means by a file's triangles; none once `go_on` says no.
+fn meant(mut content: Triangles, request: &MeshRequest<'_>, go_on: &dyn Fn() -> bool) -> Option<Mesh> {
+    for vertex in &mut content.vertices {
+        *vertex *= request.scale;
+    }
+    if request.scale.to_array().iter().filter(|s| **s < 0.0).count() % 2 == 1 {
+        content.triangles.iter_mut().for_each(|t| t.swap(1, 2)); // a mirror turns the inside out
+    }
+    Mesh::new_while(request.url.to_owned(), content.vertices, content.triangles, go_on)
+}
+
+/// What understands the files of an extension.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Reader {
+    Stl,
+    Obj,
+    Dae,
+}
+
+impl Reader {
+    fn of(path: &Path) -> Result<Self, SceneError> {
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+        let known = [Self::Stl, Self::Obj, Self::Dae].into_iter().find(|reader| reader.name() == extension);
+        known.ok_or_else(|| {
+            let message =
+                format!("meshes of the kind `.{}` are not read", crate::scene::reading::error::quoted(&extension));
+            SceneError::new(path.display().to_string(), "file", message).hint("convert it to .stl, .obj or .dae")
+        })
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Stl => "stl",
+            Self::Obj => "obj",
+            Self::Dae => "dae",
+        }
+    }
+
+    /// Bytes of memory that a byte of a file takes at most while the file is read, itself included; measured
+    /// with the tree over it: 5.8, 7.0 and 7.5 for files of four (COLLADA: three) million triangles.
+    fn working_bytes(self) -> u64 {
+        match self {
+            Self::Stl => 6,
+            Self::Obj => 8,
+            Self::Dae => 8,
+        }
+    }
+
+    /// Largest file, bytes.
+    fn cap(self) -> u64 {
+        match self {
+            Self::Stl | Self::Obj => input::MESH_CAP,
+            Self::Dae => input::MESH_CAP / 2,
+        }
+    }
+
+    /// The triangles that a file's bytes hold.
+    fn read(
+        self,
+        path: &Path,
+        bytes: &mut Vec<u8>,
+        up_axis: UpAxis,
+        stop: &StopSignal,
+    ) -> Result<Triangles, SceneError> {
+        let file = path.display().to_string();
+        let mesh = Triangles::watched(stop);
+        let mut content = match self {
+            Self::Stl => stl::read(&file, bytes, mesh)?,
+            Self::Obj => obj::read(&file, bytes, mesh)?,
+            Self::Dae => dae::read(&file, &input::decode(std::mem::take(bytes), &file)?, up_axis, mesh)?,
+        };
+        // What was read before may have been much larger.
+        bytes.clear();
+        bytes.shrink_to(KEPT_BUFFER);
+        content.drop_unused();
+        if content.triangles.is_empty() {
+            return Err(SceneError::new(file, "mesh", "has no triangles").hint("points and lines bound no solid"));
+        }
+        Ok(content)
+    }
+}

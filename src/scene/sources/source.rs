@@ -1,0 +1,131 @@
+//! The files behind a scene: where a name leads, and what is there.
+
+use crate::scene::reading::error::SceneError;
+use crate::scene::reading::input;
+use crate::scene::sources::package::{Base, PackagePath};
+use sha2::{Digest, Sha256};
+use std::path::{Path, PathBuf};
+
+/// Files that live in the program: name relative to the scene file, and content.
+pub(crate) type Embedded = &'static [(&'static str, &'static str)];
+
+/// Where a scene file's relative names lead.
+#[derive(Clone, Debug)]
+pub(crate) enum SceneBase {
+    Directory(PathBuf),
+    Embedded(Embedded),
+}
+
+/// A model file of a scene.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ModelFile {
+    /// As the scene writes it: a `package://` URL, or a path relative to the scene file.
+    pub url: String,
+    /// Where it was read.
+    pub origin: Origin,
+    /// SHA-256 of the content, hexadecimal.
+    pub sha256: String,
+}
+
+/// Where a model file was read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// From disk.
+    File(PathBuf),
+    /// From the program; its content.
+    Program(&'static str),
+}
+
+/// A file's name for messages, its text, and what output says about it.
+pub(crate) struct Opened {
+    pub label: String,
+    pub text: String,
+    pub file: ModelFile,
+}
+
+/// Where a name leads; the error is a message and a hint.
+pub(crate) enum Place {
+    Path(PathBuf),
+    Program(&'static str),
+}
+
+pub(crate) fn locate(url: &str, base: &SceneBase, packages: &PackagePath) -> Result<Place, (String, String)> {
+    if url.starts_with("package://") {
+        return packages.resolve(url).map(Place::Path).map_err(|e| (e.message, e.hint));
+    }
+    if let Some((scheme, _)) = url.split_once("://") {
+        let hint = "use package://NAME/PATH, or a path relative to the scene file";
+        return Err((format!("`{}://` URLs are not read", crate::scene::reading::error::quoted(scheme)), hint.into()));
+    }
+    match base {
+        SceneBase::Directory(directory) => {
+            let path = directory.join(url);
+            match path.exists() {
+                true => Ok(Place::Path(path)),
+                false => Err(("no such file".into(), format!("looked for {}", path.display()))),
+            }
+        }
+        SceneBase::Embedded(files) => match files.iter().find(|(name, _)| *name == url) {
+            Some((_, content)) => Ok(Place::Program(content)),
+            None => Err(("no such file in the program".into(), String::new())),
+        },
+    }
+}
+
+/// Opens a URDF or SRDF.
+pub(crate) fn open(url: &str, base: &SceneBase, packages: &PackagePath) -> Result<Opened, OpenError> {
+    match locate(url, base, packages).map_err(|(message, hint)| OpenError::Name(message, hint))? {
+        Place::Path(path) => open_path(url, path).map_err(OpenError::File),
+        Place::Program(content) => Ok(Opened {
+            label: url.to_owned(),
+            text: content.to_owned(),
+            file: ModelFile {
+                url: url.to_owned(),
+                origin: Origin::Program(content),
+                sha256: sha256(content.as_bytes()),
+            },
+        }),
+    }
+}
+
+/// Why a model file is not open.
+pub(crate) enum OpenError {
+    /// The name leads nowhere: message and hint.
+    Name(String, String),
+    /// The file is wrong.
+    File(SceneError),
+}
+
+pub(crate) fn open_path(url: &str, path: PathBuf) -> Result<Opened, SceneError> {
+    let content = input::bytes(&path, input::MODEL_CAP)?;
+    let sha256 = sha256(&content);
+    let label = path.display().to_string();
+    let text = input::decode(content, &label)?;
+    Ok(Opened { label, text, file: ModelFile { url: url.to_owned(), origin: Origin::File(path), sha256 } })
+}
+
+impl ModelFile {
+    /// Where the model's own relative names lead.
+    pub(crate) fn base(&self) -> Base {
+        match &self.origin {
+            Origin::File(path) => Base::Directory(folder_of(path).to_owned()),
+            Origin::Program(_) => Base::Embedded,
+        }
+    }
+}
+
+/// The folder that a file lies in. A bare name's is `.`: the empty path leads nowhere.
+pub(crate) fn folder_of(file: &Path) -> &Path {
+    file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// SHA-256 of a file's bytes, hexadecimal: as in [`ModelFile::sha256`], and in path files.
+#[must_use]
+pub fn sha256(content: &[u8]) -> String {
+    hexadecimal(&Sha256::digest(content).into())
+}
+
+/// A sum as 64 hexadecimal digits.
+pub(crate) fn hexadecimal(sum: &[u8; 32]) -> String {
+    sum.iter().map(|b| format!("{b:02x}")).collect()
+}
