@@ -16,11 +16,11 @@ const CAP: u64 = 1 << 30;
 
 /// What decides the rows of a batch, by name: everything but the number of threads. It stands in `settings.json`.
 #[derive(Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub(super) struct Identity(pub BTreeMap<String, String>);
+pub(crate) struct Identity(pub BTreeMap<String, String>);
 
 impl Identity {
     /// Writes `settings.json`.
-    pub(super) fn write(&self, out: &Path) -> Result<(), BatchError> {
+    pub(crate) fn write(&self, out: &Path) -> Result<(), BatchError> {
         let path = out.join("settings.json");
         let text = serde_json::to_string_pretty(self)
             .map_err(|e| BatchError::Io { path: path.clone(), source: std::io::Error::other(e) })?;
@@ -28,7 +28,7 @@ impl Identity {
     }
 
     /// Whether the results in a folder were made with the same.
-    pub(super) fn compare(&self, out: &Path) -> Result<(), BatchError> {
+    pub(crate) fn compare(&self, out: &Path) -> Result<(), BatchError> {
         let path = out.join("settings.json");
         let text = read_text(&path)?;
         let Self(was) = serde_json::from_str(&text).map_err(|e| BatchError::Damaged {
@@ -52,7 +52,7 @@ impl Identity {
 }
 
 /// Hexadecimal SHA-256 of everything that defines a problem.
-pub(super) fn fingerprint(entry: &Entry) -> String {
+pub(crate) fn fingerprint(entry: &Entry) -> String {
     struct Hash(Sha256);
     impl Write for Hash {
         fn write_str(&mut self, text: &str) -> std::fmt::Result {
@@ -89,7 +89,7 @@ fn read_text(path: &Path) -> Result<String, BatchError> {
 }
 
 /// The whole rows of a `results.csv`. What stands behind the last line break is dropped: its line was not finished.
-pub(super) fn read(path: &Path) -> Result<Vec<Row>, BatchError> {
+pub(crate) fn read(path: &Path) -> Result<Vec<Row>, BatchError> {
     let text = read_text(path)?;
     let damaged = |line: usize, what: &str| BatchError::Damaged { path: path.to_owned(), line, what: what.into() };
     let mut lines = records(&text).into_iter();
@@ -102,7 +102,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<Row>, BatchError> {
 
 /// Whether a solve ended as it would again: a row that could not start, or whose path could not be written, says nothing, and a
 /// limit of memory may be another one now.
-pub(super) fn is_final(row: &Row) -> bool {
+pub(crate) fn is_final(row: &Row) -> bool {
     row.outcome != RowOutcome::Failed && row.outcome != RowOutcome::Ended(SearchOutcome::MemoryLimit)
 }
 

@@ -15,7 +15,7 @@ const STEPS: usize = 160;
 
 /// What is known of a distance, metres.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Bounds {
+pub(crate) struct Bounds {
     /// It is no less; negative where a shadow shows no gap.
     pub lower: f64,
     /// It is no more; 0 where the pieces overlap.
@@ -25,7 +25,7 @@ pub(super) struct Bounds {
 /// How exactly a distance is asked for: the search ends once the lower bound is `enough`, or the bounds are `open` plus
 /// the share `share` of the distance apart.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Wanted {
+pub(crate) struct Wanted {
     pub enough: f64,
     pub open: f64,
     pub share: f64,
@@ -39,13 +39,13 @@ impl Wanted {
     }
 
     /// How far the lower bound may be below an upper one.
-    pub(super) fn slack(&self, upper: f64) -> f64 {
+    pub(crate) fn slack(&self, upper: f64) -> f64 {
         self.open + self.share * (upper - self.around).max(0.0)
     }
 }
 
 /// Searches the distance of two pieces.
-pub(super) fn apart(a: &Piece, b: &Piece, wanted: &Wanted) -> Bounds {
+pub(crate) fn apart(a: &Piece, b: &Piece, wanted: &Wanted) -> Bounds {
     let difference = |along: DVec3| b.farthest(-along) - a.farthest(along);
     let start = b.middle() - a.middle();
     let first = difference(if start.length_squared() > 0.0 { start } else { DVec3::X });
@@ -87,7 +87,7 @@ pub(super) fn apart(a: &Piece, b: &Piece, wanted: &Wanted) -> Bounds {
 
 /// An upper bound of how deep two pieces that overlap are in each other: the shallowest overlap of their shadows along
 /// the directions of their faces and from middle to middle.
-pub(super) fn depth(a: &Piece, b: &Piece) -> f64 {
+pub(crate) fn depth(a: &Piece, b: &Piece) -> f64 {
     let faces = a.faces().into_iter().chain(b.faces()).chain([b.middle() - a.middle()]);
     let overlap = |n: DVec3| n.dot(a.farthest(n)) - n.dot(b.farthest(-n));
     let normals = faces.filter_map(DVec3::try_normalize).flat_map(|n| [n, -n]);

@@ -26,7 +26,7 @@ struct Node {
 
 /// The convex pieces of a shape.
 #[derive(Debug)]
-pub(in crate::check) struct Pieces {
+pub(crate) struct Pieces {
     nodes: Vec<Node>,
     content: Content,
     /// Around every piece, metres.
@@ -41,10 +41,10 @@ enum Content {
 }
 
 /// Pieces that were nearest the last time: the next distance is likely theirs.
-pub(in crate::check) type Hint = Option<(u32, u32)>;
+pub(crate) type Hint = Option<(u32, u32)>;
 
 impl Pieces {
-    pub(in crate::check) fn of(geometry: &Geometry) -> Self {
+    pub(crate) fn of(geometry: &Geometry) -> Self {
         match (Core::of(geometry), geometry) {
             (Some((core, radius)), _) => {
                 let (center, half) = bounds(geometry);
@@ -105,7 +105,7 @@ impl Pieces {
 
 /// Bounds of the distance of two shapes, the second at a pose in the first one's frame: see [`Wanted`]. Overlaps of single
 /// pieces are told by how deep they are at most, as negative numbers; shells of triangles know no depth.
-pub(in crate::check) fn distance(a: &Pieces, b: &Pieces, a_from_b: &Pose, wanted: &Wanted, hint: &mut Hint) -> Bounds {
+pub(crate) fn distance(a: &Pieces, b: &Pieces, a_from_b: &Pose, wanted: &Wanted, hint: &mut Hint) -> Bounds {
     let around = a.radius + b.radius;
     let place = parts(a_from_b);
     let mut descent = Descent {

@@ -12,8 +12,12 @@ use foliate_components::robot::PartKind;
 
 /// How far what one body carries may be from where it was when that began, metres and radians; unheld joints likewise.
 const TOLERANCE: f64 = 1e-5;
-/// How much every change of carriers may add to all steps together: the accuracy of projections, metres and radians.
-const PER_CHANGE: f64 = 2e-6;
+/// What all steps of an object together may be before any change of carriers: a start and a goal that are as far off as one
+/// segment may be, metres and radians.
+const BOTH_ENDS: f64 = 2.0 * TOLERANCE;
+/// How much every change of carriers may add to them: three rows of a projection's accuracy of 1e-6 each are an error of
+/// 1.7e-6, in a handle's position and in its rotation, which moves the object's origin as much again a metre from the handle.
+const PER_CHANGE: f64 = 4e-6;
 
 /// What an object hangs on, and where it was when that began.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,7 +40,7 @@ pub(crate) struct Drift {
 
 impl Drift {
     pub(crate) fn new(parts: usize, bodies: usize) -> Self {
-        Self { hung: vec![None; parts], steps: vec![(0.0, TOLERANCE); parts], resting: vec![None; bodies] }
+        Self { hung: vec![None; parts], steps: vec![(0.0, BOTH_ENDS); parts], resting: vec![None; bodies] }
     }
 
     /// Adds a segment.

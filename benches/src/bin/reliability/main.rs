@@ -1,8 +1,8 @@
 //! Regenerates `docs/reliability.md`: how often Foliate fails, and how.
 //!
-//! `cargo run --release -p foliate_benches --bin reliability [-- --quick] [--percent P] [--only FIGURE] [--out FILE]`. Each figure is a module with a
+//! `cargo run --release -p foliate_benches --bin reliability [-- --quick] [--percent P] [--only FIGURE] [--reuse] [--out FILE]`. Each figure is a module with a
 //! size, of which `--percent` takes a share; what it found is kept in `target/reliability/` under the version and the size, so that a run that was stopped goes on with
-//! the figures that are missing. `--quick` is a smoke test of three minutes, whose page goes to `target/reliability/quick.md`.
+//! the figures that are missing; `--reuse` takes also those of other versions, and the page tells which. `--quick` is a smoke test of three minutes, whose page goes to `target/reliability/quick.md`.
 #![forbid(unsafe_code)]
 
 mod coal;
@@ -43,11 +43,12 @@ const FIGURES: [Entry; 8] = [
 ];
 
 fn main() -> Result<()> {
-    let (mut quick, mut only, mut out, mut percent) = (false, None, None, 100);
+    let (mut quick, mut reuse, mut only, mut out, mut percent) = (false, false, None, None, 100);
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--quick" => quick = true,
+            "--reuse" => reuse = true,
             "--only" => only = Some(arguments.next().ok_or("--only FIGURE")?),
             "--percent" => {
                 percent = arguments.next().and_then(|p| p.parse().ok()).ok_or("--percent P, a whole number")?
@@ -70,13 +71,16 @@ fn main() -> Result<()> {
             folder.join(format!("{name}-{size}-{}.json", version.replace(|c: char| !c.is_ascii_alphanumeric(), "_")));
         // Whoever changes the code without a commit measures anew.
         let known = std::fs::read_to_string(&kept).ok().filter(|_| !version.ends_with("+"));
-        let figure = match known.and_then(|text| Figure::read(&text)) {
+        let known = known.and_then(|text| Figure::read(&text));
+        let known = known.or_else(|| if reuse { latest(&folder, &format!("{name}-{size}-")) } else { None });
+        let figure = match known {
             Some(figure) => figure,
             None => {
                 eprintln!("{name}: {size}");
                 let started = Instant::now();
                 let mut figure = measure(size)?;
                 figure.seconds = started.elapsed().as_secs_f64();
+                figure.version.clone_from(&version);
                 foliate::output::write(&kept, figure.json().to_string().as_bytes())?;
                 figure
             }
@@ -100,4 +104,16 @@ fn main() -> Result<()> {
     println!("{}", out.display());
     let failed = figures.iter().any(|figure| figure.failures > 0);
     if failed { Err("some figures are not what is promised; the page tells which".into()) } else { Ok(()) }
+}
+
+/// The figure that was kept last under a name that begins so, of whatever version without changes.
+fn latest(folder: &Path, begin: &str) -> Option<Figure> {
+    let entries = std::fs::read_dir(folder).ok()?.flatten();
+    let figures = entries.filter_map(|entry| {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let when = entry.metadata().and_then(|data| data.modified()).ok()?;
+        let figure = Figure::read(&std::fs::read_to_string(entry.path()).ok()?)?;
+        (name.starts_with(begin) && !figure.version.ends_with('+')).then_some((when, figure))
+    });
+    figures.max_by_key(|(when, _)| *when).map(|(_, figure)| figure)
 }

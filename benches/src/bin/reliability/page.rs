@@ -18,6 +18,8 @@ pub(crate) struct Figure {
     pub failures: u64,
     /// How long it took.
     pub seconds: f64,
+    /// What was measured.
+    pub version: String,
 }
 
 impl Figure {
@@ -36,7 +38,8 @@ impl Figure {
     }
 
     pub(crate) fn json(&self) -> Value {
-        json!({ "title": self.title, "how": self.how, "rows": self.rows, "failures": self.failures, "seconds": self.seconds })
+        json!({ "title": self.title, "how": self.how, "rows": self.rows, "failures": self.failures, "seconds": self.seconds,
+                "version": self.version })
     }
 
     pub(crate) fn read(text: &str) -> Option<Self> {
@@ -49,6 +52,7 @@ impl Figure {
             rows: rows.collect::<Option<_>>()?,
             failures: value["failures"].as_u64()?,
             seconds: value["seconds"].as_f64()?,
+            version: word(&value["version"])?,
         })
     }
 }
@@ -79,6 +83,9 @@ pub(crate) fn page(figures: &[Figure], version: &str, options: &str) -> String {
             let _ = writeln!(out, "| {name} | {value} |");
         }
         let _ = writeln!(out, "| seconds | {:.0} |", figure.seconds);
+        if figure.version != version {
+            let _ = writeln!(out, "\nMeasured with foliate {}.", figure.version);
+        }
     }
     out
 }
