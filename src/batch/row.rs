@@ -118,7 +118,7 @@ impl RowOutcome {
 }
 
 impl Row {
-    pub(super) fn new(entry: &Entry, seed: u64, scheduler: &str) -> Self {
+    pub(crate) fn new(entry: &Entry, seed: u64, scheduler: &str) -> Self {
         Self {
             scene: entry.name().into(),
             seed,
@@ -133,7 +133,7 @@ impl Row {
     }
 
     /// Reads the cells of [`Self::cells`] back; `None` where they are no row.
-    pub(super) fn of_cells(cells: &[String]) -> Option<Self> {
+    pub(crate) fn of_cells(cells: &[String]) -> Option<Self> {
         let [
             scene,
             seed,
@@ -253,7 +253,7 @@ fn milliseconds(time: Duration) -> f64 {
 }
 
 /// A line of CSV (RFC 4180): cells with commas, quotes or line breaks stand in quotes, quotes in them doubled.
-pub(super) fn csv_line<S: AsRef<str>>(cells: &[S]) -> String {
+pub(crate) fn csv_line<S: AsRef<str>>(cells: &[S]) -> String {
     let cells: Vec<String> = cells.iter().map(|cell| csv_cell(cell.as_ref())).collect();
     cells.join(",") + "\n"
 }

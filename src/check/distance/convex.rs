@@ -8,7 +8,7 @@ use glam::{DMat3, DVec3};
 
 /// A convex set in its own frame, z along the axis. Metres.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Core {
+pub(crate) enum Core {
     Point,
     /// Along z.
     Segment {
@@ -27,7 +27,7 @@ pub(super) enum Core {
 
 impl Core {
     /// The core of a primitive and the radius around it; none for a mesh.
-    pub(super) fn of(geometry: &Geometry) -> Option<(Self, f64)> {
+    pub(crate) fn of(geometry: &Geometry) -> Option<(Self, f64)> {
         Some(match geometry {
             Geometry::Sphere { radius } => (Self::Point, *radius),
             Geometry::Box { half_extents } => (Self::Box { half: *half_extents }, 0.0),
@@ -82,18 +82,18 @@ impl Core {
 
 /// A core where another frame sees it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Piece {
+pub(crate) struct Piece {
     core: Core,
     place: Option<(DMat3, DVec3)>,
 }
 
 impl Piece {
-    pub(super) fn at_home(core: Core) -> Self {
+    pub(crate) fn at_home(core: Core) -> Self {
         Self { core, place: None }
     }
 
     /// As the frame sees it in which the rotation and the position are given.
-    pub(super) fn seen(core: Core, (turn, position): &(DMat3, DVec3)) -> Self {
+    pub(crate) fn seen(core: Core, (turn, position): &(DMat3, DVec3)) -> Self {
         match core {
             Core::Triangle(corners) => Self::at_home(Core::Triangle(corners.map(|c| *turn * c + *position))),
             core => Self { core, place: Some((*turn, *position)) },
@@ -101,21 +101,21 @@ impl Piece {
     }
 
     /// A point that is farthest along a direction.
-    pub(super) fn farthest(&self, along: DVec3) -> DVec3 {
+    pub(crate) fn farthest(&self, along: DVec3) -> DVec3 {
         match &self.place {
             None => self.core.farthest(along),
             Some((turn, position)) => *turn * self.core.farthest(turn.transpose() * along) + *position,
         }
     }
 
-    pub(super) fn middle(&self) -> DVec3 {
+    pub(crate) fn middle(&self) -> DVec3 {
         match &self.place {
             None => self.core.middle(),
             Some((turn, position)) => *turn * self.core.middle() + *position,
         }
     }
 
-    pub(super) fn faces(&self) -> [DVec3; 3] {
+    pub(crate) fn faces(&self) -> [DVec3; 3] {
         match &self.place {
             None => self.core.faces(),
             Some((turn, _)) => self.core.faces().map(|face| *turn * face),
@@ -124,6 +124,6 @@ impl Piece {
 }
 
 /// The rotation and position of a pose.
-pub(super) fn parts(pose: &Pose) -> (DMat3, DVec3) {
+pub(crate) fn parts(pose: &Pose) -> (DMat3, DVec3) {
     (DMat3::from_quat(pose.rotation), pose.translation)
 }

@@ -1,7 +1,8 @@
 //! `foliate check`: prove that a path answers its scene.
 
-use super::loading::{self, Cut, Failure};
-use super::{Ending, Refusal, print, print_json, say};
+use crate::cli::console::loading;
+use crate::cli::console::loading::{Cut, Failure};
+use crate::cli::console::print::{Ending, Refusal, print, print_json, say};
 use foliate::check::{CheckOptions, CheckReport, Extreme, SceneChoice, Section, Verdict, check};
 use foliate::path_file::{PathFile, save};
 use foliate::scene::PackagePath;
@@ -48,7 +49,7 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
     let started = Instant::now();
-    let limit = super::solve::deadline(arguments.time_limit)?;
+    let limit = crate::cli::commands::solve::arguments::deadline(arguments.time_limit)?;
     let (mine, packages) = (arguments.clone(), packages.clone());
     let proved = loading::beside(limit, GRACE, move |stop| proved(&mine, &packages, limit, stop))?;
     let (file, report) = match proved {

@@ -4,19 +4,19 @@ use std::time::Duration;
 
 /// Time that this thread has had on a processor so far; none where the system does not tell.
 #[cfg(target_os = "linux")]
-pub(super) fn of_this_thread() -> Option<Duration> {
+pub(crate) fn of_this_thread() -> Option<Duration> {
     let time = nix::time::clock_gettime(nix::time::ClockId::CLOCK_THREAD_CPUTIME_ID).ok()?;
     Some(time.into())
 }
 
 /// Time that this thread has had on a processor so far; none where the system does not tell.
 #[cfg(not(target_os = "linux"))]
-pub(super) fn of_this_thread() -> Option<Duration> {
+pub(crate) fn of_this_thread() -> Option<Duration> {
     None
 }
 
 /// What was spent since then.
-pub(super) fn since(then: Option<Duration>) -> Option<Duration> {
+pub(crate) fn since(then: Option<Duration>) -> Option<Duration> {
     of_this_thread()?.checked_sub(then?)
 }
 

@@ -1,11 +1,11 @@
 //! `foliate certify`: is anyone's motion free, everywhere, and within its limits?
 
-mod arguments;
-mod text;
-
-use super::loading::{self, Cut};
-use super::{Ending, Refusal, interrupt, print, print_json, processor_time, say};
-use arguments::{attachments, rates, start, touch};
+use crate::cli::commands::certify::arguments::{attachments, rates, start, touch};
+use crate::cli::commands::certify::text;
+use crate::cli::commands::certify::text::Spent;
+use crate::cli::console::loading::Cut;
+use crate::cli::console::print::{Ending, Refusal, print, print_json, say};
+use crate::cli::console::{interrupt, loading, processor_time};
 use foliate::certify::formats::{Format, ReadOptions, read};
 use foliate::certify::{Certifier, CertifyOptions, CertifyReport, Interpolation, Turns};
 use foliate::kernels::collision::CollisionScratch;
@@ -68,14 +68,6 @@ pub(crate) struct Arguments {
     pub(crate) level: Level,
 }
 
-/// What a certification took, reading and loading aside.
-#[derive(Clone, Copy)]
-struct Spent {
-    wall: Duration,
-    /// None where the system does not tell.
-    processor: Option<Duration>,
-}
-
 /// How it went with one motion.
 struct Answer {
     result: Result<CertifyReport, String>,
@@ -85,7 +77,7 @@ struct Answer {
 
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
     let started = Instant::now();
-    let limit = super::solve::deadline(arguments.time_limit)?;
+    let limit = crate::cli::commands::solve::arguments::deadline(arguments.time_limit)?;
     let (name, mine) = (arguments.scene.clone(), packages.clone());
     let scene =
         match loading::beside(limit, Duration::ZERO, move |stop| Ok(load_scene(&name, &loading::until(&mine, stop))?))?

@@ -1,7 +1,10 @@
 //! `foliate demo`: the embedded scene, explained.
 
-use super::solve::{self, SearchArguments};
-use super::{Ending, Refusal, loading, print, story, summary};
+use crate::cli::commands::solve::arguments::SearchArguments;
+use crate::cli::commands::solve::run;
+use crate::cli::commands::solve::{story, summary};
+use crate::cli::console::loading;
+use crate::cli::console::print::{Ending, Refusal, print};
 use foliate::scene::PackagePath;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -18,7 +21,7 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
     if let Some(out) = &arguments.out {
-        solve::writable(out)?;
+        run::writable(out)?;
     }
     let (started, limit) = (Instant::now(), arguments.search.deadline()?);
     let (scene, tables) = match loading::scene("demo", packages, limit)? {
@@ -36,12 +39,12 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
         model.graph.states.len(),
         model.graph.transitions.len()
     ));
-    let (planner, mut solution) = solve::solve(planner, &arguments.search, true)?;
+    let (planner, mut solution) = run::solve(planner, &arguments.search, true)?;
     let _measured = solution.measure_clearance();
     let report = &solution.report;
     let Some(path) = &solution.path else {
         print(&format!("No answer: {} after {} candidates.\n", solution.outcome.name(), report.candidates));
-        return solve::ending(&solution.outcome);
+        return run::ending(&solution.outcome);
     };
     let certificate = &path.certificate;
     print(&format!(
@@ -60,8 +63,8 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
         certificate.max_residual,
     ));
     if let Some(out) = &arguments.out {
-        solve::write(out, &scene, &planner, &solution, &arguments.search)?;
+        run::write(out, &scene, &planner, &solution, &arguments.search)?;
         print(&format!("The path is in {}; prove it again: foliate check {}\n", out.display(), out.display()));
     }
-    solve::ending(&solution.outcome)
+    run::ending(&solution.outcome)
 }

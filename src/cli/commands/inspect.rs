@@ -1,6 +1,8 @@
 //! `foliate inspect`: what was read from a model.
 
-use super::{Ending, Refusal, coverage, loading, print, print_json};
+use crate::cli::commands::solve::coverage;
+use crate::cli::console::loading;
+use crate::cli::console::print::{Ending, Refusal, print, print_json};
 use foliate::components::Pose;
 use foliate::components::pose::pose_to_array;
 use foliate::components::robot::model::{JointKind, JointModel, Model};

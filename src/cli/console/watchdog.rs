@@ -1,6 +1,6 @@
 //! The limit of memory where no search looks at it: while files are read and paths are checked.
 
-use super::say;
+use crate::cli::console::print::say;
 use foliate::memory::{MemoryLimit, resident};
 use std::io::Write;
 use std::time::Duration;

@@ -1,12 +1,12 @@
 //! What stands behind the options of `foliate certify`.
 
-use super::super::Refusal;
+use crate::cli::console::print::Refusal;
 use foliate::certify::{Attachment, Rates, find_coordinate, find_joint};
 use foliate::components::problem::Problem;
 use foliate::components::robot::Robot;
 
 /// `OBJECT@LINK[:TIME]` and `OBJECT[:TIME]`; without a time it is from the start.
-pub(super) fn attachments(attach: &[String], detach: &[String]) -> Result<Vec<Attachment>, Refusal> {
+pub(crate) fn attachments(attach: &[String], detach: &[String]) -> Result<Vec<Attachment>, Refusal> {
     let timed = |text: &str| match text.rsplit_once(':') {
         None => Ok((text.to_owned(), f64::NEG_INFINITY)),
         Some((name, time)) => match time.parse::<f64>().ok().filter(|t| t.is_finite()) {
@@ -30,7 +30,7 @@ pub(super) fn attachments(attach: &[String], detach: &[String]) -> Result<Vec<At
     Ok(attachments)
 }
 
-pub(super) fn touch(pairs: &[String]) -> Result<Vec<(String, String)>, Refusal> {
+pub(crate) fn touch(pairs: &[String]) -> Result<Vec<(String, String)>, Refusal> {
     let split = |text: &String| match text.split_once(',') {
         Some((a, b)) => Ok((a.trim().to_owned(), b.trim().to_owned())),
         None => Err(Refusal(format!("--touch `{}`: write two names, A,B", text.escape_debug()))),
@@ -49,7 +49,7 @@ fn positive(option: &str, text: &str) -> Result<f64, Refusal> {
 }
 
 /// `JOINT=VALUE`: where joints stand that the motion does not move.
-pub(super) fn start(problem: &mut Problem, given: &[String]) -> Result<(), Refusal> {
+pub(crate) fn start(problem: &mut Problem, given: &[String]) -> Result<(), Refusal> {
     for text in given {
         let Some((name, value)) = text.split_once('=') else {
             return Err(Refusal(format!("--start `{}`: write JOINT=VALUE", text.escape_debug())));
@@ -60,7 +60,7 @@ pub(super) fn start(problem: &mut Problem, given: &[String]) -> Result<(), Refus
     Ok(())
 }
 
-pub(super) fn rates(robot: &Robot, velocity: &[String], acceleration: &[String]) -> Result<Rates, Refusal> {
+pub(crate) fn rates(robot: &Robot, velocity: &[String], acceleration: &[String]) -> Result<Rates, Refusal> {
     let mut rates = Rates::default();
     for text in velocity {
         match text.split_once('=') {

@@ -1,12 +1,20 @@
 //! What `foliate certify` says to people.
 
-use super::Spent;
 use foliate::certify::{CertifyReport, ClearanceReport, ContactReport, LimitKind, LimitViolation, PairName, Verdict};
 use std::fmt::Write;
 use std::path::Path;
+use std::time::Duration;
+
+/// What a certification took, reading and loading aside.
+#[derive(Clone, Copy)]
+pub(crate) struct Spent {
+    pub(crate) wall: Duration,
+    /// None where the system does not tell.
+    pub(crate) processor: Option<Duration>,
+}
 
 /// One of many motions, in one line.
-pub(super) fn line(path: &Path, result: &Result<CertifyReport, String>, spent: Spent) -> String {
+pub(crate) fn line(path: &Path, result: &Result<CertifyReport, String>, spent: Spent) -> String {
     let name = path.display();
     let report = match result {
         Ok(report) => report,
@@ -28,7 +36,7 @@ pub(super) fn line(path: &Path, result: &Result<CertifyReport, String>, spent: S
 }
 
 /// One motion alone.
-pub(super) fn page(path: &Path, scene: &str, result: &Result<CertifyReport, String>, spent: Spent) -> String {
+pub(crate) fn page(path: &Path, scene: &str, result: &Result<CertifyReport, String>, spent: Spent) -> String {
     let Ok(report) = result else { return String::new() };
     let mut out = String::new();
     let curves = match report.degree {

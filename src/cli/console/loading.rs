@@ -1,6 +1,7 @@
 //! Loading under the time limit and the signals of a command.
 
-use super::{Ending, Refusal, interrupt, print, print_json};
+use crate::cli::console::interrupt;
+use crate::cli::console::print::{Ending, Refusal, print, print_json};
 use foliate::batch::Entry;
 use foliate::components::outcome::SearchOutcome;
 use foliate::output;

@@ -1,8 +1,8 @@
 //! `foliate models`: which published robots are at hand; fetches them.
 
-mod unpack;
-
-use super::{Ending, Refusal, interrupt, print, say};
+use crate::cli::commands::models::unpack;
+use crate::cli::console::interrupt;
+use crate::cli::console::print::{Ending, Refusal, print, say};
 use foliate::scene::{PackagePath, model_cache};
 use foliate::systems::events::CancelToken;
 use std::io::Read;

@@ -1,7 +1,8 @@
 //! `foliate bench`: many seeds of some scenes, a row each, and the table of the papers.
 
-use super::solve::{Tuning, deadline, no_scheduler};
-use super::{Ending, Refusal, interrupt, loading, print, print_json, say};
+use crate::cli::commands::solve::arguments::{Tuning, deadline, no_scheduler};
+use crate::cli::console::print::{Ending, Refusal, print, print_json, say};
+use crate::cli::console::{interrupt, loading};
 use foliate::batch::{Batch, Row, Seeds, Settings, Spread, Table};
 use foliate::scene::PackagePath;
 use foliate::systems::schedulers;

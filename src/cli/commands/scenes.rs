@@ -1,6 +1,6 @@
 //! `foliate scenes`: what is shipped.
 
-use super::{Ending, Refusal, print, print_json};
+use crate::cli::console::print::{Ending, Refusal, print, print_json};
 use foliate::scene::shipped_scenes;
 use serde::Serialize;
 use std::fmt::Write;

@@ -1,15 +1,13 @@
 //! What a search has found, for people and for machines.
 
-use super::coverage::{self, LeftOut};
-use super::solve::SearchArguments;
-use super::story;
+use crate::cli::commands::solve::coverage::LeftOut;
+use crate::cli::commands::solve::{coverage, story};
 use foliate::components::outcome::{Rejection, SearchOutcome};
 use foliate::components::robot::ShapeIndex;
 use foliate::scene::Scene;
 use foliate::systems::schedulers::portfolio::WorldCount;
 use foliate::systems::search::path_clearance::PathClearance;
-use foliate::{FunnelRow, GoalReport, Solution, StateRow};
-use serde_json::{Value, json};
+use foliate::{FunnelRow, Solution};
 use std::fmt::Write;
 use std::time::Duration;
 
@@ -99,7 +97,7 @@ pub(crate) fn text(loaded: &Loaded<'_>, solution: &Solution) -> String {
     out
 }
 
-fn name<'a>(loaded: &'a Loaded<'_>, shape: ShapeIndex) -> &'a str {
+pub(crate) fn name<'a>(loaded: &'a Loaded<'_>, shape: ShapeIndex) -> &'a str {
     &loaded.scene.problem.robot.shapes[shape.at()].name
 }
 
@@ -119,19 +117,6 @@ fn closest(loaded: &Loaded<'_>, solution: &Solution) -> String {
         nearest.segment + 1,
         path.segments.len()
     )
-}
-
-fn closest_json(loaded: &Loaded<'_>) -> Option<Value> {
-    let clearance = loaded.clearance?;
-    let nearest = clearance.nearest.as_ref();
-    Some(json!({
-        "lower": clearance.lower,
-        "upper": nearest.map(|n| n.clearance),
-        "first": nearest.map(|n| name(loaded, n.shapes.0)),
-        "second": nearest.map(|n| name(loaded, n.shapes.1)),
-        "segment": nearest.map(|n| n.segment),
-        "t": nearest.map(|n| n.t),
-    }))
 }
 
 /// The funnel: what became of the candidates, per transition. Short when the problem is solved.
@@ -168,109 +153,4 @@ fn words(reason: Rejection) -> String {
 fn duration(time: Duration) -> String {
     let seconds = time.as_secs_f64();
     if seconds < 1.0 { format!("{:.1} ms", seconds * 1e3) } else { format!("{seconds:.2} s") }
-}
-
-/// The summary for machines: one object, with wall times and counts.
-pub(crate) fn json(loaded: &Loaded<'_>, search: &SearchArguments, solution: &Solution) -> Value {
-    let report = &solution.report;
-    let reason = match &solution.outcome {
-        SearchOutcome::InfeasibleStart(why) | SearchOutcome::InfeasibleGoal(why) | SearchOutcome::Crashed(why) => {
-            Some(why.clone())
-        }
-        _ => None,
-    };
-    let certificate = solution.path.as_ref().map(|path| {
-        let c = &path.certificate;
-        json!({
-            "path_tolerance": c.path_tolerance,
-            "max_residual": c.max_residual,
-            "min_clearance": c.min_clearance,
-            "joint_limits": "within",
-            "pairs": coverage::counts_json(&c.pairs),
-        })
-    });
-    let left_out =
-        loaded.left_out.map(|left| coverage::list_json(&left.pairs, &left.apart, |shape| name(loaded, shape)));
-    let funnel: Vec<Value> = report.funnel.iter().map(funnel_json).collect();
-    let states: Vec<Value> = report.states.iter().map(state_json).collect();
-    json!({
-        "scene": loaded.scene.problem.name,
-        "seed": search.seed,
-        "scheduler": search.scheduler,
-        "threads": search.threads,
-        "simd": search.tuning.level.name(),
-        "outcome": solution.outcome.name(),
-        "reason": reason,
-        "load_ms": loaded.load_time.as_secs_f64() * 1e3,
-        "solve_ms": report.time().as_secs_f64() * 1e3,
-        "steps": report.steps,
-        "candidates": report.candidates,
-        "validated": report.validated,
-        "worlds": report.worlds.iter().map(world_json).collect::<Vec<_>>(),
-        "nodes": report.nodes,
-        "edges": report.edges,
-        "leaves": report.leaves,
-        "segments": solution.path.as_ref().map(|p| p.segments.len()),
-        "path_length": report.path_length,
-        "roadmap": format!("{:016x}", report.fingerprint),
-        "funnel": funnel,
-        "states": states,
-        "goals": goals_json(&report.goals),
-        "certificate": certificate,
-        "clearance": closest_json(loaded),
-        "pairs_left_out": left_out,
-    })
-}
-
-fn world_json(world: &WorldCount) -> Value {
-    json!({
-        "scheduler": world.scheduler,
-        "answers": world.answers,
-        "steps": world.counter.step,
-        "candidates": world.counter.candidates,
-        "validated": world.counter.validated,
-    })
-}
-
-fn funnel_json(row: &FunnelRow) -> Value {
-    let s = &row.statistics;
-    let rejections: Vec<Value> = s
-        .rejections
-        .iter()
-        .map(|(reason, count)| json!({ "reason": reason.describe(), "leg": reason.leg(), "count": count }))
-        .collect();
-    json!({
-        "transition": row.transition,
-        "attempts": s.attempts,
-        "reached": s.reached,
-        "partial": s.partial,
-        "success_rate": row.success_rate,
-        "projection_rate": row.projection_rate,
-        "rejections": rejections,
-        "blocked_by": row.blocked_by,
-        "blocking_parts": row.blocking_parts,
-    })
-}
-
-fn state_json(row: &StateRow) -> Value {
-    let s = row.statistics;
-    json!({
-        "state": row.state,
-        "nodes": s.nodes,
-        "leaves": s.leaves,
-        "extended": s.extended,
-        "connections_tried": s.connections_tried,
-        "connections_made": s.connections_made,
-    })
-}
-
-fn goals_json(goals: &GoalReport) -> Value {
-    let s = &goals.statistics;
-    json!({
-        "tries": s.tries,
-        "found": s.found,
-        "projection_failed": s.projection_failed,
-        "refused": s.refused,
-        "blocking_parts": goals.blocking_parts,
-    })
 }

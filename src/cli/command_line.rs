@@ -1,0 +1,138 @@
+//! The commands, one file each. Exit codes: 0 done, 1 no solution or a check that fails, 2 wrong usage or input, or output
+//! that could not be written, 3 proved only relative to what a file says of itself, 4 undecided within limits, 130 interrupted.
+
+use crate::cli::commands::models::install;
+use crate::cli::commands::solve::run;
+use crate::cli::commands::{bench, check, demo, graph, inspect, scenes};
+use crate::cli::console::print::{Ending, LOST, Refusal, lose, say};
+use crate::cli::console::{interrupt, watchdog};
+use clap::{Parser, Subcommand};
+use foliate::kernels::lanes::Level;
+use foliate::memory::MemoryLimit;
+use foliate::scene::{MeshCache, PackagePath};
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Plans manipulation: grasp, carry, regrasp, hand over, put down.
+#[derive(Parser)]
+#[command(name = "foliate", version, arg_required_else_help = true)]
+struct Cli {
+    /// Directory that holds packages, for package:// URLs; may be given several times
+    #[arg(long, global = true, value_name = "DIR")]
+    package_path: Vec<PathBuf>,
+    /// Neither read nor keep meshes in the mesh cache (FOLIATE_MESH_CACHE, or foliate/meshes in the user's cache directory);
+    /// answers are the same, loading takes longer
+    #[arg(long, global = true)]
+    no_mesh_cache: bool,
+    /// SIMD level of the arithmetic, instead of the best that this machine has; results are equal bit for bit only at one
+    /// level
+    #[arg(long, global = true, value_name = "LEVEL", value_parser = Level::named)]
+    simd: Option<Level>,
+    /// Most memory of the process: bytes, or a number with MB, GB, MiB or GiB; a search ends with outcome memory_limit before it, and
+    /// reading ends with an error. Default: three quarters of what the machine or its container has, at most 16 GiB
+    #[arg(long, global = true, value_name = "SIZE")]
+    memory_limit: Option<MemoryLimit>,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Demo(demo::Arguments),
+    Solve(run::Arguments),
+    Certify(crate::cli::commands::certify::run::Arguments),
+    Check(check::Arguments),
+    Graph(graph::Arguments),
+    Bench(bench::Arguments),
+    Inspect(inspect::Arguments),
+    Models(install::Arguments),
+    Scenes(scenes::Arguments),
+}
+
+impl Command {
+    /// Bounds the memory of a command that searches.
+    fn bound(&mut self, limit: MemoryLimit) {
+        match self {
+            Self::Demo(arguments) => arguments.search.tuning.memory = Some(limit),
+            Self::Solve(arguments) => arguments.search.tuning.memory = Some(limit),
+            Self::Bench(arguments) => arguments.tuning.memory = Some(limit),
+            // These do not search.
+            Self::Certify(_)
+            | Self::Check(_)
+            | Self::Graph(_)
+            | Self::Inspect(_)
+            | Self::Models(_)
+            | Self::Scenes(_) => {}
+        }
+    }
+
+    /// Makes a command that searches do so at a level.
+    fn force(&mut self, level: Level) {
+        match self {
+            Self::Demo(arguments) => arguments.search.tuning.level = level,
+            Self::Solve(arguments) => arguments.search.tuning.level = level,
+            Self::Bench(arguments) => arguments.tuning.level = level,
+            Self::Certify(arguments) => arguments.level = level,
+            // These do not search.
+            Self::Check(_) | Self::Graph(_) | Self::Inspect(_) | Self::Models(_) | Self::Scenes(_) => {}
+        }
+    }
+}
+
+/// Reads the command line, runs the command, tells how it ended.
+pub(crate) fn main() -> ExitCode {
+    interrupt::survive_size_limits();
+    let code = match Cli::try_parse() {
+        Ok(cli) => run(cli),
+        Err(told) => {
+            if let Err(error) = told.print() {
+                lose(error);
+            }
+            told.exit_code() as u8
+        }
+    };
+    if let Err(error) = std::io::stdout().flush() {
+        lose(error);
+    }
+    match LOST.get() {
+        Some(error) => {
+            say(&format!("error: standard output: {error}\n"));
+            ExitCode::from(2)
+        }
+        None => ExitCode::from(code),
+    }
+}
+
+fn run(mut cli: Cli) -> u8 {
+    if let Some(level) = cli.simd {
+        cli.command.force(level);
+    }
+    let limit = cli.memory_limit.unwrap_or_else(MemoryLimit::of_machine);
+    cli.command.bound(limit);
+    watchdog::start(limit);
+    let mesh_cache = if cli.no_mesh_cache { None } else { MeshCache::of_user() };
+    let packages = PackagePath::from_environment(&cli.package_path).with_mesh_cache(mesh_cache);
+    let ending = match &cli.command {
+        Command::Demo(arguments) => demo::run(arguments, &packages),
+        Command::Solve(arguments) => run::run(arguments, &packages),
+        Command::Certify(arguments) => crate::cli::commands::certify::run::run(arguments, &packages),
+        Command::Check(arguments) => check::run(arguments, &packages),
+        Command::Bench(arguments) => bench::run(arguments, &packages),
+        Command::Graph(arguments) => graph::run(arguments, &packages),
+        Command::Inspect(arguments) => inspect::run(arguments, &packages),
+        Command::Models(arguments) => install::run(arguments, &packages),
+        Command::Scenes(arguments) => scenes::run(arguments),
+    };
+    match ending {
+        Ok(Ending::Done) => 0,
+        Ok(Ending::Failed) => 1,
+        Ok(Ending::Relative) => 3,
+        Ok(Ending::Undecided) => 4,
+        Ok(Ending::Interrupted) => interrupt::EXIT_CODE,
+        Err(Refusal(message)) => {
+            say(&format!("error: {message}\n"));
+            2
+        }
+    }
+}

@@ -1,0 +1,4 @@
+//! TODO(page): what lies in cli/commands/models.
+
+pub(crate) mod install;
+pub(crate) mod unpack;

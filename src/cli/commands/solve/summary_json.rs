@@ -1,0 +1,127 @@
+//! TODO(page): what summary_json is.
+
+use crate::cli::commands::solve::arguments::SearchArguments;
+use crate::cli::commands::solve::coverage;
+use crate::cli::commands::solve::summary::{Loaded, name};
+use foliate::components::outcome::SearchOutcome;
+use foliate::systems::schedulers::portfolio::WorldCount;
+use foliate::{FunnelRow, GoalReport, Solution, StateRow};
+use serde_json::{Value, json};
+
+fn closest_json(loaded: &Loaded<'_>) -> Option<Value> {
+    let clearance = loaded.clearance?;
+    let nearest = clearance.nearest.as_ref();
+    Some(json!({
+        "lower": clearance.lower,
+        "upper": nearest.map(|n| n.clearance),
+        "first": nearest.map(|n| name(loaded, n.shapes.0)),
+        "second": nearest.map(|n| name(loaded, n.shapes.1)),
+        "segment": nearest.map(|n| n.segment),
+        "t": nearest.map(|n| n.t),
+    }))
+}
+
+/// The summary for machines: one object, with wall times and counts.
+pub(crate) fn json(loaded: &Loaded<'_>, search: &SearchArguments, solution: &Solution) -> Value {
+    let report = &solution.report;
+    let reason = match &solution.outcome {
+        SearchOutcome::InfeasibleStart(why) | SearchOutcome::InfeasibleGoal(why) | SearchOutcome::Crashed(why) => {
+            Some(why.clone())
+        }
+        _ => None,
+    };
+    let certificate = solution.path.as_ref().map(|path| {
+        let c = &path.certificate;
+        json!({
+            "path_tolerance": c.path_tolerance,
+            "max_residual": c.max_residual,
+            "min_clearance": c.min_clearance,
+            "joint_limits": "within",
+            "pairs": coverage::counts_json(&c.pairs),
+        })
+    });
+    let left_out =
+        loaded.left_out.map(|left| coverage::list_json(&left.pairs, &left.apart, |shape| name(loaded, shape)));
+    let funnel: Vec<Value> = report.funnel.iter().map(funnel_json).collect();
+    let states: Vec<Value> = report.states.iter().map(state_json).collect();
+    json!({
+        "scene": loaded.scene.problem.name,
+        "seed": search.seed,
+        "scheduler": search.scheduler,
+        "threads": search.threads,
+        "simd": search.tuning.level.name(),
+        "outcome": solution.outcome.name(),
+        "reason": reason,
+        "load_ms": loaded.load_time.as_secs_f64() * 1e3,
+        "solve_ms": report.time().as_secs_f64() * 1e3,
+        "steps": report.steps,
+        "candidates": report.candidates,
+        "validated": report.validated,
+        "worlds": report.worlds.iter().map(world_json).collect::<Vec<_>>(),
+        "nodes": report.nodes,
+        "edges": report.edges,
+        "leaves": report.leaves,
+        "segments": solution.path.as_ref().map(|p| p.segments.len()),
+        "path_length": report.path_length,
+        "roadmap": format!("{:016x}", report.fingerprint),
+        "funnel": funnel,
+        "states": states,
+        "goals": goals_json(&report.goals),
+        "certificate": certificate,
+        "clearance": closest_json(loaded),
+        "pairs_left_out": left_out,
+    })
+}
+
+fn world_json(world: &WorldCount) -> Value {
+    json!({
+        "scheduler": world.scheduler,
+        "answers": world.answers,
+        "steps": world.counter.step,
+        "candidates": world.counter.candidates,
+        "validated": world.counter.validated,
+    })
+}
+
+fn funnel_json(row: &FunnelRow) -> Value {
+    let s = &row.statistics;
+    let rejections: Vec<Value> = s
+        .rejections
+        .iter()
+        .map(|(reason, count)| json!({ "reason": reason.describe(), "leg": reason.leg(), "count": count }))
+        .collect();
+    json!({
+        "transition": row.transition,
+        "attempts": s.attempts,
+        "reached": s.reached,
+        "partial": s.partial,
+        "success_rate": row.success_rate,
+        "projection_rate": row.projection_rate,
+        "rejections": rejections,
+        "blocked_by": row.blocked_by,
+        "blocking_parts": row.blocking_parts,
+    })
+}
+
+fn state_json(row: &StateRow) -> Value {
+    let s = row.statistics;
+    json!({
+        "state": row.state,
+        "nodes": s.nodes,
+        "leaves": s.leaves,
+        "extended": s.extended,
+        "connections_tried": s.connections_tried,
+        "connections_made": s.connections_made,
+    })
+}
+
+fn goals_json(goals: &GoalReport) -> Value {
+    let s = &goals.statistics;
+    json!({
+        "tries": s.tries,
+        "found": s.found,
+        "projection_failed": s.projection_failed,
+        "refused": s.refused,
+        "blocking_parts": goals.blocking_parts,
+    })
+}
