@@ -3,7 +3,7 @@
 use crate::page::Figure;
 use crate::{Result, scenes};
 use foliate::check::{CheckOptions, SceneChoice, Verdict, check};
-use foliate::path_file::PathFile;
+use foliate::path_file::{PathFile, SegmentEntry};
 use rand::RngExt;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -35,12 +35,14 @@ const LIES: [(&str, Lie); 8] = [
         knot[0] += 0.01;
         true
     }),
-    ("a segment left out", |file, random| {
-        if file.segments.len() < 2 {
+    ("a motion left out", |file, random| {
+        // Without a segment that stands still a path is true: at its knot both of what comes before and after holds.
+        let moves = |segment: &SegmentEntry| segment.knots.first() != segment.knots.last();
+        let moving: Vec<usize> = (0..file.segments.len()).filter(|&at| moves(&file.segments[at])).collect();
+        if moving.len() < 2 {
             return false;
         }
-        let at = random.random_range(0..file.segments.len());
-        drop(file.segments.remove(at));
+        drop(file.segments.remove(moving[random.random_range(0..moving.len())]));
         true
     }),
     ("a part left out", |file, random| {
