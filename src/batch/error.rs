@@ -1,4 +1,4 @@
-//! TODO(page): what error is.
+//! The error of a batch, and the one way in which its files are written whole.
 
 use crate::batch::row::{COLUMNS, Row, csv_line};
 use crate::output;

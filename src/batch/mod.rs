@@ -1,4 +1,12 @@
-//! TODO(page): what lies in batch.
+//! Batches: the same problems over many seeds, one row each whatever happens.
+//!
+//! Solves are independent and single-threaded; [`Settings::threads`] says how many run side by side. A problem's model is
+//! built once and shared. Every solve ends as one [`Row`]: an answer, a limit, or a panic, which is caught and takes no
+//! other solve down. (What ends the whole process, such as a lack of memory, ends the batch; the rows written by then are on
+//! disk.)
+//!
+//! `run` solves each `entry` with each of the `seeds`. `record` writes a `row` for each to disk, and takes up what an
+//! earlier run left by `kept`. `table` sums the rows up; `machine` says where they were measured.
 
 pub(crate) mod entry;
 pub mod error;

@@ -1,9 +1,4 @@
-//! Batches: the same problems over many seeds, one row each whatever happens.
-//!
-//! Solves are independent and single-threaded; [`Settings::threads`] says how many run side by side. A problem's model is
-//! built once and shared. Every solve ends as one [`Row`]: an answer, a limit, or a panic, which is caught and takes no
-//! other solve down. (What ends the whole process, such as a lack of memory, ends the batch; the rows written by then are
-//! on disk.)
+//! The run of a batch: its settings, and the threads that solve and record.
 
 use crate::batch::entry::Entry;
 use crate::batch::error::{BatchError, MOST_SOLVES};

@@ -1,14 +1,4 @@
-//! Proving a path file right or wrong, against the scene that it answers and the models as they are.
-//!
-//! Nothing of the search is trusted: bodies, limits and pairs are rebuilt from the models, motions are read as the
-//! path contract says, and where the planner certifies clearance by covering intervals around samples, this marches
-//! forward along each pair's own clock; distances are computed by code of its own. What cannot be proved counts as broken,
-//! or as undecided where work, time or resolution end first.
-//!
-//! A path answers a problem: the scene is the contract ([`SceneChoice`](crate::check::report::error::SceneChoice)), and what the file says of itself is compared with
-//! it. Without a scene only what the file says is proved, and [`CheckReport::verdict`] says so.
-//!
-//! [`check`] answers with a [`CheckReport`], or with a [`CheckError`] where the file or a model cannot be read.
+//! The order of the proof: reads file, models and scene, and runs every check over every segment.
 
 use crate::check::clearance::{along, certificate, pairs};
 use crate::check::contract::scene_contract;

@@ -1,5 +1,4 @@
-//! The commands, one file each. Exit codes: 0 done, 1 no solution or a check that fails, 2 wrong usage or input, or output
-//! that could not be written, 3 proved only relative to what a file says of itself, 4 undecided within limits, 130 interrupted.
+//! The arguments of the program, the choice of the command, and the exit code.
 
 use crate::cli::commands::models::install;
 use crate::cli::commands::solve::run;

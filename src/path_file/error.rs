@@ -1,4 +1,4 @@
-//! TODO(page): what error is.
+//! The error of reading and saving path files.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,10 @@
-//! TODO(page): what lies in path_file.
+//! Path files: `"format": "foliate.path/1"`, the contract that other people's checkers read (DESIGN §6).
+//!
+//! The models and this file are all that is needed to play a path back or to prove it again. Numbers are written so that
+//! they read back bit for bit; a file holds neither clock times nor thread counts, so that it does not depend on them.
+//!
+//! `document` is the form of a file, with the constraints of `constraint`. `write` makes one of a path, `read` reads one
+//! (`place` says where a JSON error is), `save` puts one on disk with the models that it names.
 
 pub mod constraint;
 pub mod document;

@@ -1,7 +1,4 @@
-//! Reading: scene files, robot descriptions and meshes, and where to find them.
-//!
-//! Input is hostile: sizes, depths and counts have caps, numbers are finite, links out of packages are not followed, and
-//! every refusal is a [`SceneError`] with file, line and element.
+//! Loads a scene, or one robot model, by name or path.
 
 use crate::scene::assemble::load;
 use crate::scene::mesh::meshes;

@@ -1,4 +1,11 @@
-//! TODO(page): what lies in scene.
+//! Reading: scene files, robot descriptions and meshes, and where to find them.
+//!
+//! Input is hostile: sizes, depths and counts have caps, numbers are finite, links out of packages are not followed, and
+//! every refusal is a [`SceneError`] with file, line and element.
+//!
+//! `load` is the entrance for files, `shipped` for embedded scenes. Both call `assemble`, which makes a problem of a scene
+//! file. It finds the files of models by `sources` and reads them by `urdf`, `srdf` and `mesh`. All of these read by means
+//! of `reading`.
 
 pub(crate) mod assemble;
 pub mod load;

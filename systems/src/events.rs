@@ -171,7 +171,8 @@ pub struct TransitionFeedback {
     pub partial: u64,
     /// [`TransitionStatistics::success_rate`](foliate_components::outcome::TransitionStatistics::success_rate) with the default prior.
     pub success_rate: f64,
-    /// [`TransitionStatistics::projection_rate`](foliate_components::outcome::TransitionStatistics::projection_rate) with the default prior.
+    /// [`TransitionStatistics::projection_rate`](foliate_components::outcome::TransitionStatistics::projection_rate)
+    /// with the default prior.
     pub projection_rate: f64,
     /// The parts that were most often in each other's way.
     pub most_blocking: Option<BlockingParts>,

@@ -1,8 +1,10 @@
 //! The verbs of Foliate: systems over the nouns of `foliate_components`, with the numbers of `foliate_kernels`.
 //!
-//! [`graph`](crate::planning_model::graph) makes the constraint graph of a problem, [`constraint_programs`] compiles what it demands,
-//! [`model`](crate::planning_model::model) holds both with the other tables. A search ([`search`]) is a world whose [`schedule`] runs the sets of
-//! [`schedule::SearchSet`] step after step; [`schedulers`] are the compositions that ship.
+//! [`planning_model`] makes the constraint graph of a problem, compiles what it demands, and holds both with the other
+//! tables. A search ([`search`]) is a world whose [`schedule`] runs the sets of [`schedule::SearchSet`] step after step; the
+//! systems of these sets are in [`step`], what they have reached in [`exploration`]. [`goals`] draws configurations of goals,
+//! [`heuristic`] tells which leaves are worth extending. [`schedulers`] are the compositions that ship. [`runtime`] shares work
+//! among threads.
 #![forbid(unsafe_code)]
 // Frames stand in names as the field writes them: `X_WG` is the pose of G in W, so that `X_WG * X_GH` reads right.
 #![allow(non_snake_case, reason = "pose names carry their frames")]

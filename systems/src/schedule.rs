@@ -1,4 +1,4 @@
-//! One step of the search: the table of contents.
+//! One step of the search: its sets in their order, and the counter of steps and work.
 
 use bevy_ecs::prelude::{IntoScheduleConfigs, Resource, Schedule, SystemSet};
 use bevy_ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};

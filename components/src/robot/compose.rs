@@ -9,8 +9,8 @@ use crate::robot::error::ComposeError;
 use crate::robot::hybrid_robot::{DisabledPair, Gripper, Handle, Link, Part, Robot, Shape, Surface};
 use crate::robot::indices::{JointIndex, LinkIndex, PartIndex};
 use crate::robot::joint::{Joint, Motion, PartPlacement, RootJoint, Source};
-use crate::robot::model::{JointKind, Model};
-use crate::robot::model_tree::{Follow, Tree, follows, moved};
+use crate::robot::model::part_model::{JointKind, Model};
+use crate::robot::model::tree::{Follow, Tree, follows, moved};
 use glam::{DQuat, DVec3};
 use std::collections::HashMap;
 
@@ -293,7 +293,7 @@ mod tests {
     use crate::robot::indices::JointIndex;
     use crate::robot::joint::{PartKind, PartPlacement, RootJoint, Source};
 
-    use crate::robot::model::{JointKind, JointModel, LinkModel, Model};
+    use crate::robot::model::part_model::{JointKind, JointModel, LinkModel, Model};
     use glam::DVec3;
 
     /// A chain of links by joints of the given kinds; joint i is called by its number.

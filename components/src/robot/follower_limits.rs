@@ -71,7 +71,7 @@ mod tests {
 
     use crate::robot::error::ComposeError;
     use crate::robot::joint::PartPlacement;
-    use crate::robot::model::{JointKind, JointModel, LinkModel, Model};
+    use crate::robot::model::part_model::{JointKind, JointModel, LinkModel, Model};
     use crate::samples::models::fixed_robot;
     use glam::DVec3;
 

@@ -10,7 +10,6 @@ pub(crate) mod joined_links;
 pub mod joint;
 pub(crate) mod limits;
 pub mod model;
-pub(crate) mod model_tree;
 pub mod shape;
 
 pub use crate::robot::error::ComposeError;

@@ -1,4 +1,7 @@
-//! TODO(page): what lies in certify/formats.
+//! Reading motions as others write them, one file per format.
+//!
+//! `read` finds out which format a file has and calls its reader: `csv`, `numpy`, `ompl`, `ros`, or `own` for path files.
+//! Each of them makes a `Table` (`table`). `read` then looks up its names and makes a motion of it.
 
 pub(crate) mod csv;
 pub(crate) mod numpy;

@@ -1,5 +1,4 @@
-//! Reading motions as others write them. One file per format; what they have in common is here: which format a file has, which
-//! joints its names mean, and an error that says where.
+//! What all formats have in common: which format a file has, which joints its names mean, and an error that says where.
 
 use crate::certify::formats::table::{CAP, COLUMNS, Table};
 use crate::certify::formats::{csv, numpy, ompl, own, ros};

@@ -1,4 +1,4 @@
-//! TODO(page): what table is.
+//! A file of a motion as its reader leaves it, before names are looked up, and the caps for files of all formats.
 
 use crate::certify::motion::piecewise::{Attachment, Point};
 

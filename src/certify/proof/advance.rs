@@ -1,7 +1,7 @@
 //! The first contact on a curve, found by conservative advancement (B. Mirtich, Impulse-based dynamic simulation, 1996).
 //!
 //! A pair whose distance exceeds its margin by d is free until its two shapes may have approached each other by d. How fast they can
-//! is bounded over the window that is looked at (levers.rs), so each pair has a place up to which it is free; the pair with the
+//! is bounded over the window that is looked at (`world::levers`), so each pair has a place up to which it is free; the pair with the
 //! earliest is looked at next. What comes to a stand before a contact is pushed on a little until the two have met.
 #![allow(non_snake_case, reason = "pose names carry their frames")]
 

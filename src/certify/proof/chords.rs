@@ -1,9 +1,10 @@
-//! How a motion is proved free, or the first contact found.
+//! The proof over a motion's chords.
 //!
-//! Curves are cut into pieces so short that the chord of each stays within a tenth of a millimetre of the curve, whatever part of the
-//! robot is looked at: a joint is off its chord by at most h²/8 · sup|q̈|, and the suprema are those of the polynomials. The polyline
-//! is certified in lanes with margins that much larger. Where that fails the curve itself is looked at (advance.rs), and behind that
-//! place lanes go on.
+//! Curves are cut into pieces so short that the chord of each stays within a tenth of a millimetre of the curve, whatever
+//! part of the robot is looked at: a joint is off its chord by at most h²/8 · sup|q̈|, and the suprema are those of the
+//! polynomials. The polyline is certified in lanes with margins that much larger. Where that fails the curve itself is
+//! looked at (`advance`), and behind that place lanes go on.
+
 #![allow(non_snake_case, reason = "pose names carry their frames")]
 
 use crate::certify::motion::piecewise::{Curve, Motion, Segment};

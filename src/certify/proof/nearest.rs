@@ -1,7 +1,8 @@
 //! The least clearance along a motion, to within ten per cent or a tenth of a millimetre, and where.
 //!
-//! The search is the kernels' (collision/minimum.rs): branch and bound along polylines. Here curves are cut into chords, as for
-//! the proof, and what these are off is taken off the bound. How far they may be off depends on the clearance, so that a
+//! The search is the kernels' (`collision/continuous/minimum.rs`): branch and bound along polylines. Here curves are cut
+//! into chords, as for the proof, and what these are off is taken off the bound. How far they may be off depends on the
+//! clearance, so that a
 //! rough search comes first where something curves; straight motions need one. The place is then measured on the curve itself.
 #![allow(non_snake_case, reason = "pose names carry their frames")]
 

@@ -1,4 +1,10 @@
-//! TODO(page): what lies in check/contract.
+//! The scene is the contract: whether a path answers *this* problem.
+//!
+//! What the scene says is read by its loader into a problem; everything is then compared and evaluated here. The file's own
+//! word counts for nothing where the scene has one: parts and models (`parts`), documents, limits, margins and pairs
+//! (`claims`), the ends of the path (`ends`), who holds what and what lies where (`holding`), and the constraints that hold
+//! in each segment's state (`demands`, which asks `states` for it). All of these are methods of `scene_contract`'s
+//! `Contract`.
 
 pub(crate) mod claims;
 pub(crate) mod demands;

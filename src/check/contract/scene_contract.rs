@@ -1,9 +1,4 @@
-//! The scene is the contract: whether a path answers *this* problem.
-//!
-//! What the scene says is read by its loader into a [`Problem`]; everything is then compared and evaluated here. The file's
-//! own word counts for nothing where the scene has one: parts and models ([`parts`]), documents, limits, margins and pairs
-//! ([`claims`]), the ends of the path ([`ends`]), who holds what and what lies where ([`holding`]), and the constraints that
-//! hold in each segment's state ([`demands`]).
+//! The contract of a path: the problem that its scene states. The other files of this folder add the comparisons to it.
 
 use crate::check::report::check_report::{CheckReport, Place, shown};
 use crate::check::report::error::{CheckError, SceneChoice};

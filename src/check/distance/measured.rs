@@ -1,6 +1,4 @@
-//! Distances of two shapes, by code of the checker's own: bounds that hold whatever found them ([`apart`]), over a tree of
-//! boxes where there are many pieces ([`pieces`]). Nothing here is shared with the search, which uses GJK and a hierarchy
-//! of its own; tests hold both against each other and against coal.
+//! The distance of two placed shapes, as a bound from below and one from above.
 
 use crate::check::distance::apart::Wanted;
 use crate::check::distance::pieces;

@@ -1,4 +1,4 @@
-//! TODO(page): what case is.
+//! One constraint of a segment with its place in the file, and what the proofs of all kinds of constraints share.
 
 use crate::check::leaf::on_leaf::{Leaf, Named, zero};
 use crate::check::motion::residual::{Form, Relation};

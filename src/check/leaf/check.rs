@@ -1,4 +1,4 @@
-//! TODO(page): what check is.
+//! Proves every attachment and every listed constraint of a segment.
 
 use crate::check::leaf::constraint;
 use crate::check::leaf::on_leaf::Leaf;

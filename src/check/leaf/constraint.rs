@@ -1,4 +1,5 @@
-//! Constraints that a segment lists besides its attachments: poses, distances, joints at rest; balance is next door.
+//! Constraints that a segment lists besides its attachments: poses, distances, joints at rest. Those on the centre of mass
+//! are in `balance`.
 
 use crate::check::leaf::balance;
 use crate::check::leaf::case::{Case, inequality, nearest, rows, value};

@@ -1,8 +1,7 @@
-//! Whether a segment stays on its leaf: grasps and placements are what they should be and do not change, further
-//! constraints hold; all of it between the knots too.
+//! A segment that is to stay on its leaf, and the proof of its grasps, contacts and rests.
 //!
-//! Errors of relative poses are in R³ × SO(3): position and rotation apart. With all three rotations fixed the error is
-//! the angle, with one free the angle between the free axis and where it should be.
+//! Errors of relative poses are in R³ × SO(3): position and rotation apart. With all three rotations fixed the error is the
+//! angle, with one free the angle between the free axis and where it should be.
 
 use crate::check::motion::reach::{Bends, Reach};
 use crate::check::motion::residual::{Form, Formed, Relation, prove};

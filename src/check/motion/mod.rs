@@ -1,4 +1,5 @@
-//! TODO(page): what lies in check/motion.
+//! Where things are along a segment (`segment`), how far they can move on the way (`reach`), and bounds of relative poses
+//! over the continuum (`residual`).
 
 pub(crate) mod reach;
 pub(crate) mod residual;

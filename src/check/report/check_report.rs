@@ -124,7 +124,8 @@ pub struct CheckReport {
     /// Smallest distance beyond the margin that was measured.
     pub min_clearance: Option<Extreme>,
     /// Proven lower bound of the distance beyond the margin over the whole path, where it was asked for
-    /// ([`crate::check::report::error::CheckOptions::clearance`]): a tenth, or a tenth of a millimetre, below the smallest that was measured. Metres.
+    /// ([`crate::check::report::error::CheckOptions::clearance`]): a tenth, or a tenth of a
+    /// millimetre, below the smallest that was measured. Metres.
     pub clearance: Option<f64>,
     /// Pairs of links that are not tested and why, where they were asked for ([`crate::check::report::error::CheckOptions::pairs`]).
     pub left_out: Vec<LeftOut>,

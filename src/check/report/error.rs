@@ -1,4 +1,4 @@
-//! TODO(page): what error is.
+//! What a check is asked (its options, the scene to compare with), and why a file cannot be checked at all.
 
 use crate::scene::reading::error::SceneError;
 use std::time::Duration;
@@ -24,9 +24,11 @@ pub struct CheckOptions {
     pub time_limit: Option<Duration>,
     /// What the path is held against.
     pub scene: SceneChoice,
-    /// Whether the smallest clearance is asked for: see [`CheckReport::clearance`](crate::check::report::check_report::CheckReport::clearance).
+    /// Whether the smallest clearance is asked for: see
+    /// [`CheckReport::clearance`](crate::check::report::check_report::CheckReport::clearance).
     pub clearance: bool,
-    /// Whether pairs that are not tested are asked for by name: see [`CheckReport::left_out`](crate::check::report::check_report::CheckReport::left_out).
+    /// Whether pairs that are not tested are asked for by name: see
+    /// [`CheckReport::left_out`](crate::check::report::check_report::CheckReport::left_out).
     pub pairs: bool,
 }
 

@@ -1,4 +1,7 @@
-//! TODO(page): what lies in check/report.
+//! What a check says and how much it may do; every other module of the checker writes here.
+//!
+//! `check_report` collects violations of each `kind`. `error` is for files that cannot be checked, with the options of a
+//! check; `work` counts what is left of its limits.
 
 pub(crate) mod check_report;
 pub mod error;

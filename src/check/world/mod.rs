@@ -1,4 +1,5 @@
-//! TODO(page): what lies in check/world.
+//! The world of a path file, rebuilt from what it names: bodies and shapes (`models`), then the frames of grippers, handles
+//! and surfaces on them (`documents`), then what objects hang on in each segment (`attachments`).
 
 pub(crate) mod attachments;
 pub(crate) mod documents;

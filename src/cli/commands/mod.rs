@@ -1,4 +1,5 @@
-//! TODO(page): what lies in cli/commands.
+//! The commands, one file or folder each. Those that search share the options of `solve`, others its report of pairs; no command calls
+//! `command_line`.
 
 pub(crate) mod bench;
 pub(crate) mod certify;

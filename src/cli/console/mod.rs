@@ -1,4 +1,7 @@
-//! TODO(page): what lies in cli/console.
+//! What commands share with the terminal and the operating system; it depends on no command.
+//!
+//! `print` writes output and says how a command ended. `interrupt` hears signals, and `loading` reads under them and a time
+//! limit. `watchdog` holds the limit of memory, `processor_time` measures a thread.
 
 pub(crate) mod interrupt;
 pub(crate) mod loading;

@@ -1,4 +1,4 @@
-//! TODO(page): what print is.
+//! Standard output and standard error, and how a command may end.
 
 use foliate::scene::SceneError;
 use std::io::Write;
@@ -37,7 +37,7 @@ pub(crate) fn lose(error: std::io::Error) {
     }
 }
 
-/// Writes to standard output. What cannot be written makes the program end with exit code 2, see [`main`].
+/// Writes to standard output. What cannot be written makes the program end with exit code 2, see `command_line::main`.
 pub(crate) fn print(text: &str) {
     let mut out = std::io::stdout().lock();
     if let Err(error) = out.write_all(text.as_bytes()).and_then(|()| out.flush()) {

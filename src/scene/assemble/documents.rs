@@ -1,4 +1,4 @@
-//! TODO(page): what documents is.
+//! `gripper`, `handle`, `surface` and masks of a `[[part]]`: what a scene adds to the SRDF of a part, or changes in it.
 
 use crate::scene::reading::error::{SceneError, did_you_mean, quoted};
 use crate::scene::reading::keys::{Item, Keys};

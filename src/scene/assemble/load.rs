@@ -1,4 +1,4 @@
-//! From a scene file to a problem.
+//! Reads a scene file table by table and composes its problem.
 
 use crate::scene::assemble::names::{configuration, locked};
 use crate::scene::assemble::scene::{Loader, Scene, SceneFile, SceneOrigin};

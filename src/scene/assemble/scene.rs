@@ -1,4 +1,4 @@
-//! TODO(page): what scene is.
+//! A scene as it was read: the problem, and where its files came from; and what is at hand while one is read.
 
 use crate::scene::mesh::formats::triangles::UpAxis;
 use crate::scene::mesh::meshes::Meshes;

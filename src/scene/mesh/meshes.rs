@@ -1,8 +1,4 @@
-//! Triangle meshes from STL, OBJ and COLLADA files: strict readers with caps, in metres.
-//!
-//! COLLADA units and node transforms are applied. The declared up axis is not, unless asked for: ROS, pinocchio and coal
-//! take mesh coordinates as the link's, and published models rely on it (TIAGo's collision meshes declare `Y_UP` and
-//! agree with its STL meshes only as they are written).
+//! The meshes of one model or scene: each file is read once, and turned into the solids that its users want.
 
 use crate::scene::mesh::cache::key::Key;
 use crate::scene::mesh::cache::mesh_cache::{Kept, SMALLEST_FILE};

@@ -1,4 +1,4 @@
-//! TODO(page): what cache_folders is.
+//! The cache directories of the user: that of installed models, and any other that an environment variable may name.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,7 @@
-//! TODO(page): what lies in scene/reading.
+//! What every reader of the scene shares: errors with a place, caps, and strict access to TOML and XML.
+//!
+//! `error` is the one error; `input` opens files and `limits` bounds the work; `keys` reads TOML and `xml` reads XML, both
+//! with line numbers. `cache_folders` names the user's cache directories.
 
 pub(crate) mod cache_folders;
 pub(crate) mod error;

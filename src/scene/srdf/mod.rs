@@ -1,4 +1,10 @@
-//! TODO(page): what lies in scene/srdf.
+//! SRDF: disabled pairs, named configurations, and the grippers, handles and contact surfaces of manipulation planning.
+//!
+//! The manipulation tags are those of the Humanoid Path Planner: frames are given in their link, by text (`x y z  qw qx qy
+//! qz`) or by attributes (`xyz` with `rpy`, `wxyz` or `xyzw`); unknown tags are ignored.
+//!
+//! `read` goes through a document by a `Reader` (`reader`). Its methods lie with what they read: `frames`, `contact`,
+//! `disabled`, `states`.
 
 pub(crate) mod contact;
 pub(crate) mod disabled;

@@ -1,4 +1,4 @@
-//! TODO(page): what read is.
+//! Reads an SRDF document into the model that it belongs to, one kind of element after the other.
 
 use crate::scene::reading::error::SceneError;
 use crate::scene::reading::xml::{Xml, elements};

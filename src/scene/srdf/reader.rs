@@ -1,7 +1,4 @@
-//! SRDF: disabled pairs, named configurations, and the grippers, handles and contact surfaces of manipulation planning.
-//!
-//! The manipulation tags are those of the Humanoid Path Planner: frames are given in their link, by text
-//! (`x y z  qw qx qy qz`) or by attributes (`xyz` with `rpy`, `wxyz` or `xyzw`); unknown tags are ignored.
+//! The state of reading one SRDF, and the checks of names that all its elements share.
 
 use crate::scene::reading::error::{SceneError, did_you_mean, quoted};
 use crate::scene::reading::xml::Xml;

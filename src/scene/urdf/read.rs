@@ -1,7 +1,4 @@
-//! URDF: one strict pass that knows the line of everything it refuses.
-//!
-//! Names must exist and be unique, vectors have exactly three finite numbers, the joints make one tree, followers have a
-//! leader. What only concerns looks or simulation (`visual`, `gazebo`, `transmission`) is not looked at.
+//! A URDF document as a model: its links with masses, solids and meshes; the joints are read by `joints`.
 
 use crate::scene::mesh::formats::triangles::UpAxis;
 use crate::scene::mesh::meshes::{LoadedMesh, MeshError, MeshRequest, Meshes};

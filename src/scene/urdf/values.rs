@@ -1,4 +1,4 @@
-//! TODO(page): what values is.
+//! Values of URDF elements that links and joints share: origins and required numbers.
 
 use crate::scene::reading::error::SceneError;
 use crate::scene::reading::xml::Xml;

@@ -1,4 +1,4 @@
-//! TODO(page): what entities is.
+//! The entities of a search's world by dense id, the nodes that are new in it, and the weights of transitions.
 
 use bevy_ecs::prelude::{Component, Entity, Resource};
 use foliate_components::roadmap::NodeId;

@@ -1,4 +1,4 @@
-//! TODO(page): what explored is.
+//! Which trees count as one ([`Families`]), and a view of all that the trees have reached ([`Explored`]).
 
 use crate::exploration::reached_leaves::ReachedLeaves;
 use bevy_ecs::prelude::{Res, Resource};

@@ -11,7 +11,7 @@ use foliate_components::graph::{StateId, TransitionId};
 use foliate_components::roadmap::Roadmap;
 
 /// A state that has come into being takes so many times what its graph's rows take: its case, entities of it and of what leaves
-/// it, places for what may be compiled, guidance, and an allocator's rounding (measured on 16 arms and 60 boxes: 4.2 kB of 1.4).
+/// it, places for what may be compiled, the heuristic, and an allocator's rounding (measured on 16 arms and 60 boxes: 4.2 kB of 1.4).
 const PER_GRAPH_BYTE: u64 = 3;
 
 /// What has been compiled for this search, whoever has compiled it.

@@ -1,4 +1,4 @@
-//! TODO(page): what roots is.
+//! The roots of the trees of start and goals, and how a search has ended.
 
 use bevy_ecs::prelude::Resource;
 use foliate_components::outcome::SearchOutcome;

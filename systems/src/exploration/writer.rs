@@ -1,4 +1,6 @@
-//! TODO(page): what writer is.
+//! Additions to the roadmap: nodes, leaves and edges, with their entities and every index that depends on them.
+//!
+//! No other file adds to the roadmap. All functions here are serial, so ids do not depend on threads.
 
 use crate::exploration::entities::{EntityTable, NewNodes};
 use crate::exploration::explored::Families;

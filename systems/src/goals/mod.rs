@@ -1,4 +1,14 @@
-//! TODO(page): what lies in goals.
+//! Goals that leave something free: configurations for them are drawn, at the start and again during the search.
+//!
+//! For every state of the graph one program says what holds in a goal of that state: what the state demands, what the goal
+//! demands, and that objects which neither moves stay where the start has them. A held object whose pose the goal leaves
+//! free is eliminated and follows the hand; one whose pose the goal names makes the hand follow. A state whose program
+//! contradicts itself whatever the free joints do (it wants the object on the table, the goal wants it in the air) is never
+//! tried again. The others are tried in turn, from random configurations. In a lazy graph these are the start's state, then
+//! its neighbours, then theirs, breadth first, as long as nothing is found.
+//!
+//! `programs` compiles the program of one goal in one state; `region` draws configurations of one goal with it; `sampler`
+//! holds the regions of all goals; `systems` makes what it draws roots of trees.
 
 pub(crate) mod programs;
 pub(crate) mod region;

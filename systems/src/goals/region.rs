@@ -1,4 +1,7 @@
-//! TODO(page): what region is.
+//! One goal that leaves something free: the states in which it may lie, and the draws of configurations in them.
+//!
+//! Tries run in batches of a fixed size, each with a random stream of its own, so that what is found does not depend on the
+//! number of threads.
 
 use crate::events::StopSignal;
 use crate::goals::programs::{GoalProgram, validate};

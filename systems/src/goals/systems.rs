@@ -1,4 +1,6 @@
-//! TODO(page): what systems is.
+//! The system that draws goals during a search, and how a start or a goal becomes the root of a tree.
+//!
+//! It writes the roadmap, which the sampling in `region` and `sampler` does not know.
 
 use crate::events::StopSignal;
 use crate::exploration::roots::Roots;

@@ -1,4 +1,8 @@
-//! Which leaves are worth extending, and what to aim at from them.
+//! Which leaves are worth extending, and which leaf to aim at from them.
+//!
+//! `grasp_distance` estimates how many grasps lie between two leaves, by the tables of `leaf_distance_table`.
+//! `leaf_heuristic` keeps that distance for all leaves that were reached; it draws by `weighted_leaves` and
+//! `weighted_sampling`. `systems` runs it in a step.
 
 pub mod grasp_distance;
 pub(crate) mod leaf_distance_table;

@@ -1,4 +1,4 @@
-//! TODO(page): what systems is.
+//! The systems of set Select that use the leaf heuristic: measure new leaves, and choose leaves for guided candidates.
 
 use crate::exploration::explored::Explored;
 use crate::heuristic::leaf_heuristic::{AimScratch, Aims, Measured};

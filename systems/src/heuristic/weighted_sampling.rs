@@ -19,8 +19,9 @@ pub(crate) struct Reached<'a> {
     pub columns: &'a [LeafColumns],
 }
 
-/// Draws by `u` ∈ [0, 1) a leaf of some trees, each with weight [`FOCUS`](crate::heuristic::weighted_leaves::FOCUS)⁻²ᵈ of its distance d: in order of tree and first
-/// visit, while distances come state by state. `nearest` is the smallest of them. Sums of whole numbers: no rounding, and
+/// Draws by `u` ∈ [0, 1) a leaf of some trees, each with weight [`FOCUS`](crate::heuristic::weighted_leaves::FOCUS)⁻²ᵈ of
+/// its distance d: in order of tree and first visit, while distances come state by state. `nearest` is the smallest of them.
+/// Sums of whole numbers: no rounding, and
 /// additions that need not wait for each other.
 pub(crate) fn draw_near(
     level: Level,

@@ -1,4 +1,6 @@
-//! TODO(page): what leg_program is.
+//! The form of a compiled leg: the constraint program, its idle coordinates, and what its arguments are.
+//!
+//! The type is apart from `programs`, which compiles it from a model, because the model itself holds compiled legs.
 
 use foliate_components::constraint::Frame;
 use foliate_components::graph::ConstraintId;

@@ -1,4 +1,6 @@
-//! TODO(page): what objects is.
+//! The movable objects of a problem: the root joint of each, and where it may rest.
+//!
+//! [`ModelError`] is here too, since objects are the first part of a model that may fail to build.
 
 use crate::planning_model::graph::attachment_order::root_of;
 use crate::planning_model::graph::checks::GraphError;

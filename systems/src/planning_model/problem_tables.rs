@@ -1,4 +1,8 @@
-//! TODO(page): what problem_tables is.
+//! Tables that follow from a problem without its constraint graph: kinematics, solids and pairs, weights, locked joints,
+//! seeds.
+//!
+//! They take long to build (bounds of large meshes) and are apart from the model so that any number of models can share
+//! them.
 
 use crate::events::StopSignal;
 use foliate_components::constraint::{Constraint, Locked, LockedValue};

@@ -1,4 +1,7 @@
-//! TODO(page): what lies in runtime.
+//! What systems need of the machine and of random numbers, whatever they compute: nothing here knows of planning.
+//!
+//! `parallel` shares work among the threads of the pool and keeps the idle ones awake through `idle_tasks`. `random` gives
+//! each candidate its own stream, `scratch_pool` lends buffers between steps, `system_sequence` runs several systems as one.
 
 pub mod idle_tasks;
 pub(crate) mod parallel;

@@ -1,4 +1,4 @@
-//! Search schedulers: compositions of systems over one schedule. One file each; a host's own is written the same way.
+//! The schedulers that ship, by name, and which of them is the default.
 
 use crate::schedulers::mrrt;
 use crate::schedulers::sequence::scheduler;

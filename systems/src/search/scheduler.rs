@@ -1,4 +1,6 @@
-//! TODO(page): what scheduler is.
+//! The trait of search schedulers.
+//!
+//! It is apart from the schedulers that ship, so that `session` depends on none of them.
 
 use bevy_ecs::prelude::{Schedule, World};
 use std::sync::Arc;

@@ -1,4 +1,6 @@
-//! TODO(page): what world is.
+//! The world of a search before its first step: all resources, and start and goals as roots of trees.
+//!
+//! It names every resource that a system of the crate may read, and therefore depends on all modules that define one.
 
 use crate::events::{EventSink, StopSignal};
 use crate::exploration::edges::{Connections, Passages};

@@ -1,4 +1,5 @@
-//! Set Commit, and the end of Connect: the only place where roadmap entities are born. Serial, in candidate order.
+//! Set Commit, and the end of Connect: what was certified becomes nodes and edges, by `exploration::writer`. Serial, in candidate
+//! order.
 
 use crate::exploration::edges::{Connection, Connections, Obstacle, Passage, Passages};
 use crate::exploration::entities::{EntityTable, NewNodes};

@@ -1,4 +1,8 @@
-//! TODO(page): what lies in step.
+//! The systems of a step, set by set: one file or folder each, named after what it does.
+//!
+//! A candidate passes `sampling`, `selection`, `rendezvous`, `projection`, `waypoints`, `steering` and `validation`;
+//! `commit` adds what is certified to the roadmap. Then `connection` tries new nodes against other trees, and `conclusion`
+//! asks whether the search is over. `crate::schedule` gives the order of the sets; schedulers put the systems into them.
 
 pub mod commit;
 pub mod conclusion;

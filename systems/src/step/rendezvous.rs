@@ -1,8 +1,9 @@
 //! Set Rendezvous: the leaf of another tree that a crossed transition aims at (P0 §III-B, P1 §III-B).
 //!
 //! Only the rows that the target's foliation adds to the source's count: the released object's placement, the new grasp's
-//! complement, where a door stays, where a foot stands. Leaves whose shared rows agree with the node's own come first, because reaching one of them lets the
-//! trees meet at once; without any, a leaf of the target state is drawn all the same, which brings the two trees one
+//! complement, where a door stays, where a foot stands. Leaves whose shared rows agree with the node's own come first,
+//! because reaching one of them lets the trees meet at once; without any, a leaf of the target state is drawn all the same,
+//! which brings the two trees one
 //! parameter closer; and where no other tree is in the target state yet, a leaf of any state that has the added rows. Among
 //! those, the draw goes by how often each was reached. A guided candidate takes the leaf that it aims at.
 

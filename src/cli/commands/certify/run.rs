@@ -1,4 +1,4 @@
-//! `foliate certify`: is anyone's motion free, everywhere, and within its limits?
+//! Runs `foliate certify`: its options, the certification, the report.
 
 use crate::cli::commands::certify::arguments::{attachments, rates, start, touch};
 use crate::cli::commands::certify::text;

@@ -1,4 +1,4 @@
-//! `foliate models`: which published robots are at hand; fetches them.
+//! Which published robots are at hand, and how they are fetched.
 
 use crate::cli::commands::models::unpack;
 use crate::cli::console::interrupt;

@@ -1,4 +1,4 @@
-//! TODO(page): what arguments is.
+//! The options of every command that searches, and the planner that they make.
 
 use crate::cli::console::interrupt;
 use crate::cli::console::print::Refusal;

@@ -1,4 +1,7 @@
-//! TODO(page): what lies in cli/commands/solve.
+//! `foliate solve`: plan for a scene, say what was found, write the path.
+//!
+//! `run` is the command. `arguments` are the options of every command that searches. `summary` tells people what was found,
+//! with `story` for the path; `summary_json` tells machines. Both report untested pairs by `coverage`.
 
 pub(crate) mod arguments;
 pub(crate) mod coverage;

@@ -1,4 +1,4 @@
-//! `foliate solve`: plan for a scene, say what was found, write the path.
+//! Runs `foliate solve`: reads the scene, searches, prints the summary, saves the path.
 
 use crate::cli::commands::solve::arguments::SearchArguments;
 use crate::cli::commands::solve::coverage::LeftOut;

@@ -1,4 +1,4 @@
-//! What a search has found, for people and for machines.
+//! What a search has found, as text for people. `summary_json` says the same as JSON.
 
 use crate::cli::commands::solve::coverage::LeftOut;
 use crate::cli::commands::solve::{coverage, story};

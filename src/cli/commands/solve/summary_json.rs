@@ -1,4 +1,4 @@
-//! TODO(page): what summary_json is.
+//! What a search has found, as JSON for machines.
 
 use crate::cli::commands::solve::arguments::SearchArguments;
 use crate::cli::commands::solve::coverage;

@@ -1,4 +1,4 @@
-//! TODO(page): what lies in scene/assemble/constraints.
+//! The constraints that a scene file writes down. `constraint` reads every kind; `mass` reads those on the centre of mass.
 
 pub(crate) mod constraint;
 pub(crate) mod mass;

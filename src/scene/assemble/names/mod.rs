@@ -1,4 +1,5 @@
-//! TODO(page): what lies in scene/assemble/names.
+//! What a scene file names in a robot: coordinates (`configuration`), joints that never move (`locked`), frames and links
+//! (`frame`).
 
 pub(crate) mod configuration;
 pub(crate) mod frame;

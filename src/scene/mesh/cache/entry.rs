@@ -1,5 +1,6 @@
-//! What was found about one mesh as bytes. Little endian: `MAGIC`, the key, four counts (`u64` each), the hull's slack, the record's lists, and
-//! the SHA-256 of all that. Neither vertices nor triangles are in it: these come from the mesh's own file.
+//! What was found about one mesh as bytes. Little endian: `MAGIC`, the key, four counts (`u64` each), the hull's slack, the
+//! record's lists, and the SHA-256 of all that. Neither vertices nor triangles are in it: these come from the mesh's own
+//! file.
 
 use crate::scene::mesh::cache::key::Key;
 use crate::scene::mesh::formats::triangles::TRIANGLES;

@@ -1,4 +1,4 @@
-//! TODO(page): what key is.
+//! The key of a cache entry: a hash of the mesh file, of how it is read, and of the versions of reader and record.
 
 use crate::scene::mesh::cache::directory;
 use crate::scene::mesh::formats::triangles::UpAxis;

@@ -1,9 +1,4 @@
-//! What trees of meshes are built from, on disk, under the SHA-256 of the file that a mesh comes from.
-//!
-//! A mesh's file is always read and understood: vertices and triangles are never kept. What is spared is to search for its hull and for
-//! the order of its tree. Whoever may write into the directory can make nobody believe in another shape: a record counts for nothing
-//! unless it is proved of the mesh that was read ([`foliate_kernels::collision::solids::mesh_record::proves`]), and one that is proved changes no
-//! distance. What is not right is found anew and written over. No failure of the disk is an error.
+//! The cache as callers see it: finds the record of a mesh, proves it, and keeps a new one where there is none.
 
 use crate::scene::mesh::cache::key::Key;
 use crate::scene::mesh::cache::{directory, entry};
@@ -18,7 +13,8 @@ const LARGEST_ENTRY: u64 = 64 << 20;
 /// Most bytes of all entries together, unless told otherwise.
 const MOST_BYTES: u64 = 256 << 20;
 
-/// A directory in which what was found about meshes is kept between runs; never the meshes themselves. Nothing is written by a library that was not given one:
+/// A directory in which what was found about meshes is kept between runs; never the meshes themselves. Nothing is
+/// written by a library that was not given one:
 /// [`PackagePath::with_mesh_cache`](crate::scene::sources::package::PackagePath::with_mesh_cache).
 ///
 /// Everything in it may be deleted at any time. Processes may share it.

@@ -1,4 +1,6 @@
-//! TODO(page): what dae_values is.
+//! Values of COLLADA elements: index lists, kinds of primitives, node transforms.
+//!
+//! They need none of the state that `dae` keeps while it walks over the nodes of a document.
 
 use crate::scene::reading::error::{SceneError, quoted};
 use crate::scene::reading::xml::Xml;

@@ -1,4 +1,4 @@
-//! TODO(page): what lies in scene/mesh/formats.
+//! Readers of mesh formats, one file each: COLLADA (`dae`), OBJ, STL. All of them fill the `Triangles` of `triangles`.
 
 pub(crate) mod dae;
 pub(crate) mod dae_values;

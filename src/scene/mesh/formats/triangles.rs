@@ -1,4 +1,4 @@
-//! TODO(page): what triangles is.
+//! The triangles of a mesh file as every reader collects them, with the caps that hold for all formats.
 
 use foliate_systems::events::StopSignal;
 use glam::DVec3;

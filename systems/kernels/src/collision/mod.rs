@@ -1,10 +1,15 @@
 //! Clearance: exact distances, verdicts of configurations, certificates of motions (DESIGN §5.5).
 //!
-//! A [`scene::CollisionScene`] holds what never changes; a [`PairSet`](crate::collision::PairSet) what matters on one leaf;
-//! [`verdict::first_collision`](crate::collision::discrete::one::first_collision) judges one configuration, [`first_collisions`] many, [`certificate::certify_motion`](crate::collision::continuous::straight::certify_motion) a straight motion over the
-//! continuum and [`polyline::certify_polyline`](crate::collision::continuous::polyline::certify_polyline) many of them in a row; [`minimum::minimum_clearance_along`](crate::collision::continuous::minimum::minimum_clearance_along) says how close the closest pair comes, and where. Cheap bounds come first, of sixteen configurations at once: balls of bodies, balls, boxes and capsules of shapes; then GJK or the meshes' trees.
+//! A [`CollisionScene`] holds what never changes; a [`PairSet`] what matters on one leaf. [`first_collision`] judges one
+//! configuration, [`first_collisions`] many, [`certify_motion`] a straight motion over the continuum and [`certify_polyline`]
+//! many of them in a row; [`minimum_clearance_along`] says how close the closest pair comes, and where. Cheap bounds come first,
+//! of sixteen configurations at once: balls of bodies, balls, boxes and capsules of shapes; then GJK or the meshes' trees.
 //! Where bounds from inside overlap, two solids collide for sure.
 //! Nothing is ever called free that is not proved so: in doubt, in collision.
+//!
+//! `convex` and `solids` define solids, `distance` computes the distance of two. `scene` puts the solids of a robot together and
+//! selects pairs. `samples` cuts motions into intervals and places their bodies. `broad_phase` bounds sixteen samples at once,
+//! `narrow_phase` asks exactly what these bounds leave open. `discrete` (configurations) and `continuous` (motions) use both.
 
 pub(crate) mod broad_phase;
 pub mod continuous;

@@ -3,6 +3,9 @@
 //! A [`ConstraintProgram`] is compiled once per set of constraints and is immutable; right-hand sides (leaf parameters)
 //! are arguments of each solve. [`project`] solves one candidate, [`project_batch`] many of them side by side in lanes;
 //! [`project_motion`] keeps a whole motion on its leaf, [`project_motions`] many of them, one per lane.
+//!
+//! `rows` holds the parts of a program. `lane_rows` translates them into lanes, and `bounds` bounds them between two knots.
+//! `program` compiles constraints into these parts. `newton` solves programs, and `path` makes motions of solves and bounds.
 
 pub(crate) mod bounds;
 pub(crate) mod lane_rows;

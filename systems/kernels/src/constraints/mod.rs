@@ -1,4 +1,10 @@
-//! TODO(page): what lies in constraints.
+//! Values and Jacobians of constraints, one file per kind.
+//!
+//! Every function takes the poses of bodies in the world and writes rows; which velocity coordinates matter is compiled
+//! beforehand into [`Column`](crate::kinematics::jacobian::Column)s. Rows are metres and radians.
+//!
+//! `rows_out` defines where rows are written and the helpers that all kinds share; every kind depends on it and on no other
+//! kind. `evaluation` builds on all kinds: it evaluates any constraint on its own.
 
 pub mod centre_of_mass;
 pub mod com_between;

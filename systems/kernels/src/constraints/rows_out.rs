@@ -1,7 +1,5 @@
-//! Values and Jacobians of constraints, one file per kind.
-//!
-//! Every function takes the poses of bodies in the world and writes rows; which velocity coordinates matter is compiled
-//! beforehand into [`Column`](crate::kinematics::jacobian::Column)s. Rows are metres and radians.
+//! Where a constraint writes its rows, and what all kinds share: references, satisfied inequalities, frames as kinematics
+//! names them.
 
 use crate::kinematics::Placement;
 use foliate_components::Pose;

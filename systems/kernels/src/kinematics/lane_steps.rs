@@ -1,4 +1,9 @@
-//! TODO(page): what lane_steps is.
+//! One step of forward kinematics in lanes: from the pose of a parent to the pose of a body.
+//!
+//! What never changes is resolved when a step is made: mountings by quarter turns become exchanges of columns, turns about an
+//! axis of the frame become plane rotations, followers become coordinates of their leader. A step can also go backwards, from
+//! the moved body to the one on which its joint is mounted. Steps are apart from `lane_forward`, because constraint programs
+//! make their own tables of them.
 
 use crate::lanes::geometry::{Rotation, Transform, Vector3};
 use crate::lanes::trigonometry::sin_cos;

@@ -1,9 +1,4 @@
-//! Which nodes are nearest: on a leaf, in a state, of the whole roadmap. Kept by the commit, asked by Select and Connect.
-//!
-//! Few nodes are measured one by one. Where a leaf has more, their coordinates lie in blocks of lanes too, by the tree in
-//! which they were born ([`foliate_kernels::nearest`]); the answer is the same bit for bit. What a step asks of the same nodes
-//! is asked together, so that a block is read once for several: `nearest_of_each` is what Select wants, `other_trees` what
-//! Connect does. Nobody's answer depends on who else asks.
+//! The nodes by leaf, state and tree, with their coordinates in blocks of lanes: what the queries of this module read.
 
 use crate::planning_model::model::PlanningModel;
 use crate::settings::{SearchSettings, Selection};

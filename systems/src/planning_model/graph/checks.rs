@@ -1,12 +1,14 @@
-//! TODO(page): what checks is.
+//! Why no constraint graph can be built of a problem, and how large one may be.
+//!
+//! These checks come before any state is enumerated, so they hold for lazy graphs too.
 
 use crate::planning_model::graph::attachment_order::root_of;
 use crate::planning_model::graph::support_placement::carrying_bodies;
 use foliate_components::problem::{GraphOptions, Problem};
 use foliate_components::robot::RootJoint;
 
-/// A graph with more states than this is not built whole; [`Model::new`](crate::planning_model::model::Model::new) lets it grow while it is
-/// searched.
+/// A graph with more states than this is not built whole; [`Model::new`](crate::planning_model::model::Model::new) lets it
+/// grow while it is searched.
 pub const MOST_STATES: usize = 1_000;
 
 /// Maps from grippers to handles that are looked through before rules: with few of them allowed a graph is small.

@@ -1,4 +1,5 @@
-//! TODO(page): what transitions is.
+//! Parts of transitions that a whole graph and a lazy one build alike: loops, legs, the reverse of a transition, and which
+//! constraint a waypoint leads to.
 
 use foliate_components::graph::{
     ConstraintGraph, ConstraintId, ConstraintKind, Leg, StateId, Transition, TransitionId, TransitionKind,

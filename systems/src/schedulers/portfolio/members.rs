@@ -1,9 +1,4 @@
-//! Several searches of one problem, each in a world of its own, that take turns by counted work.
-//!
-//! The worlds are a resource of the world that the host knows, whose schedule is made of the systems here. In a round every
-//! world has a turn of equal work, side by side where there are threads; then what they have reached is handed on
-//! ([`exchange`]), and it is asked whether it is over ([`conclusion`](crate::step::conclusion)). Of the worlds that solve the problem in a round the
-//! first answers, whichever was quicker, and its world becomes the one that the host sees.
+//! The worlds of a portfolio, and the systems of a round: enter, take turns, pass branches on.
 
 use crate::events::{EventSink, SearchEvent};
 use crate::planning_model::model::PlanningModel;

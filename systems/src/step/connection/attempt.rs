@@ -1,4 +1,6 @@
-//! TODO(page): what attempt is.
+//! One connection to be certified: a straight motion on a leaf, or the motions of a passage.
+//!
+//! It holds copies of all that it needs, so that a thread can certify it without the world.
 
 use crate::exploration::edges::{Obstacle, Passages, Verdict};
 use crate::planning_model::model::PlanningModel;

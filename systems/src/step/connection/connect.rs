@@ -1,8 +1,4 @@
-//! Set Connect: new nodes against nodes on the same leaf in other trees (P1 Alg. 3).
-//!
-//! P1's line 7 asks whether both configurations lie on one leaf of the transition between them; here that is equality of
-//! leaf ids, and the transition is the loop of their state. (Across states Alg. 3 would have to invent waypoints; a crossed
-//! extension does that on purpose, with a leaf it has chosen.)
+//! The systems of set Connect: propose connections of new nodes, and certify them in parallel.
 
 use crate::events::StopSignal;
 use crate::exploration::edges::{Connection, Connections, Passages};

@@ -1,4 +1,6 @@
-//! TODO(page): what arriving is.
+//! Where a projected leg ends: whether it lies in the next state, and on which leaf of it.
+//!
+//! An object that is set down is moved exactly to where its new leaf has it, with all that it carries.
 
 use crate::planning_model::attachments::parameter_in;
 use crate::planning_model::graph::transitions::led_to;

@@ -1,14 +1,7 @@
-//! Bounds of sixteen samples at once: which pairs are free over their intervals for sure.
+//! The sweep over the open pairs of one block: it keeps those that the bounds do not prove free.
 //!
-//! Everything is computed in single precision from poses in double precision that were rounded once, in the order balls of
-//! bodies, balls of shapes, boxes and capsules of shapes. A bound counts where it is at least what is needed plus [`slack`]:
-//! centres, axes and sizes carry a few units of rounding each of the largest coordinate M that takes part (three products
-//! and sums for a centre: 5 u M with u = 2⁻²⁴, two of them and their difference 12 u M, a frame's axes turned back on it
-//! 8 u M, supports 8 u M); 64 u M covers them twice over. A segment's parameters may be off by any amount: what counts is
-//! the gap along the direction that they give, which is a bound whatever the direction is.
-//!
-//! Where it is asked for, a pair that stays open is compared by what lies inside of its solids (inner.rs) as well: overlaps
-//! of more than the slack are collisions for sure.
+//! Where it is asked for, a pair that stays open is also compared by its inner bounds (`scene/inscribed.rs`). Overlaps of more
+//! than the slack are collisions for sure.
 
 use crate::collision::broad_phase::bounds::{beside_box, between_axes, overlap, reach_along};
 use crate::collision::broad_phase::open_pairs::{ALL, Hits, Open};

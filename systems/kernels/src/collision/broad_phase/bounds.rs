@@ -1,4 +1,8 @@
-//! TODO(page): what bounds is.
+//! Bounds on the distance of two placed solids, in lanes.
+//!
+//! `beside_box`, `form_along`, `reach_along` and `between_axes` give lower bounds of the distance from the outer forms. `overlap`
+//! gives a lower bound of the penetration from the inscribed capsules. All are pure functions of placed rows; which bounds to
+//! try, and in which order, is decided in `block_of_samples`.
 
 use crate::collision::samples::interval::POSE;
 use crate::collision::scene::bounding::{Form, Outer};
@@ -77,8 +81,8 @@ pub(crate) fn between_axes<I: Isa>(
     w.scaled(I::F32::splat(isa, 1.0 - 4.0 * f32::EPSILON) / length)
 }
 
-/// Where the axes ± u and ± v, of half these lengths, are (nearly) closest, as shares of u and v; `r` is from the middle of the second to that of
-/// the first.
+/// Where the axes ± u and ± v, of half these lengths, are (nearly) closest, as shares of u and v; `r` is from the middle of the
+/// second to that of the first.
 #[inline(always)]
 fn nearest<I: Isa>(isa: I, [(u, ha), (v, hb)]: [(Vector3<I::F32>, f32); 2], r: Vector3<I::F32>) -> (I::F32, I::F32) {
     let (uu, vv) = (I::F32::splat(isa, (ha * ha).max(1e-12)), I::F32::splat(isa, (hb * hb).max(1e-12)));

@@ -1,4 +1,8 @@
-//! TODO(page): what open_pairs is.
+//! The state that passes between broad phase and exact queries: open pairs, and lanes that surely collide.
+//!
+//! An `Open` names a pair, or a whole group, and the lanes of a block in which the bounds do not prove it free. `Hits` collects
+//! the lanes in which inner bounds prove a collision. The types are apart because the sweep, `along`, the discrete checks and
+//! the certifier all use them.
 
 use crate::collision::samples::interval::LANES;
 use crate::lanes::vector::F32Row;

@@ -1,4 +1,8 @@
-//! TODO(page): what placed is.
+//! Clusters, joint axes and solids of a block, placed in lanes in the world, and bounds on how far groups approach.
+//!
+//! `SweepScratch` caches these rows, so that each solid and each cluster is computed at most once per block. `approach` sums up
+//! the displacement of each cluster within the interval of each lane, by the same recursion as `samples/motion_bound.rs`.
+//! `SweepScratch` also holds the slack: the rounding error of the bounds in each lane.
 
 use crate::collision::samples::interval::POSE;
 use crate::collision::samples::motion_samples::Course;

@@ -1,11 +1,11 @@
-//! How a motion is proved: bounds of sixteen intervals at a time, then exact queries where these leave something open.
+//! The certifier of motions: bounds of sixteen intervals at a time, then exact queries where these leave something open.
 //!
 //! At the middle of an interval every pair whose clearance is at least its margin plus what the interval can bring it
-//! closer (velocity_bound.rs) is free over all of the interval. A motion is cut into sixteen intervals at once, whose
-//! bounds cost about as much as one configuration's exact distances (sweep.rs). What they leave open is asked exactly, from the
-//! middle of the motion outwards; a direction that sets a pair apart at one sample is tried at the others before they are
-//! asked (`Along`). Intervals that are still open go on to the next round, cut again, with their open pairs alone. Rounds go from
-//! long intervals to short ones, so that a collision anywhere is met after few samples, and nothing right of a known
+//! closer (`samples/motion_bound.rs`) is free over all of the interval. A motion is cut into sixteen intervals at once, whose
+//! bounds cost about as much as one configuration's exact distances (`broad_phase`). What they leave open is asked exactly,
+//! from the middle of the motion outwards; a direction that sets a pair apart at one sample is tried at the others before they
+//! are asked (`Along`). Intervals that are still open go on to the next round, cut again, with their open pairs alone. Rounds
+//! go from long intervals to short ones, so that a collision anywhere is met after few samples, and nothing right of a known
 //! collision is looked at again. Intervals that cover the motion are the certificate: nothing tunnels at any speed
 //! (DESIGN §5.5; Schwarzer, Saha and Latombe 2005; hpp-notes card L).
 

@@ -1,10 +1,10 @@
 //! How close the closest pair comes along a polyline, and where: branch and bound over pairs and intervals.
 //!
-//! The certificate (proof.rs) asks "at least the margin, everywhere?" and is content with the first bound that says so; what
-//! it knows of the clearance besides is far below the truth. Here the question is how much it is. At the middle of an
-//! interval a pair has a distance, and over the interval it comes closer by no more than velocity_bound.rs says: that gives
-//! both a value that is reached and a bound that holds. Pairs whose bound over an interval is good enough for the least
-//! value found so far are done there; the others are looked at in halves. Pairs that do not move are asked once.
+//! The certificate (`adaptive_certifier.rs`) asks "at least the margin, everywhere?" and is content with the first bound that
+//! says so; what it knows of the clearance besides is far below the truth. Here the question is how much it is. At the middle
+//! of an interval a pair has a distance, and over the interval it comes closer by no more than `samples/motion_bound.rs` says:
+//! that gives both a value that is reached and a bound that holds. Pairs whose bound over an interval is good enough for the
+//! least value found so far are done there; the others are looked at in halves. Pairs that do not move are asked once.
 
 use crate::collision::continuous::minimum_settings::{MinimumClearance, MinimumSettings, Nearest};
 use crate::collision::convex::gjk::Ask;
@@ -27,8 +27,8 @@ pub const ASK_EVERY: u32 = 64;
 const QUERY_SHARE: f64 = 0.1;
 
 /// The least clearance along the straight motions from knot to knot, to within what `settings` say. `knots` are whole
-/// configurations, end to end, at least one; `carriages` must be those of `pairs`. All pairs of the set count, those that keep their relative
-/// pose too, and those that locked joints hold together ([`CollisionScene::fixed_pairs`]).
+/// configurations, end to end, at least one; `carriages` must be those of `pairs`. All pairs of the set count, those that keep
+/// their relative pose too, and those that locked joints hold together ([`CollisionScene::fixed_pairs`]).
 ///
 /// Distances to closed meshes are to their surfaces: the caller knows that nothing begins inside one
 /// ([`crate::collision::discrete::one::first_collision`]). The search ends at the first place found where two shapes touch. The same

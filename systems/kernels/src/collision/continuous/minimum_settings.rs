@@ -1,4 +1,6 @@
-//! TODO(page): what minimum_settings is.
+//! Settings and result of the search for the least clearance along a motion.
+//!
+//! They are apart from `minimum`, so that callers can name them without the search itself.
 
 use crate::collision::scene::collision_scene::PairId;
 

@@ -1,4 +1,9 @@
-//! TODO(page): what lies in collision/continuous.
+//! Continuous collision checking: what holds over whole motions, not only at samples.
+//!
+//! `adaptive_certifier` proves that all pairs keep their margins, by adaptive subdivision; `subdivision` holds its rules for
+//! cutting intervals. `polyline` runs the certifier and gives the verdict on a polyline. `straight` treats a straight motion as
+//! a polyline of one piece. `minimum`, with `minimum_settings`, computes the least clearance along a polyline by branch and
+//! bound; it does not depend on the certifier. All use the rooms `samples` for motion bounds and `narrow_phase` for buffers.
 
 pub(crate) mod adaptive_certifier;
 pub mod minimum;

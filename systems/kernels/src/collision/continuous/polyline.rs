@@ -1,8 +1,8 @@
 //! A polyline is free over the continuum, or free up to here.
 //!
-//! Motions that are kept on their leaf have hundreds of short pieces. One sample can prove many of them: from a knot in
-//! the middle of a span of pieces no joint moves farther than its path is long, and the bound of proof.rs asks for no more
-//! than that. A straight motion is the polyline of one piece.
+//! Motions that are kept on their leaf have hundreds of short pieces. One sample can prove many of them: from a knot in the
+//! middle of a span of pieces no joint moves farther than its path is long, and the bound of `adaptive_certifier.rs` asks for
+//! no more than that. A straight motion is the polyline of one piece.
 
 use crate::collision::continuous::adaptive_certifier::Proof;
 use crate::collision::narrow_phase::scratch::CollisionScratch;
@@ -34,8 +34,9 @@ pub enum PolylineVerdict {
 }
 
 /// Proves clearance along the straight motions from knot to knot; `knots` are whole configurations, end to end. As
-/// [`certify_motion`](crate::collision::continuous::straight::certify_motion) for each piece in turn, with the shares of [`CertificateSettings`] meant of the whole polyline (its
-/// pieces taken to be alike), `max_samples` too. Without a piece nothing is asked and the answer is free.
+/// [`certify_motion`](crate::collision::continuous::straight::certify_motion) for each piece in turn, with the shares of
+/// [`CertificateSettings`] meant of the whole polyline (its pieces taken to be alike), `max_samples` too. Without a piece
+/// nothing is asked and the answer is free.
 ///
 /// # Panics
 /// If `knots` is not a whole number of configurations of at least one coordinate.

@@ -1,6 +1,6 @@
 //! A straight motion is free over the continuum, or free up to here.
 //!
-//! How it is proved stands in proof.rs.
+//! The proof is that of `adaptive_certifier.rs`.
 
 use crate::collision::continuous::polyline::{PolylineVerdict, certify_polyline};
 use crate::collision::narrow_phase::scratch::CollisionScratch;

@@ -1,4 +1,7 @@
-//! TODO(page): what subdivision is.
+//! How a block of intervals is cut into shorter ones, and how far a clearance certifies neighbouring intervals.
+//!
+//! `Parts` halves all intervals of a block as often as the lanes allow. `reached` extends the clearance of one lane to the
+//! intervals next to it. Both work on intervals alone and know neither scene nor pairs; only the certifier uses them.
 
 use crate::collision::samples::interval::{Interval, LANES};
 

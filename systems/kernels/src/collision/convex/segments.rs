@@ -1,4 +1,6 @@
-//! TODO(page): what segments is.
+//! The shortest vector between two segments, in closed form.
+//!
+//! Capsules and bounding capsules use it instead of GJK (`distance/query.rs`, `solids/volumes.rs`).
 
 use glam::DVec3;
 

@@ -14,10 +14,11 @@ use crate::kinematics::forward::{Carriage, Kinematics};
 use foliate_components::Pose;
 use glam::DVec3;
 
-/// For each of `configurations` (whole ones, end to end) what [`first_collision`](crate::collision::discrete::one::first_collision) says of it,
-/// appended to `found`: the first pair, moving and constant ones, that is not at least its margin + `guard` apart.
-/// Pairs that keep their relative pose in all of sixteen configurations are looked at in one of them, so neighbours on a
-/// motion cost least. Where several pairs collide a configuration may name another of them than `first_collision`.
+/// For each of `configurations` (whole ones, end to end) what
+/// [`first_collision`](crate::collision::discrete::one::first_collision) says of it, appended to `found`: the first pair,
+/// moving and constant ones, that is not at least its margin + `guard` apart. Pairs that keep their relative pose in all of
+/// sixteen configurations are looked at in one of them, so neighbours on a motion cost least. Where several pairs collide a
+/// configuration may name another of them than `first_collision`.
 ///
 /// # Panics
 /// If `configurations` is not a whole number of them.

@@ -1,14 +1,17 @@
-//! TODO(page): what hull_distance is.
+//! Distance of the convex hulls of two solids by GJK: a lower bound of the distance of the solids.
+//!
+//! It costs a few support evaluations, whereas `query` descends the trees of meshes. Callers ask it before the exact distance,
+//! because hulls separate most pairs of links. The hulls themselves are built in `solids/hull.rs`.
 
 use crate::collision::convex::gjk::{Ask, Relative, walk};
 use crate::collision::solids::solid::Solid;
 use foliate_components::Pose;
 use glam::DVec3;
 
-/// A lower bound of the distance of the hulls of two solids, metres: at least `ask.needed`, or within `ask`'s tolerances of
-/// the hulls' distance; not positive where the hulls (may) overlap. Poses and `hint` as for
-/// [`clearance`](crate::collision::distance::query::clearance): where the result is positive, `hint` is afterwards the unit vector from `b` to
-/// `a` along which the solids are at least that far apart.
+/// A lower bound of the distance of the hulls of two solids, metres: at least `ask.needed`, or within `ask`'s tolerances of the
+/// hulls' distance; not positive where the hulls (may) overlap. Poses and `hint` as for
+/// [`clearance`](crate::collision::distance::query::clearance): where the result is positive, `hint` is afterwards the unit
+/// vector from `b` to `a` along which the solids are at least that far apart.
 ///
 /// Negative infinity where a mesh has no triangles or numbers that are not finite: its hull says nothing.
 #[must_use]

@@ -1,4 +1,9 @@
-//! TODO(page): what lies in collision/distance.
+//! Distance of two solids at given poses.
+//!
+//! `query` is the entry point: closed forms for round solids, GJK (`convex/gjk.rs`) for other convex ones, `mesh_distance` for
+//! meshes. `mesh_distance` descends the trees of meshes; it uses `boxes_in_lanes` for eight boxes at once and
+//! `triangles_in_lanes` for eight triangles at once. `hull_distance` gives the cheaper distance of the hulls; it needs GJK
+//! alone.
 
 pub(crate) mod boxes_in_lanes;
 pub mod hull_distance;

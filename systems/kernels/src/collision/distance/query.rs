@@ -2,7 +2,7 @@
 //!
 //! [`clearance`] is a lower bound of the distance that is either at least what was asked for or nearly exact
 //! (DESIGN §5.5: *in doubt, in collision*). Pairs of round solids and of a ball with anything use closed forms; the rest
-//! goes to GJK (gjk.rs), meshes to their tree (mesh_distance.rs). We wrote our own GJK instead of calling
+//! goes to GJK (`convex/gjk.rs`), meshes to their tree (`mesh_distance.rs`). We wrote our own GJK instead of calling
 //! parry's because its result carries a proof (the separating slab), and because a query "at least d?" may then end after
 //! one support; parry remains what it is tested against.
 

@@ -1,4 +1,6 @@
-//! TODO(page): what settings is.
+//! Settings of certificates: guard, resolution, limits on samples, and how far tied bodies may move.
+//!
+//! They are apart because the query of one pair, the certifier and the public verdicts all read them.
 
 /// What to prove, and how hard to try.
 #[derive(Clone, Copy, Debug, PartialEq)]

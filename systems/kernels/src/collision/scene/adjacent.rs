@@ -16,8 +16,8 @@ use std::f64::consts::TAU;
 const VALUES: u32 = 17;
 
 /// The link pairs of a part that one joint joins ([`Robot::joined_links`]) and of which some shapes touch at each of 17 values,
-/// evenly over the joint's range; over a full turn where it has no limits. Links that a joint of several coordinates, or one that slides without limits,
-/// joins are not among them.
+/// evenly over the joint's range; over a full turn where it has no limits. Links that a joint of several coordinates, or one
+/// that slides without limits, joins are not among them.
 #[must_use]
 pub fn adjacent_links(robot: &Robot, part: PartIndex) -> Vec<DisabledPair> {
     adjacent_links_while(robot, part, &|| true).unwrap_or_default()

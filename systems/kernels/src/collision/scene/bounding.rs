@@ -8,7 +8,7 @@ use glam::{DMat3, DVec3};
 
 /// A set that holds a solid, in the frame of its body or in the world. Metres.
 ///
-/// Numbers are rounded, not rounded up: who compares with them allows for that (sweep.rs).
+/// Numbers are rounded, not rounded up: who compares with them allows for that (`broad_phase`).
 #[derive(Clone, Debug)]
 pub(crate) struct Outer {
     /// Its centre, about which it is symmetric.

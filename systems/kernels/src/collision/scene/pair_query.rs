@@ -1,4 +1,9 @@
-//! TODO(page): what pair_query is.
+//! Exact queries on one pair of a scene at given poses of its bodies.
+//!
+//! A query proceeds from cheap to exact: bounding balls, bounding capsules (`rough_clearance`), hulls (`hull_clearance`), the
+//! solids themselves (`exact_clearance`). `surely_colliding` compares inscribed capsules, and `contained` asks whether a closed
+//! mesh contains the other solid. These queries are apart from `collision_scene`, so that the data of the scene does not depend
+//! on the distance algorithms. Discrete checks, certificates and the search for the least clearance share them.
 
 use crate::collision::convex::core::Convex;
 use crate::collision::convex::gjk::Ask;

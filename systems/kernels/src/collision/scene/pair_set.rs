@@ -108,8 +108,9 @@ fn pairs_of(scene: &CollisionScene, group: u32) -> impl Iterator<Item = PairId> 
     (group.start..group.end).map(PairId)
 }
 
-/// Two bodies that keep their relative pose to within little along every motion that a [`PairSet`] is for, whatever joints
-/// do: within what [`CertificateSettings::tied_within`](crate::collision::narrow_phase::settings::CertificateSettings::tied_within) says, which whoever sets it must have proved of the motion.
+/// Two bodies that keep their relative pose to within little along every motion that a [`PairSet`] is for, whatever joints do:
+/// within what [`CertificateSettings::tied_within`](crate::collision::narrow_phase::settings::CertificateSettings::tied_within)
+/// says, which whoever sets it must have proved of the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tie {
     /// One body; `None` for the world.

@@ -1,4 +1,7 @@
-//! TODO(page): what scene_joint is.
+//! A joint as the motion bounds need it: its mounting, its motion, its coordinates and whether it is locked.
+//!
+//! `CollisionScene` keeps one entry per joint. Followers are resolved to the coordinates of their leader, so that the attachment
+//! tree, the placement of bodies and the motion bounds do not need the `Robot`.
 
 use foliate_components::robot::{JointIndex, Motion, Robot, Source};
 use glam::{DQuat, DVec3};

@@ -1,4 +1,7 @@
-//! TODO(page): what boxes is.
+//! Axis-aligned boxes and triangles of a mesh, and their layout in lanes.
+//!
+//! `Bounds` is a box, `Extent` accumulates one over triangles and marks coordinates that are not finite. `in_lanes` puts eight
+//! triangles side by side. The types are apart because building, records, tree and distance queries all use them.
 
 use crate::lanes::vector::{F64Row, Row};
 use foliate_components::robot::shape::Mesh;

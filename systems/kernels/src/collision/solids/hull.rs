@@ -1,8 +1,8 @@
-//! The convex hull of a mesh, as far as directions see it, and the distance of two hulls: cheap to know, and never more
-//! than the distance of what is in them.
+//! The convex hull of a mesh, approximated by few points and a slack.
 //!
-//! Two links of a robot that are neighbours of neighbours are as a rule set apart by a plane. To find one takes a dozen
-//! supports; to prove the same by the triangles takes hundreds of boxes.
+//! A distance of hulls (`distance/hull_distance.rs`) is never more than the distance of what is in them, and costs little: two
+//! links of a robot that are neighbours of neighbours are as a rule separated by a plane. To find one takes a dozen supports; to
+//! prove the same by the triangles takes hundreds of boxes.
 
 use crate::collision::convex::simplex::{Closest, Simplex};
 use crate::lanes::geometry::Vector3;

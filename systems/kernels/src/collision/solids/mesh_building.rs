@@ -1,4 +1,7 @@
-//! Ball and capsule around a mesh: found once, for every shape that the mesh has.
+//! Building a `MeshTree`, from the triangles of a mesh or from a record that is proved first.
+//!
+//! The bounding ball and capsule of a mesh are found here once, for every shape that has the mesh. Building is apart from
+//! `mesh_tree`, so that queries depend on the tree alone.
 
 use crate::collision::solids::boxes::{Bounds, Extent, WIDE, corners_of, in_lanes, in_rows};
 use crate::collision::solids::hull::Hull;

@@ -1,4 +1,10 @@
-//! TODO(page): what lies in collision/solids.
+//! Collision solids, and what is precomputed about a mesh.
+//!
+//! `solid` is the entry point: a convex solid or a `MeshTree`. `mesh_tree` defines the tree of boxes, with the mesh's hull and
+//! bounding volumes. `mesh_building` builds it from the triangles or from a record: `triangle_order` sorts the triangles,
+//! `boxes` computes their boxes, `support_points` finds extreme points, `hull` makes the convex hull of them, `volumes` defines
+//! ball and capsule. `mesh_record` stores the costly findings and proves that a stored one holds. `mesh_inside` tests whether a
+//! closed mesh contains a point. Distances are not here; they are in the room `distance`.
 
 pub(crate) mod boxes;
 pub(crate) mod hull;

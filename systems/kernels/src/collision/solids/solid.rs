@@ -1,4 +1,7 @@
-//! TODO(page): what solid is.
+//! A collision solid: a convex one, or a triangle mesh.
+//!
+//! `Solid` is made of the geometry of a shape. Its bounding ball, bounding capsule and farthest point are here too, because they
+//! need both kinds of solid; `volumes` defines the bounding volumes themselves.
 
 use crate::collision::convex::core::{Convex, Core};
 use crate::collision::solids::mesh_tree::MeshTree;

@@ -1,6 +1,6 @@
 //! How far rows of balance, of distances and of a host's functions can leave zero between two knots.
 //!
-//! As in `hessian_bound`, a row leaves the straight line between its end values by at most ⅛ sup |f″|. A row that may not be
+//! As in `residual_bound`, a row leaves the straight line between its end values by at most ⅛ sup |f″|. A row that may not be
 //! negative and starts farther from zero than it can come in the interval stays satisfied: it leaves nothing.
 
 use crate::constrained_motion::bounds::joint_links::Link;

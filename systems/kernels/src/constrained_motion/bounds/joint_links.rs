@@ -1,4 +1,7 @@
-//! TODO(page): what joint_links is.
+//! The free motions of the joints between two frames: turns and slides, in order from one frame to the other.
+//!
+//! A planar joint or a free-flyer gives two links, a slide and a turn. A follower moves with its leader's coordinate, scaled.
+//! All bounds are sums over such links.
 
 use crate::kinematics::jacobian::AttachmentTree;
 use foliate_components::robot::{JointIndex, Motion, Robot, Source};

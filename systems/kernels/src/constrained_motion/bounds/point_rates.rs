@@ -2,7 +2,7 @@
 //! functions are made of.
 //!
 //! Seen from one body, the sum Σ wₖpₖ has ‖f″‖ ≤ Σᵢⱼ |Δᵢ||Δⱼ| cᵢⱼ over the joints i that lie before j or are j, with the
-//! cᵢⱼ of a single point's bound (see `hessian_bound`), where the moment of the points beyond j takes the point's place:
+//! cᵢⱼ of a single point's bound (see `residual_bound`), where the moment of the points beyond j takes the point's place:
 //! ρⱼ = |wⱼ| × distance of their weighted centre from axis j, and |wⱼ| for a slide. Joints on different branches move
 //! different points, so they do not mix.
 

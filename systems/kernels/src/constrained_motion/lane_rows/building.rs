@@ -1,4 +1,8 @@
-//! TODO(page): what building is.
+//! From the compiled blocks of a program to its form for lanes.
+//!
+//! The builder numbers the bodies that move, and replaces every pose that does not change during a solve by a given slot. It
+//! returns `None` where a block, a joint or the number of rows has no form for lanes. It is apart from `form`, so that the
+//! kernels do not depend on the compilation.
 
 use crate::constrained_motion::lane_rows::form::{
     Edge, FrameAt, Given, LaneBalance, LaneContact, LaneMasses, LaneMoment, LaneMove, LanePoint, LanePose, LaneProgram,

@@ -1,4 +1,8 @@
-//! TODO(page): what hand is.
+//! The one body that a program brings to a place, and the target of that body in one problem.
+//!
+//! A program has a hand if its only rows are a relative pose between a body of a chain and something that does not move.
+//! `SeedTable` (`newton/seeds.rs`) then finds start configurations near the `SeedTarget`. The analysis needs the form for lanes,
+//! but neither rows nor iteration.
 
 use crate::constrained_motion::lane_rows::form::{FrameAt, LaneProgram, LaneRows, RowsAt, Target};
 use foliate_components::Pose;

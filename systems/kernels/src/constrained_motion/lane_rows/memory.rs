@@ -1,4 +1,7 @@
-//! TODO(page): what memory is.
+//! The working memory of a solve in lanes, in single or double precision.
+//!
+//! `LaneMemory` holds the inputs of each lane (coordinates, given poses), the rows and the state of the iteration. It grows to
+//! the largest program and is then reused without allocation. It is apart from `newton`, because `Scratch` owns it.
 
 use crate::constrained_motion::lane_rows::form::LaneProgram;
 use crate::kinematics::lane_steps::POSE_ROWS;

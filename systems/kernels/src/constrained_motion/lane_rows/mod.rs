@@ -1,4 +1,10 @@
-//! TODO(page): what lies in constrained_motion/lane_rows.
+//! The rows of a program in lanes: one problem per lane.
+//!
+//! `form` defines the data of a program for lanes. `building` makes it from the blocks of the room `rows`. `linearise` computes
+//! values and Jacobian of a form; it uses `balance` for centres of mass, and both use `slots` to load and store. `memory` holds
+//! the rows that a solve works in. `hand` derives from a form where a single hand has to go, for the choice of seeds.
+//!
+//! Everything depends on `form`, and nothing here solves: the Newton iteration is in the room `newton`.
 
 pub(crate) mod balance;
 pub(crate) mod building;

@@ -1,4 +1,7 @@
-//! TODO(page): what slots is.
+//! Where rows in lanes read and write: poses of bodies and given poses, values and Jacobian.
+//!
+//! `frame` loads the pose of a frame, `select` chooses between two poses lane by lane. `linearise` and `balance` share this
+//! file.
 
 use crate::constrained_motion::lane_rows::form::FrameAt;
 use crate::kinematics::lane_steps::POSE_ROWS;

@@ -32,7 +32,8 @@ impl<'a> Job<'a> {
     }
 }
 
-/// Moves configurations onto the program's constraints, each with its own arguments, as [`project`](crate::constrained_motion::newton::scalar::project()) does.
+/// Moves configurations onto the program's constraints, each with its own arguments, as
+/// [`project`](crate::constrained_motion::newton::scalar::project()) does.
 ///
 /// Programs that [have a form for lanes](ConstraintProgram::is_for_lanes) are solved eight at a time at the settings' level
 /// (or first sixteen at a time in single precision, see [`Settings::single_until`]), others (and all of them at the level

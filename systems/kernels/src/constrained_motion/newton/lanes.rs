@@ -1,6 +1,6 @@
 //! Damped Gauss–Newton in lanes: one problem a lane, the next from the queue as soon as one has ended.
 //!
-//! The same algorithm as `newton`, lane by lane, in either precision. What a lane computes depends on its own problem alone:
+//! The same algorithm as `scalar`, lane by lane, in either precision. What a lane computes depends on its own problem alone:
 //! nothing is skipped unless every lane's result stays the same bit for bit.
 
 use crate::constrained_motion::lane_rows::form::{LaneProgram, LaneRows};

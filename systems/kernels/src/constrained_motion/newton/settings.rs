@@ -1,4 +1,6 @@
-//! TODO(page): what settings is.
+//! Settings and outcome of a solve.
+//!
+//! They are apart, because the scalar solver, the solver in lanes and the motions in `path` share them.
 
 use crate::lanes::level::Level;
 
@@ -17,12 +19,12 @@ pub struct Settings {
     pub damping: f64,
     /// See `damping`.
     pub damping_floor: f64,
-    /// Residual down to which [`project_batch`](crate::constrained_motion::newton::batch::project_batch) steps in single precision, sixteen problems at a time,
-    /// metres and radians; 0 for double precision throughout. What does not come so far has failed; what does is finished, and
-    /// judged, in double precision. Below about 1e-5 rounding may be in the way.
+    /// Residual down to which [`project_batch`](crate::constrained_motion::newton::batch::project_batch) steps in single
+    /// precision, sixteen problems at a time, metres and radians; 0 for double precision throughout. What does not come so far
+    /// has failed; what does is finished, and judged, in double precision. Below about 1e-5 rounding may be in the way.
     pub single_until: f64,
-    /// Instructions with which [`project_batch`](crate::constrained_motion::newton::batch::project_batch) works; one problem alone is solved in scalar code, but for
-    /// the linear systems of many rows.
+    /// Instructions with which [`project_batch`](crate::constrained_motion::newton::batch::project_batch) works; one problem
+    /// alone is solved in scalar code, but for the linear systems of many rows.
     pub level: Level,
 }
 
@@ -65,7 +67,9 @@ pub enum Outcome {
     },
     /// A constraint that no free coordinate can change does not hold: no start would converge.
     Contradicted {
-        /// Which: index among the constraints of [`ConstraintProgram::compile`](crate::constrained_motion::program::constraint_program::ConstraintProgram::compile), carriages counted before them.
+        /// Which: index among the constraints of
+        /// [`ConstraintProgram::compile`](crate::constrained_motion::program::constraint_program::ConstraintProgram::compile),
+        /// carriages counted before them.
         constraint: usize,
         /// Its largest row.
         residual: f64,

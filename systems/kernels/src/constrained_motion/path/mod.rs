@@ -1,4 +1,17 @@
-//! TODO(page): what lies in constrained_motion/path.
+//! Motions that satisfy the constraints between their knots too.
+//!
+//! `settings` defines the parameters of a motion and how it ends. `constrained_path` proposes each step and judges the result.
+//! `motion` is the entry point: it solves one motion in scalar code, or many by `lane_motion`, which gives each motion a lane.
+//! Both drive the walk of `constrained_path` and solve its steps with the room `newton`.
+//!
+//! The bound on second derivatives (room `bounds`) adds up how far every joint turns, whatever cancels, and so is often ten
+//! times what the rows really do. Where a step is too long for it, the rows are evaluated in between: in each of n equal parts
+//! they leave the larger of the residuals at its ends by at most 1/n² of the bound. An evaluation costs a fraction of a knot.
+//!
+//! No step bridges two branches of a leaf. The bound on second derivatives holds for the whole straight line between two
+//! knots, so everything on it is within the path tolerance of the constraints: it could only lead from one branch to
+//! another where those are that close, and there the line is as good a motion as any. The comparison of lengths
+//! (`MotionSettings::jump`) merely finds out sooner.
 
 pub(crate) mod constrained_path;
 pub(crate) mod lane_motion;

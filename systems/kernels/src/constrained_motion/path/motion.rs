@@ -1,13 +1,4 @@
-//! Motions that stay on their leaf between the knots too.
-//!
-//! The bound on second derivatives adds up how far every joint turns, whatever cancels, and so is often ten times what the
-//! rows really do. Where a step is too long for it, the rows are evaluated in between: in each of n equal parts they leave
-//! the larger of the residuals at its ends by at most 1/n² of the bound. An evaluation costs a fraction of a knot.
-//!
-//! No step bridges two branches of a leaf. The bound on second derivatives holds for the whole straight line between two
-//! knots, so everything on it is within the path tolerance of the constraints: it could only lead from one branch to
-//! another where those are that close, and there the line is as good a motion as any. The comparison of lengths
-//! ([`MotionSettings::jump`]) merely finds out sooner.
+//! The entry points: one motion on its leaf, or many.
 //!
 //! Motions of one program are walked side by side, one per lane ([`project_motions`]): what is solved next to a motion does not
 //! change it. A motion alone ([`project_motion`]) is solved in scalar code, which is then faster; its evaluations between two

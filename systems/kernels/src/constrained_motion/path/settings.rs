@@ -1,4 +1,6 @@
-//! TODO(page): what settings is.
+//! Settings of motions on a leaf, a motion as a job, and how it ended.
+//!
+//! They are apart, because the walk and both ways to drive it share them.
 
 use crate::constrained_motion::newton::settings::Settings;
 use foliate_components::Pose;

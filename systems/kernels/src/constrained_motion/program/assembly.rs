@@ -1,4 +1,8 @@
-//! TODO(page): what assembly is.
+//! The last stage of compilation: from what the elimination leaves to a `ConstraintProgram`.
+//!
+//! Each remaining constraint becomes a block of rows, or a check if no free coordinate changes it. The stage also makes the
+//! table of bodies, the moves of coordinates, the residual bound and the form for lanes. For a robot that stands on a foot it
+//! makes a second program, in which the foot determines the root.
 
 use crate::constrained_motion::bounds::residual_bound::ResidualBound;
 use crate::constrained_motion::lane_rows::form::LaneProgram;

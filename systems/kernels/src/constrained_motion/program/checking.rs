@@ -1,4 +1,6 @@
-//! TODO(page): what checking is.
+//! Checks of constraints before they are compiled: joints that exist, finite and positive numbers, admissible rows.
+//!
+//! Each check returns a `CompileError` that names the constraint. The checks read the `Compiler` and change nothing.
 
 use crate::constrained_motion::program::elimination::Compiler;
 use crate::constrained_motion::program::error::{CompileError, fit, fits_rows};

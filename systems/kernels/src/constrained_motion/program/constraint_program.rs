@@ -136,8 +136,9 @@ impl ConstraintProgram {
         &self.bound
     }
 
-    /// The carriages with their poses taken from the arguments, for [`Kinematics::carry`](crate::kinematics::forward::Kinematics::carry). Returns false where an argument
-    /// is missing or names polygons that its placement does not have; `out` is then incomplete.
+    /// The carriages with their poses taken from the arguments, for
+    /// [`Kinematics::carry`](crate::kinematics::forward::Kinematics::carry). Returns false where an argument is missing or
+    /// names polygons that its placement does not have; `out` is then incomplete.
     pub fn resolve_carriages(&self, arguments: &[Pose], out: &mut Vec<Carriage>) -> bool {
         out.clear();
         out.extend(self.carriages.iter().map_while(|template| template.resolve(arguments)));

@@ -1,4 +1,7 @@
-//! TODO(page): what elimination is.
+//! The state of the compiler, and the elimination of objects and locked joints.
+//!
+//! A constraint that wholly determines an object makes it follow its carrier; a locked joint is no variable. Everything else
+//! remains for `assembly`. A rigid relation of two objects that nothing carries yet waits until one of them is carried.
 
 use crate::constrained_motion::program::error::CompileError;
 use crate::constrained_motion::rows::coordinates::LockedCoordinate;

@@ -1,4 +1,4 @@
-//! TODO(page): what error is.
+//! Why constraints do not compile, and the checks on numbers of rows that report it.
 
 use foliate_components::robot::JointIndex;
 

@@ -1,4 +1,10 @@
-//! TODO(page): what lies in constrained_motion/program.
+//! Constraint programs: a set of constraints, compiled for one robot.
+//!
+//! `compile` is the entry point. It checks the constraints (`checking`, with the errors of `error`) and hands them to the
+//! `Compiler` of `elimination`, which eliminates the objects and joints that they determine. `assembly` makes the program of
+//! what remains: blocks of rows, columns, moves and bounds, with the numbers that `numbering` gives to variables and rows.
+//! `constraint_program` defines the result, which is immutable; it reads arguments and checks configurations with the buffers of
+//! `scratch`. The room `newton` solves programs.
 
 pub(crate) mod assembly;
 pub(crate) mod checking;

@@ -1,4 +1,6 @@
-//! TODO(page): what numbering is.
+//! Numbers of variables, rows and decoded parameters in a program, and the joints that a block refers to.
+//!
+//! The functions work on blocks and the robot alone, without the state of the compiler.
 
 use crate::constrained_motion::rows::blocks::{Block, Kind};
 use foliate_components::constraint::{Constraint, Frame, Masses, RelativePose};

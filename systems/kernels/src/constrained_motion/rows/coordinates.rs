@@ -1,4 +1,7 @@
-//! TODO(page): what coordinates is.
+//! How a solve changes a configuration: which coordinate each variable moves, which are locked, and where eliminated objects and
+//! roots are written.
+//!
+//! These are plain data with their arithmetic. `program/assembly.rs` makes them, and the solvers apply them.
 
 use foliate_components::Pose;
 use foliate_components::constraint::LockedValue;

@@ -1,7 +1,7 @@
 //! The tree of one model's links and joints, and which of its joints follow others.
 
 use crate::pose::Pose;
-use crate::robot::model::{JointKind, JointModel, Model};
+use crate::robot::model::part_model::{JointKind, JointModel, Model};
 use glam::DQuat;
 use std::collections::HashMap;
 

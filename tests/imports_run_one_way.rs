@@ -1,0 +1,80 @@
+//! Promise: no two files of a crate use each other, directly or through others; rooms and files stay small.
+
+#![allow(clippy::expect_used, reason = "a test that cannot go on says so")]
+
+#[path = "common/imports/mod.rs"]
+mod imports;
+
+use imports::{Crate, circles};
+use std::path::{Path, PathBuf};
+
+/// Most entries of a folder besides its page.
+const ENTRIES: usize = 12;
+/// Most lines of a file.
+const LINES: usize = 400;
+const CRATES: [&str; 4] = ["components/src", "systems/kernels/src", "systems/src", "src"];
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+#[test]
+fn no_file_uses_a_file_that_uses_it() {
+    for folder in CRATES {
+        let sources = Crate::read(&root().join(folder), &[]);
+        let (files, edges) = (sources.files().len(), sources.edges());
+        // A parser that finds nothing would find no circle either.
+        assert!(edges.len() > files, "{folder}: {} edges between {files} files", edges.len());
+        let found = circles(&edges);
+        assert!(found.is_empty(), "{folder} has {} circles: {found:#?}", found.len());
+    }
+}
+
+#[test]
+fn circles_are_found() {
+    let folder = std::env::temp_dir().join(format!("foliate-circles-{}", std::process::id()));
+    std::fs::create_dir_all(folder.join("room")).expect("a folder");
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).expect("a file");
+    write("lib.rs", "pub mod alone; pub mod room;");
+    write("alone.rs", "use crate::room::Two; pub struct Alone(Two);");
+    write("room/mod.rs", "mod one; mod two; mod three; pub use two::Two;");
+    write("room/one.rs", "use crate::room::Two; pub struct One(Two);");
+    write("room/two.rs", "pub struct Two; impl Two { fn three() { super::three::three() } }");
+    write("room/three.rs", "pub fn three() {} #[cfg(test)] mod tests { use crate::room::one::One; }");
+    let open = circles(&Crate::read(&folder, &[]).edges());
+    assert!(open.is_empty(), "{open:?}");
+    write("room/three.rs", "pub fn three() { let _ = crate::room::one::One; }");
+    let closed = circles(&Crate::read(&folder, &[]).edges());
+    std::fs::remove_dir_all(&folder).expect("the folder goes");
+    assert_eq!(closed.len(), 1);
+    assert_eq!(closed[0].len(), 3, "{closed:?}");
+}
+
+#[test]
+fn rooms_and_files_stay_small() {
+    let mut large = Vec::new();
+    for folder in CRATES {
+        measure(&root().join(folder), &mut large);
+    }
+    assert!(large.is_empty(), "{large:#?}");
+}
+
+fn measure(folder: &Path, large: &mut Vec<String>) {
+    let entries: Vec<PathBuf> =
+        std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()).collect();
+    let is_page = |path: &&PathBuf| ["mod.rs", "lib.rs", "main.rs"].iter().any(|page| path.ends_with(page));
+    let count = entries.iter().filter(|path| !is_page(path)).count();
+    if count > ENTRIES {
+        large.push(format!("{}: {count} entries", folder.display()));
+    }
+    for path in entries {
+        if path.is_dir() {
+            measure(&path, large);
+        } else {
+            let text = std::fs::read_to_string(&path).expect("a source");
+            if text.lines().count() > LINES {
+                large.push(format!("{}: {} lines", path.display(), text.lines().count()));
+            }
+        }
+    }
+}
