@@ -252,6 +252,9 @@ fn centre_of_mass(robot: &Robot, balance: &CentreOfMass, argument: &Pose, entry:
     }
 }
 
+/// x y z qx qy qz qw.
+pub type PoseRow = [f64; 7];
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -351,6 +354,3 @@ mod tests {
         }
     }
 }
-
-/// x y z qx qy qz qw.
-pub type PoseRow = [f64; 7];

@@ -120,6 +120,17 @@ fn edit_distance(a: &str, b: &str, limit: usize) -> usize {
     row[b.len()]
 }
 
+/// Why reading was stopped although nothing was wrong with what was read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LoadStop {
+    /// The deadline has passed.
+    Deadline,
+    /// The host's token is cancelled.
+    Cancelled,
+    /// There is not enough memory left.
+    Memory,
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -143,15 +154,4 @@ mod tests {
         let shown = quoted(&"\u{1b}[31m\n".repeat(100));
         assert!(!shown.contains('\n') && !shown.contains('\u{1b}') && shown.len() < 1000);
     }
-}
-
-/// Why reading was stopped although nothing was wrong with what was read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LoadStop {
-    /// The deadline has passed.
-    Deadline,
-    /// The host's token is cancelled.
-    Cancelled,
-    /// There is not enough memory left.
-    Memory,
 }

@@ -281,20 +281,6 @@ impl ConstraintProgram {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use crate::constrained_motion::rows::coordinates::largest;
-
-    #[test]
-    fn what_is_not_a_number_hides_behind_nothing() {
-        for values in [[f64::NAN, 1.0, 2.0], [1.0, f64::NAN, 2.0], [1.0, 2.0, f64::NAN]] {
-            assert_eq!(largest(values), f64::INFINITY);
-        }
-        assert_eq!(largest([1.0, -3.0, 2.0]), 3.0);
-        assert_eq!(largest([]), 0.0);
-    }
-}
-
 impl Scratch {
     /// Makes room for a program; allocates only where an earlier one needed less.
     pub(crate) fn prepare(&mut self, program: &ConstraintProgram) {
@@ -313,5 +299,19 @@ impl Scratch {
 fn grow<T: Clone>(items: &mut Vec<T>, length: usize, fill: T) {
     if items.len() < length {
         items.resize(length, fill);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::constrained_motion::rows::coordinates::largest;
+
+    #[test]
+    fn what_is_not_a_number_hides_behind_nothing() {
+        for values in [[f64::NAN, 1.0, 2.0], [1.0, f64::NAN, 2.0], [1.0, 2.0, f64::NAN]] {
+            assert_eq!(largest(values), f64::INFINITY);
+        }
+        assert_eq!(largest([1.0, -3.0, 2.0]), 3.0);
+        assert_eq!(largest([]), 0.0);
     }
 }
