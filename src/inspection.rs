@@ -4,7 +4,7 @@
 use foliate_components::Pose;
 use foliate_components::coverage::{LeftOutPair, PairCounts};
 use foliate_components::robot::{DisabledPair, PartIndex, Robot, ShapeIndex};
-use foliate_kernels::collision::{Ask, CollisionScene, PairId, PairRule, adjacent_links, pair_clearance};
+use foliate_kernels::collision::{CollisionScene, DistanceQuery, PairId, PairRule, adjacent_links, pair_clearance};
 use foliate_kernels::kinematics::Kinematics;
 use foliate_systems::runtime::random::{Purpose, stream};
 use glam::DVec3;
@@ -71,7 +71,7 @@ fn always_colliding(robot: &Robot, scene: &CollisionScene) -> Vec<(ShapeIndex, S
         robot.space.random(&mut stream(0, Purpose::Sample, 0, sample), &mut q);
         kinematics.forward(&q, &mut X_WJ);
         let touches = |pair: &PairId| {
-            let clearance = pair_clearance(scene, *pair, &X_WJ, Ask::exact(0.0), &mut DVec3::ZERO.clone());
+            let clearance = pair_clearance(scene, *pair, &X_WJ, DistanceQuery::exact(0.0), &mut DVec3::ZERO.clone());
             clearance <= 0.0 || clearance.is_nan()
         };
         suspects.retain(touches);

@@ -10,7 +10,7 @@ use foliate_components::problem::Problem;
 use foliate_components::robot::PartIndex;
 use foliate_systems::events::{CancelToken, EventSink, SearchEvent, StopSignal};
 use foliate_systems::planning_model::{Model, ModelError, PlanningModel, ProblemTables};
-use foliate_systems::schedulers::portfolio::{WorldCount, WorldCounts};
+use foliate_systems::schedulers::portfolio::{MemberCount, MemberCounts};
 use foliate_systems::schedulers::{self, Scheduler};
 use foliate_systems::search::Search;
 use foliate_systems::search::path_clearance::{PathClearance, path_clearance};
@@ -85,7 +85,7 @@ pub struct Report {
     pub validated: u64,
     /// What each of several worlds did (scheduler `portfolio`); empty where the search had but one. What follows is of the one
     /// that answers.
-    pub worlds: Vec<WorldCount>,
+    pub worlds: Vec<MemberCount>,
     /// Roadmap nodes.
     pub nodes: usize,
     /// Roadmap edges.
@@ -313,7 +313,7 @@ impl Planner {
     }
 
     fn report(&self, search: &mut Search, path: Option<&ManipulationPath>) -> Report {
-        let worlds = search.world().get_resource::<WorldCounts>().map(|counts| counts.0.clone()).unwrap_or_default();
+        let worlds = search.world().get_resource::<MemberCounts>().map(|counts| counts.0.clone()).unwrap_or_default();
         let counter = match worlds.is_empty() {
             true => search.counter(),
             false => worlds.iter().map(|world| world.counter).sum(),

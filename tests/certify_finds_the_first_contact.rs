@@ -8,8 +8,8 @@ use certify_common::{arm, ball, certify, cuboid, joint, link, motion, point, sce
 use foliate::certify::{Attachment, Certifier, CertifyOptions, CertifyReport, Interpolation, Motion, Point, Verdict};
 use foliate::components::Pose;
 use foliate::components::problem::Problem;
-use foliate::kernels::collision::{Ask, CollisionScratch, PairId, pair_clearance};
 use foliate::kernels::collision::{CollisionScene, PairRule};
+use foliate::kernels::collision::{CollisionScratch, DistanceQuery, PairId, pair_clearance};
 use foliate::kernels::kinematics::Kinematics;
 use glam::DVec3;
 use rand_chacha::ChaCha8Rng;
@@ -278,7 +278,7 @@ impl Sampler {
         self.kinematics.forward(&self.start, &mut self.X_WJ);
         let mut least = f64::INFINITY;
         for pair in 0..self.scene.pairs().len() as u32 {
-            let ask = Ask::exact(least.max(0.0));
+            let ask = DistanceQuery::exact(least.max(0.0));
             least = least.min(pair_clearance(&self.scene, PairId(pair), &self.X_WJ, ask, &mut DVec3::ZERO.clone()));
         }
         least

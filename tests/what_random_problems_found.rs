@@ -19,11 +19,11 @@ impl Drop for Folder {
 }
 
 /// A slide whose carriage turns, and what is written on its links.
-fn slide(carriage: &str, wheel: &str) -> String {
+fn slide(rigid_attachment: &str, wheel: &str) -> String {
     format!(
         r#"<robot name="slide"><link name="rail"/>
         <joint name="along" type="prismatic"><parent link="rail"/><child link="carriage"/><axis xyz="1 0 0"/>
-        <limit lower="0" upper="1" velocity="1" effort="1"/></joint><link name="carriage">{carriage}</link>
+        <limit lower="0" upper="1" velocity="1" effort="1"/></joint><link name="carriage">{rigid_attachment}</link>
         <joint name="turn" type="revolute"><parent link="carriage"/><child link="wheel"/><axis xyz="0 0 1"/>
         <limit lower="-1" upper="1" velocity="1" effort="1"/></joint><link name="wheel">{wheel}</link></robot>"#
     )

@@ -5,12 +5,12 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use foliate_benches::{criterion, random_configurations, sample_model, scene_model};
 use foliate_components::Pose;
 use foliate_components::graph::StateId;
-use foliate_components::robot::{Motion, Source};
+use foliate_components::robot::{JointType, Source};
 use foliate_kernels::collision::{
     CertificateSettings, CollisionScratch, MotionVerdict, PairSet, certify_motion, first_collision, first_collisions,
     open_to_bounds,
 };
-use foliate_kernels::kinematics::Carriage;
+use foliate_kernels::kinematics::RigidAttachment;
 use foliate_systems::planning_model::PlanningModel;
 use std::hint::black_box;
 
@@ -25,11 +25,11 @@ fn configurations(model: &PlanningModel, count: usize) -> Vec<Vec<f64>> {
 }
 
 /// Objects stay where they start.
-fn lying(model: &PlanningModel) -> Vec<Carriage> {
+fn lying(model: &PlanningModel) -> Vec<RigidAttachment> {
     let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
     model.kinematics.forward(&model.problem.start, &mut X_WJ);
     let roots = model.objects().iter().filter_map(|object| object.root);
-    roots.map(|object| Carriage { object, carrier: None, X_CO: X_WJ[object.at()] }).collect()
+    roots.map(|object| RigidAttachment { object, carrier: None, X_CO: X_WJ[object.at()] }).collect()
 }
 
 fn bench_scene(c: &mut Criterion, name: &str, model: &PlanningModel) {
@@ -78,8 +78,8 @@ fn bench_verdict(group: &mut Group<'_>, what: &str, model: &PlanningModel, sampl
 /// Sixteen configurations along motions of at most 0.8 rad of the first arm: verdicts of all pairs that move, and what bounds
 /// alone say. Times are per configuration.
 fn bench_along(group: &mut Group<'_>, model: &PlanningModel, free: &[Vec<f64>]) {
-    let (space, carriages) = (&model.problem.robot.space, lying(model));
-    let pairs = PairSet::new(&model.collision, &carriages, &[]);
+    let (space, rigid_attachments) = (&model.problem.robot.space, lying(model));
+    let pairs = PairSet::new(&model.collision, &rigid_attachments, &[]);
     let Some(arm) = first_arm(model) else { return };
     let blocks: Vec<Vec<f64>> = free
         .windows(2)
@@ -104,7 +104,7 @@ fn bench_along(group: &mut Group<'_>, model: &PlanningModel, free: &[Vec<f64>]) 
     let (scene, kinematics) = (&model.collision, &model.kinematics);
     let mut verdicts = |block: &[f64], found: &mut Vec<_>| {
         found.clear();
-        first_collisions(scene, kinematics, &carriages, block, &pairs, 1e-5, &mut scratch, found);
+        first_collisions(scene, kinematics, &rigid_attachments, block, &pairs, 1e-5, &mut scratch, found);
     };
     let mut colliding = 0;
     for block in &blocks {
@@ -121,7 +121,7 @@ fn bench_along(group: &mut Group<'_>, model: &PlanningModel, free: &[Vec<f64>]) 
     group.bench_function("sixteen configurations along a motion, bounds alone", |b| {
         b.iter(|| {
             let block = next.next().unwrap_or(&blocks[0]);
-            black_box(open_to_bounds(scene, kinematics, &carriages, block, &pairs, 1e-5, &mut scratch))
+            black_box(open_to_bounds(scene, kinematics, &rigid_attachments, block, &pairs, 1e-5, &mut scratch))
         });
     });
     group.throughput(criterion::Throughput::Elements(1));
@@ -131,7 +131,7 @@ fn bench_along(group: &mut Group<'_>, model: &PlanningModel, free: &[Vec<f64>]) 
 fn first_arm(model: &PlanningModel) -> Option<std::ops::Range<usize>> {
     let joints = &model.problem.robot.joints;
     let coordinate = |index: usize| match (joints[index].motion, joints[index].source) {
-        (Motion::Revolute { .. }, Source::Coordinates { q, .. }) => Some(q),
+        (JointType::Revolute { .. }, Source::Coordinates { q, .. }) => Some(q),
         _ => None,
     };
     let follows = |index: usize| joints[index].parent.is_some_and(|p| p.at() + 1 == index);
@@ -144,8 +144,8 @@ fn first_arm(model: &PlanningModel) -> Option<std::ops::Range<usize>> {
 /// something.
 fn bench_motions(group: &mut Group<'_>, model: &PlanningModel, free: &[Vec<f64>]) {
     let space = &model.problem.robot.space;
-    let carriages = lying(model);
-    let pairs = PairSet::new(&model.collision, &carriages, &[]);
+    let rigid_attachments = lying(model);
+    let pairs = PairSet::new(&model.collision, &rigid_attachments, &[]);
     let (settings, mut scratch) = (CertificateSettings::default(), CollisionScratch::new());
     let shorter = |pair: &[Vec<f64>]| {
         let share = (0.3 / space.distance(&pair[0], &pair[1], &model.weights)).min(1.0);
@@ -155,7 +155,7 @@ fn bench_motions(group: &mut Group<'_>, model: &PlanningModel, free: &[Vec<f64>]
     };
     let motions: Vec<_> = free.windows(2).take(200).map(shorter).collect();
     let mut certify = |(a, b): &(Vec<f64>, Vec<f64>)| {
-        certify_motion(&model.collision, &model.kinematics, &carriages, a, b, &pairs, &settings, &mut scratch)
+        certify_motion(&model.collision, &model.kinematics, &rigid_attachments, a, b, &pairs, &settings, &mut scratch)
     };
     let (whole, cut): (Vec<_>, Vec<_>) =
         motions.into_iter().partition(|motion| matches!(certify(motion), MotionVerdict::Free { .. }));

@@ -15,7 +15,7 @@ use foliate_kernels::collision::distance::hull_distance::hull_distance;
 use foliate_kernels::collision::scene::SceneSolid;
 use foliate_kernels::collision::solids::volumes::Ball;
 use foliate_kernels::collision::{
-    Ask, CertificateSettings, CollisionScratch, MotionVerdict, PairSet, certify_motion, first_collision,
+    CertificateSettings, CollisionScratch, DistanceQuery, MotionVerdict, PairSet, certify_motion, first_collision,
 };
 use foliate_systems::planning_model::PlanningModel;
 use foliate_systems::settings::SearchSettings;
@@ -109,7 +109,7 @@ fn are_apart(a: &Ball, X_WA: &Pose, b: &Ball, X_WB: &Pose) -> bool {
 
 fn are_surely_apart(a: &SceneSolid, X_WA: &Pose, b: &SceneSolid, X_WB: &Pose) -> bool {
     are_apart(&a.ball, X_WA, &b.ball, X_WB) || a.capsule.moved(X_WA).distance(&b.capsule.moved(X_WB)) >= GUARD || {
-        let (ask, mut hint) = (Ask { relative: 0.01, ..Ask::exact(GUARD) }, DVec3::ZERO);
+        let (ask, mut hint) = (DistanceQuery { relative: 0.01, ..DistanceQuery::exact(GUARD) }, DVec3::ZERO);
         hull_distance(&a.solid, &(X_WA * a.X_JS), &b.solid, &(X_WB * b.X_JS), ask, &mut hint) >= GUARD
     }
 }

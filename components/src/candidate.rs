@@ -24,7 +24,7 @@ pub struct Candidate {
     /// The leaf to extend, where one is chosen before the node.
     pub leaf: Option<LeafId>,
     /// Where it is guided: the leaf of another tree that it is on its way to.
-    pub aim: Option<LeafId>,
+    pub target_leaf: Option<LeafId>,
     /// For a crossed transition: the leaf of another tree that is aimed at; the values of the rows that the transition
     /// adds are taken from it.
     pub drawn: Option<LeafId>,
@@ -35,7 +35,7 @@ pub struct Candidate {
     /// Whether it is *planted*: its first leg is left out, and where it would end a tree of its own begins; what the legs behind
     /// it lead to is another, and their motions are certified when somebody needs them. Set where the first leg lies on the near
     /// node's own leaf, by schedulers that join trees themselves.
-    pub plants: bool,
+    pub extends_lazily: bool,
     /// The pair of shapes that stopped it.
     pub blocked_by: Option<(ShapeIndex, ShapeIndex)>,
 }

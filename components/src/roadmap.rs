@@ -338,7 +338,7 @@ impl Roadmap {
     }
 
     /// A hash of everything in container order: configurations, states, leaves, edges, knots. Equal hashes for different
-    /// thread counts are the promise of determinism (DESIGN §4).
+    /// thread counts are the promise of determinism.
     #[must_use]
     pub fn fingerprint(&self) -> u64 {
         let mut hash = Fnv::default();

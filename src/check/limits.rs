@@ -4,7 +4,7 @@ use crate::check::report::check_report::{CheckReport, Place, shown};
 use crate::check::report::kind::Kind;
 use crate::check::world::models::{Value, World};
 use crate::path_file::document::{PathFile, SegmentEntry};
-use foliate_components::robot::{Motion, PartKind};
+use foliate_components::robot::{JointType, PartKind};
 
 /// Rounding allowed beyond a limit, radians or metres.
 const SLACK: f64 = 1e-9;
@@ -82,9 +82,9 @@ impl Checker<'_> {
             }
             Value::Columns(columns) => {
                 let all: Vec<usize> = (0..self.segment.knots.len()).collect();
-                let linear = if body.motion == Motion::FreeFlyer { &columns[..3] } else { &columns[..] };
+                let linear = if body.motion == JointType::FreeFlyer { &columns[..3] } else { &columns[..] };
                 linear.iter().for_each(|&c| self.limited(c, body.limits, &all));
-                if body.motion == Motion::FreeFlyer {
+                if body.motion == JointType::FreeFlyer {
                     self.quaternions(columns, &body.name);
                     self.turning(&columns[3..]);
                 }

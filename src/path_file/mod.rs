@@ -1,4 +1,4 @@
-//! Path files: `"format": "foliate.path/1"`, the contract that other people's checkers read (DESIGN §6).
+//! Path files: `"format": "foliate.path/1"`, the contract that other people's checkers read.
 //!
 //! The models and this file are all that is needed to play a path back or to prove it again. Numbers are written so that
 //! they read back bit for bit; a file holds neither clock times nor thread counts, so that it does not depend on them.

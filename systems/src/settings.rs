@@ -67,7 +67,7 @@ pub struct SearchSettings {
     /// in front of an obstacle is quicker to prove and a better place to go on from.
     pub prefix_resolution: f64,
     /// Residual at which a given start or goal counts as lying in a state, metres and radians.
-    pub membership_tolerance: f64,
+    pub classification_tolerance: f64,
     /// How many configurations to look for at once where a goal leaves something free.
     pub goal_samples: usize,
     /// Tries for such a goal after which, with no goal found at all, the search ends as infeasible.
@@ -100,7 +100,7 @@ impl Default for SearchSettings {
             path_tolerance: 2e-4,
             clearance_guard: 1e-5,
             prefix_resolution: 0.125,
-            membership_tolerance: 1e-4,
+            classification_tolerance: 1e-4,
             goal_samples: 8,
             goal_tries: 4096,
             goal_interval: 64,

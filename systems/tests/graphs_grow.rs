@@ -25,13 +25,13 @@ use std::sync::Arc;
 
 const TOLERANCE: f64 = 1e-4;
 
-fn growing(problem: Problem) -> PlanningModel {
-    PlanningModel(Arc::new(Model::growing(problem).unwrap()))
+fn new_lazy(problem: Problem) -> PlanningModel {
+    PlanningModel(Arc::new(Model::new_lazy(problem).unwrap()))
 }
 
 /// All that can be reached from a configuration.
 fn grown_from(problem: &Problem, q: &[f64]) -> ConstraintGraph {
-    let mut model = growing(problem.clone());
+    let mut model = new_lazy(problem.clone());
     model.reach(q, TOLERANCE).unwrap();
     let mut next = 0;
     while next < model.graph.states.len() {
@@ -121,7 +121,7 @@ fn rules_and_tables_hold_for_what_grows() {
 #[test]
 fn searches_of_graphs_that_grow_find_paths_that_name_their_transitions() {
     for problem in [swap_two_boxes(), swap_with_crossed_foliations(), put_a_lid_on_a_box(), make_a_step()] {
-        let model = growing(problem.unwrap());
+        let model = new_lazy(problem.unwrap());
         let (outcome, search) = search(&model, &Mrrt, seeded(1), 1);
         assert_eq!(outcome, SearchOutcome::Solved, "{}", model.problem.name);
         let graph = &search.model().graph;
@@ -144,7 +144,7 @@ fn goals_that_leave_something_free_are_looked_for_near_the_start_first() {
     let Goal::Configuration(goal) = problem.goals[0].clone() else { panic!("whole") };
     let mut numbers: [f64; 7] = goal[goal.len() - 7..].try_into().unwrap();
     problem.goals = vec![Goal::object_poses(vec![(part, pose_from_array(numbers).unwrap())])];
-    let model = growing(problem.clone());
+    let model = new_lazy(problem.clone());
     let (outcome, search_on_table) = search(&model, &Mrrt, seeded(1), 1);
     assert_eq!(outcome, SearchOutcome::Solved);
     let end = search_on_table.path().unwrap().segments.last().unwrap().state;
@@ -153,7 +153,7 @@ fn goals_that_leave_something_free_are_looked_for_near_the_start_first() {
     // In the air somebody has to hold it: the start's state contradicts that, a neighbour does not.
     numbers[2] += 0.2;
     problem.goals = vec![Goal::object_poses(vec![(part, pose_from_array(numbers).unwrap())])];
-    let model = growing(problem);
+    let model = new_lazy(problem);
     let (outcome, search_in_air) = search(&model, &Mrrt, seeded(1), 1);
     assert_eq!(outcome, SearchOutcome::Solved);
     let end = search_in_air.path().unwrap().segments.last().unwrap().state;
@@ -165,7 +165,7 @@ fn starts_in_no_state_are_refused_with_the_reason() {
     let mut problem = swap_two_boxes().unwrap();
     let z = problem.start.len() - 5;
     problem.start[z] += 0.1;
-    let (outcome, _) = search(&growing(problem), &Mrrt, seeded(1), 1);
+    let (outcome, _) = search(&new_lazy(problem), &Mrrt, seeded(1), 1);
     let SearchOutcome::InfeasibleStart(why) = outcome else { panic!("{outcome:?}") };
     assert!(why.contains("`place_box1` of state `free` is off by 1.0"), "{why}");
 }

@@ -14,7 +14,7 @@ use foliate_components::roadmap::ComponentId;
 use foliate_components::samples::{boxes_on_a_table, open_a_drawer, swap_two_boxes};
 use foliate_systems::exploration::reached_leaves::ReachedLeaves;
 use foliate_systems::heuristic::grasp_distance::GraspDistance;
-use foliate_systems::heuristic::leaf_heuristic::Aims;
+use foliate_systems::heuristic::leaf_heuristic::LeafHeuristic;
 use foliate_systems::heuristic::systems::measure_leaves;
 use foliate_systems::planning_model::PlanningModel;
 use foliate_systems::schedulers::mrrt::Mrrt;
@@ -101,7 +101,7 @@ fn what_is_kept_while_trees_grow_is_what_counting_afresh_gives() {
         measure.run(search.world_mut());
 
         let world = search.world();
-        let (aims, reached) = (world.resource::<Aims>(), world.resource::<ReachedLeaves>());
+        let (heuristic, reached) = (world.resource::<LeafHeuristic>(), world.resource::<ReachedLeaves>());
         let (leaves, roadmap) = (world.resource::<LeafIndex>(), search.roadmap());
         let afresh = GraspDistance::new(&model.graph);
         let trees = (0..roadmap.trees() as u32).map(ComponentId).filter(|&c| roadmap.component(c) == c);
@@ -112,7 +112,7 @@ fn what_is_kept_while_trees_grow_is_what_counting_afresh_gives() {
             let others: Vec<_> = others.flat_map(|(_, list)| list).map(|&to| leaves.leaf(to)).collect();
             for &leaf in &reached.by_component[tree.at()] {
                 let far = others.iter().map(|to| afresh.between(&model.graph, leaves.leaf(leaf), to)).min();
-                assert_eq!(aims.to_others(leaf, tree), far.or(Some(0)));
+                assert_eq!(heuristic.to_others(leaf, tree), far.or(Some(0)));
                 compared += 1;
             }
         }

@@ -12,8 +12,8 @@ use foliate_components::outcome::SearchOutcome;
 use foliate_components::problem::Goal;
 use foliate_components::roadmap::{ComponentId, EdgeId, NodeId, Roadmap};
 use foliate_components::samples::{move_one_box, swap_two_boxes, swap_with_crossed_foliations};
-use foliate_systems::exploration::edges::{Passage, Passages};
-use foliate_systems::exploration::explored::Families;
+use foliate_systems::exploration::edges::{UnvalidatedEdge, UnvalidatedEdges};
+use foliate_systems::exploration::explored::SearchSides;
 use foliate_systems::exploration::reached_leaves::ReachedLeaves;
 use foliate_systems::exploration::roots::Roots;
 use foliate_systems::schedulers::sequence::leaf_graph::LeafGraph;
@@ -56,12 +56,13 @@ fn what_was_planted_in_vain_hangs_together_with_nothing() {
         let start = roadmap.component_of(search.world().resource::<Roots>().start.unwrap());
         left += nodes(roadmap).filter(|&node| roadmap.component_of(node) != start).count();
         // But its family knows the leaves that it is on.
-        let (families, reached) = (search.world().resource::<Families>(), search.world().resource::<ReachedLeaves>());
+        let (search_sides, reached) =
+            (search.world().resource::<SearchSides>(), search.world().resource::<ReachedLeaves>());
         for node in nodes(roadmap) {
             let row = roadmap.node(node);
-            let family: ComponentId = families.born_for(row.component);
-            assert!(reached.by_component[family.at()].contains(&row.leaf));
-            assert_eq!(families.born_for(family), family, "a family's root was planted itself");
+            let search_side: ComponentId = search_sides.side_root(row.component);
+            assert!(reached.by_component[search_side.at()].contains(&row.leaf));
+            assert_eq!(search_sides.side_root(search_side), search_side, "a family's root was planted itself");
         }
     }
     assert!(left > 0, "everything that was planted was joined: nothing was lazy");
@@ -73,11 +74,11 @@ fn of_what_is_planted_only_what_a_sequence_needs_is_certified() {
     let (mut open, mut made) = (0, 0);
     for seed in 1..=3 {
         let (_, search) = search(&model, &Sequence, seeded(seed), 1);
-        let (roadmap, passages) = (search.roadmap(), search.world().resource::<Passages>());
+        let (roadmap, unvalidated_edges) = (search.roadmap(), search.world().resource::<UnvalidatedEdges>());
         for node in nodes(roadmap) {
-            let Some(passage) = passages.to(node) else { continue };
+            let Some(unvalidated_edge) = unvalidated_edges.to(node) else { continue };
             open += 1;
-            let certified = roadmap.edges_at(node).any(|edge| roadmap.edge(edge).from == passage.from);
+            let certified = roadmap.edges_at(node).any(|edge| roadmap.edge(edge).from == unvalidated_edge.from);
             assert!(!certified, "a passage that is an edge");
         }
         let edges = (0..roadmap.edges().len() as u32).map(EdgeId);
@@ -86,7 +87,7 @@ fn of_what_is_planted_only_what_a_sequence_needs_is_certified() {
             roadmap.node(row.from).leaf != roadmap.node(row.to).leaf && row.motions > 0
         };
         made += edges.filter(crosses).count();
-        assert!(passages.bytes() > 0 || passages.is_empty());
+        assert!(unvalidated_edges.bytes() > 0 || unvalidated_edges.is_empty());
     }
     assert!(open > made, "{open} passages were left alone, {made} certified");
 }
@@ -143,11 +144,11 @@ fn a_way_that_fails_makes_room_for_another_and_is_not_given_up() {
     let roots = Roots { start: Some(start), goals: vec![goal] };
     let mut graph = LeafGraph::default();
     let weights = vec![1.0; space.dimension()];
-    graph.grow(&roadmap, &Passages::default(), &space, &weights);
+    graph.grow(&roadmap, &UnvalidatedEdges::default(), &space, &weights);
     assert_eq!(graph.cheapest(&roadmap, &roots), None, "two leaves with nothing between them");
 
     let (near, far) = (add_chain(&mut roadmap, 0.1), add_chain(&mut roadmap, 1.0));
-    graph.grow(&roadmap, &Passages::default(), &space, &weights);
+    graph.grow(&roadmap, &UnvalidatedEdges::default(), &space, &weights);
     let ends = |graph: &LeafGraph| -> Vec<_> {
         graph.cheapest(&roadmap, &roots).unwrap().into_iter().map(|join| graph.ends(join)).collect()
     };
@@ -171,22 +172,22 @@ fn a_way_that_fails_makes_room_for_another_and_is_not_given_up() {
 fn a_passage_is_a_way_until_it_is_known_not_to_be_free() {
     let space = move_one_box().unwrap().robot.space;
     let mut roadmap = Roadmap::new(space.size());
-    let mut passages = Passages::default();
+    let mut unvalidated_edges = UnvalidatedEdges::default();
     let (start, goal) = (add(&mut roadmap, 0.0, 0, None), add(&mut roadmap, 0.0, 1, None));
     let roots = Roots { start: Some(start), goals: vec![goal] };
     let mut plant = |roadmap: &mut Roadmap, at: f64| {
         let (from, to) = (add(roadmap, at, 0, None), add(roadmap, at, 1, None));
-        let passage = Passage { from, transition: TransitionId(0), drawn: None, motions: Vec::new() };
-        passages.add(to, passage);
+        let unvalidated_edge = UnvalidatedEdge { from, transition: TransitionId(0), drawn: None, motions: Vec::new() };
+        unvalidated_edges.add(to, unvalidated_edge);
         (from, to)
     };
     let (near, far) = (plant(&mut roadmap, 0.1), plant(&mut roadmap, 1.0));
     let mut graph = LeafGraph::default();
-    graph.grow(&roadmap, &passages, &space, &vec![1.0; space.dimension()]);
+    graph.grow(&roadmap, &unvalidated_edges, &space, &vec![1.0; space.dimension()]);
     let way = graph.cheapest(&roadmap, &roots).unwrap();
     let ends: Vec<_> = way.iter().map(|&join| graph.ends(join)).collect();
     assert_eq!(ends, [(start, near.0), near, (goal, near.1)]);
-    assert_eq!(way.iter().map(|&join| graph.is_passage(join)).collect::<Vec<_>>(), [false, true, false]);
+    assert_eq!(way.iter().map(|&join| graph.is_unvalidated(join)).collect::<Vec<_>>(), [false, true, false]);
     assert!(graph.cost(way[1]) < graph.cost(way[0]), "passages come last");
 
     graph.count_tried(way[1], false);

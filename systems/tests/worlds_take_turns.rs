@@ -11,7 +11,7 @@ use foliate_components::outcome::SearchOutcome;
 use foliate_components::samples::{boxes_on_a_table, eight_arms_and_ten_boxes, swap_two_boxes};
 use foliate_systems::events::EventSink;
 use foliate_systems::schedule::{SearchSet, empty_schedule};
-use foliate_systems::schedulers::portfolio::{Member, WorldCounts};
+use foliate_systems::schedulers::portfolio::{Member, MemberCounts};
 use foliate_systems::schedulers::{Scheduler, mrrt::Mrrt, portfolio::Portfolio};
 use foliate_systems::search::Search;
 use foliate_systems::settings::{SearchSettings, Selection};
@@ -24,8 +24,8 @@ fn trio() -> Portfolio {
     Portfolio { members: vec![Member::new(Mrrt), leaf_first, Member::new(Mrrt)], quantum: 32 }
 }
 
-fn counts(search: &Search) -> WorldCounts {
-    search.world().resource::<WorldCounts>().clone()
+fn counts(search: &Search) -> MemberCounts {
+    search.world().resource::<MemberCounts>().clone()
 }
 
 #[test]
@@ -118,13 +118,13 @@ fn who_enters_late_learns_what_is_known() {
     for _ in 0..3 {
         assert_eq!(search.step(), None);
     }
-    let worlds = |search: &Search| {
-        let worlds = search.world().resource::<foliate_systems::schedulers::portfolio::Worlds>();
-        worlds.searches().map(|search| search.roadmap().nodes().len()).collect::<Vec<_>>()
+    let portfolio_members = |search: &Search| {
+        let portfolio_members = search.world().resource::<foliate_systems::schedulers::portfolio::PortfolioMembers>();
+        portfolio_members.searches().map(|search| search.roadmap().nodes().len()).collect::<Vec<_>>()
     };
-    assert_eq!(worlds(&search).len(), 1);
+    assert_eq!(portfolio_members(&search).len(), 1);
     search.step();
-    let nodes = worlds(&search);
+    let nodes = portfolio_members(&search);
     assert!(nodes[1] > 10 && nodes[1] <= nodes[0], "{nodes:?}");
 }
 
@@ -135,8 +135,8 @@ fn budgets_hold_for_all_worlds_together() {
     let mut limited = Search::new(&model, &trio(), settings, stop_within(60), EventSink::default());
     let mut most = 0;
     while limited.step().is_none() {
-        let worlds = limited.world().resource::<foliate_systems::schedulers::portfolio::Worlds>();
-        most = worlds.searches().map(|search| search.roadmap().nodes().len()).sum();
+        let portfolio_members = limited.world().resource::<foliate_systems::schedulers::portfolio::PortfolioMembers>();
+        most = portfolio_members.searches().map(|search| search.roadmap().nodes().len()).sum();
     }
     assert_eq!(limited.ending(), Some(&SearchOutcome::MemoryLimit));
     assert!((100..300).contains(&most), "{most}");

@@ -2,7 +2,7 @@
 //!
 //! A leaf of a state gives each of the state's foliating constraints a value. Values are interned as *parameters*: two
 //! nodes lie on the same leaf if and only if their parameter ids are equal. A node that is reached by aiming at a leaf
-//! adopts its ids and with them the exact numbers, so nothing drifts (DESIGN: §5.3).
+//! adopts its ids and with them the exact numbers, so nothing drifts.
 
 use crate::Pose;
 use crate::graph::{ConstraintId, StateId};

@@ -8,7 +8,7 @@ use crate::robot::configuration::ConfigurationSpace;
 use crate::robot::error::ComposeError;
 use crate::robot::hybrid_robot::{DisabledPair, Gripper, Handle, Link, Part, Robot, Shape, Surface};
 use crate::robot::indices::{JointIndex, LinkIndex, PartIndex};
-use crate::robot::joint::{Joint, Motion, PartPlacement, RootJoint, Source};
+use crate::robot::joint::{Joint, JointType, PartPlacement, RootJoint, Source};
 use crate::robot::model::part_model::{JointKind, Model};
 use crate::robot::model::tree::{Follow, Tree, follows, moved};
 use glam::{DQuat, DVec3};
@@ -47,8 +47,8 @@ impl Robot {
 
         let root_joint = match placement.root {
             RootJoint::Fixed => None,
-            RootJoint::FreeFlyer => Some(Motion::FreeFlyer),
-            RootJoint::Planar => Some(Motion::Planar),
+            RootJoint::FreeFlyer => Some(JointType::FreeFlyer),
+            RootJoint::Planar => Some(JointType::Planar),
         }
         .map(|motion| {
             let mut lower = vec![f64::NEG_INFINITY; motion.configuration_size()];
@@ -218,14 +218,14 @@ impl Walk<'_> {
         let described = &self.model.joints[index];
         let axis = described.axis;
         let (motion, joint_from_link) = match described.kind {
-            JointKind::Revolute | JointKind::Continuous => (Motion::Revolute { axis }, Pose::identity()),
-            JointKind::Prismatic => (Motion::Prismatic { axis }, Pose::identity()),
+            JointKind::Revolute | JointKind::Continuous => (JointType::Revolute { axis }, Pose::identity()),
+            JointKind::Prismatic => (JointType::Prismatic { axis }, Pose::identity()),
             // Our planar joint moves in its own xy plane: turn its frame so that z is the described normal.
             JointKind::Planar => {
                 let turn = Pose::from_rotation(DQuat::from_rotation_arc(DVec3::Z, axis));
-                (Motion::Planar, turn.inverse())
+                (JointType::Planar, turn.inverse())
             }
-            JointKind::Floating | JointKind::Fixed => (Motion::FreeFlyer, Pose::identity()),
+            JointKind::Floating | JointKind::Fixed => (JointType::FreeFlyer, Pose::identity()),
         };
         let parent_from_joint = parent_from_joint * joint_from_link.inverse();
         let size = motion.configuration_size();

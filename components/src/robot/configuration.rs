@@ -6,7 +6,7 @@
 //! two of them that differ by 2π are the same place.
 
 use crate::pose::{exp_so3, log_so3};
-use crate::robot::joint::{Joint, Motion, Source};
+use crate::robot::joint::{Joint, JointType, Source};
 use glam::{DQuat, DVec3};
 use rand::{Rng, RngExt};
 use std::f64::consts::{PI, TAU};
@@ -55,12 +55,14 @@ impl ConfigurationSpace {
         for joint in joints {
             let Source::Coordinates { q, v } = joint.source else { continue };
             let group = match joint.motion {
-                Motion::Planar => Group::Plane,
-                Motion::FreeFlyer => Group::FreeFlyer,
-                Motion::Revolute { .. } if joint.lower[0] == f64::NEG_INFINITY && joint.upper[0] == f64::INFINITY => {
+                JointType::Planar => Group::Plane,
+                JointType::FreeFlyer => Group::FreeFlyer,
+                JointType::Revolute { .. }
+                    if joint.lower[0] == f64::NEG_INFINITY && joint.upper[0] == f64::INFINITY =>
+                {
                     Group::Circle
                 }
-                Motion::Revolute { .. } | Motion::Prismatic { .. } => Group::Real,
+                JointType::Revolute { .. } | JointType::Prismatic { .. } => Group::Real,
             };
             space.factors.push(Factor { group, q, v });
             space.lower.extend_from_slice(&joint.lower);

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 /// How a joint moves its body, in the joint frame at zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Motion {
+pub enum JointType {
     /// Rotation about a unit axis, radians.
     Revolute {
         /// Unit axis in the joint frame.
@@ -23,7 +23,7 @@ pub enum Motion {
     FreeFlyer,
 }
 
-impl Motion {
+impl JointType {
     /// Number of numbers in a configuration: 1, 3 or 7.
     #[must_use]
     pub fn configuration_size(&self) -> usize {
@@ -78,7 +78,7 @@ pub struct Joint {
     /// Pose of the joint frame (at zero) in the parent joint's frame, or in the world.
     pub parent_from_joint: Pose,
     /// How it moves.
-    pub motion: Motion,
+    pub motion: JointType,
     /// Where its value comes from.
     pub source: Source,
     /// Bounds on the joint's value, also for followers; infinite where there is none. One entry per configuration number.

@@ -18,5 +18,5 @@ pub use crate::robot::indices::{
     GripperIndex, HandleIndex, JointIndex, LinkIndex, PartIndex, ShapeIndex, SurfaceIndex,
 };
 pub use crate::robot::joined_links::JoinedLinks;
-pub use crate::robot::joint::{Joint, Motion, PartKind, PartPlacement, RootJoint, Source};
+pub use crate::robot::joint::{Joint, JointType, PartKind, PartPlacement, RootJoint, Source};
 pub use crate::robot::limits::{NarrowedLimits, NoRoom};

@@ -6,7 +6,7 @@ use crate::constraint::{Frame, Reference, RelativePose, Row};
 use crate::problem::{Goal, GraphOptions, NamedConstraint, Problem, WrittenLeg, WrittenState, WrittenTransition};
 use crate::robot::error::ComposeError;
 use crate::robot::hybrid_robot::Robot;
-use crate::robot::joint::Motion;
+use crate::robot::joint::JointType;
 use crate::samples::boxes::{move_one_box, neighbours};
 use crate::samples::models::{fixed_robot, seven_axis_arm};
 use glam::{DQuat, DVec3};
@@ -30,7 +30,7 @@ fn down(height: f64) -> Frame {
 fn place(robot: &Robot, q: &[f64], frame: &Frame) -> Pose {
     let mut pose = Pose::identity();
     for (joint, &angle) in robot.joints.iter().zip(q) {
-        if let Motion::Revolute { axis } = joint.motion {
+        if let JointType::Revolute { axis } = joint.motion {
             pose = pose * joint.parent_from_joint * Pose::from_rotation(DQuat::from_axis_angle(axis, angle));
         }
     }

@@ -7,7 +7,7 @@
 use crate::certify::formats::table::Table;
 use crate::certify::motion::piecewise::{POINTS, Point};
 use crate::scene::reading::error::{SceneError, did_you_mean, quoted};
-use foliate_components::robot::{Motion as JointMotion, Part, Robot};
+use foliate_components::robot::{JointType as JointMotion, Part, Robot};
 use glam::{DQuat, EulerRot};
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Visitor, value::MapAccessDeserializer};

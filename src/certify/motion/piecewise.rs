@@ -2,7 +2,7 @@
 
 use crate::certify::motion::polynomial::Polynomial;
 use foliate_components::pose::{exp_so3, log_so3};
-use foliate_components::robot::{JointIndex, Motion as JointMotion, Robot, Source};
+use foliate_components::robot::{JointIndex, JointType as JointMotion, Robot, Source};
 use glam::{DQuat, DVec3};
 
 /// Most points of a motion.

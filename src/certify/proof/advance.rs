@@ -9,7 +9,7 @@ use crate::certify::motion::piecewise::Motion;
 use crate::certify::world::levers::Moved;
 use crate::certify::world::phases::{Certifier, Phase};
 use foliate_components::Pose;
-use foliate_kernels::collision::{Ask, PairId, pair_clearance};
+use foliate_kernels::collision::{DistanceQuery, PairId, pair_clearance};
 use glam::DVec3;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -125,7 +125,7 @@ impl<'a> Window<'a> {
         let wanted = self.phase.pairs.margin(pair);
         // A distance beyond what counts, or one that is asked for itself, is wanted as it is.
         let relative = if wanted > 0.0 || enough > MEASURED { 0.0 } else { 0.02 };
-        let ask = Ask { absolute: 1e-9, relative, ..Ask::exact(wanted + enough) };
+        let ask = DistanceQuery { absolute: 1e-9, relative, ..DistanceQuery::exact(wanted + enough) };
         pair_clearance(&self.certifier.scene, pair, &self.X_WJ, ask, &mut DVec3::ZERO.clone()) - wanted
     }
 

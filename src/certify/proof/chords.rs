@@ -165,7 +165,8 @@ impl<'a> Proof<'a> {
         let (scene, kinematics) = (&self.certifier.scene, &self.certifier.kinematics);
         let settings = MinimumSettings { max_queries: budget.limit.saturating_sub(budget.spent), ..*settings };
         let (knots, pairs, how) = (&self.knots, &phase.pairs, (&settings, budget.go_on));
-        let found = minimum_clearance_while(scene, kinematics, &phase.carriages, knots, pairs, how, self.scratch);
+        let found =
+            minimum_clearance_while(scene, kinematics, &phase.rigid_attachments, knots, pairs, how, self.scratch);
         budget.spent += found.queries;
         budget.is_over |= found.is_cut_short;
         let last = self.places.len() - 1;
@@ -190,7 +191,7 @@ impl<'a> Proof<'a> {
         };
         let (scene, kinematics) = (&self.certifier.scene, &self.certifier.kinematics);
         let (knots, pairs) = (&self.knots, &phase.pairs);
-        match certify_polyline(scene, kinematics, &phase.carriages, knots, pairs, &settings, self.scratch) {
+        match certify_polyline(scene, kinematics, &phase.rigid_attachments, knots, pairs, &settings, self.scratch) {
             PolylineVerdict::Free { min_clearance_lower_bound } => {
                 self.distance = min_clearance_lower_bound - self.guard;
                 Ok(self.places.last().map_or(phase.to, |&to| to.max(from)))

@@ -7,7 +7,7 @@ use crate::certify::proof::depth::{Placed, depth};
 use crate::certify::world::phases::{Certifier, Phase};
 use crate::certify::world::report::ContactReport;
 use foliate_components::Pose;
-use foliate_kernels::collision::{Ask, PairId, contained, pair_clearance};
+use foliate_kernels::collision::{DistanceQuery, PairId, contained, pair_clearance};
 use glam::DVec3;
 
 /// Places behind a contact at which the pair is looked at.
@@ -51,7 +51,7 @@ impl Certifier {
         for place in self.places_behind(motion, phase, met.at) {
             self.poses(motion, phase, place, &mut q, &mut X_WJ);
             budget.spent += 1;
-            let ask = Ask { absolute: 1e-9, ..Ask::exact(margin) };
+            let ask = DistanceQuery { absolute: 1e-9, ..DistanceQuery::exact(margin) };
             let distance = pair_clearance(&self.scene, met.pair, &X_WJ, ask, &mut DVec3::ZERO.clone());
             let inside = contained(&self.scene, met.pair, &X_WJ);
             if (distance > margin && !inside && place > met.at) || !(budget.go_on)() {

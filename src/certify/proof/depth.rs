@@ -7,7 +7,7 @@
 use foliate_components::Pose;
 use foliate_components::robot::shape::Geometry;
 use foliate_kernels::collision::convex::{Convex, Core};
-use foliate_kernels::collision::{Ask, Solid, clearance};
+use foliate_kernels::collision::{DistanceQuery, Solid, clearance};
 use glam::DVec3;
 
 /// Points of a side of the lattice from which the climb starts.
@@ -60,7 +60,7 @@ impl Placed<'_> {
         let point = Solid::Convex(Convex { core: Core::Point, radius: 0.0 });
         let at = Pose::from_translation(p);
         let mut hint = DVec3::ZERO;
-        Some(clearance(self.solid, &Pose::identity(), &point, &at, Ask::exact(f64::MAX), &mut hint).max(0.0))
+        Some(clearance(self.solid, &Pose::identity(), &point, &at, DistanceQuery::exact(f64::MAX), &mut hint).max(0.0))
     }
 
     /// Points from which to look, in the world.

@@ -13,7 +13,7 @@ use foliate_kernels::collision::{MinimumSettings, PairId};
 
 /// Shares of the tenth, and of the tenth of a millimetre, for the search; chords may be off by the rest, to either side.
 const SEARCH: MinimumSettings =
-    MinimumSettings { relative: 0.08, absolute: 8e-5, below: f64::MAX, max_queries: u64::MAX, tied_within: 0.0 };
+    MinimumSettings { relative: 0.08, absolute: 8e-5, below: f64::MAX, max_queries: u64::MAX, rigid_within: 0.0 };
 const CHORD_SHARE: f64 = 0.01;
 const CHORD_LENGTH: f64 = 1e-5;
 /// The first step along a piece from the nearest place found, as a share of the piece, and how often steps are halved.

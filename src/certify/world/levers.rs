@@ -5,9 +5,9 @@
 #![allow(non_snake_case, reason = "pose names carry their frames")]
 
 use crate::certify::motion::piecewise::{Curve, Motion, Segment};
-use foliate_components::robot::{Motion as JointMotion, Robot, Source};
+use foliate_components::robot::{JointType as JointMotion, Robot, Source};
 use foliate_kernels::collision::CollisionScene;
-use foliate_kernels::kinematics::Carriage;
+use foliate_kernels::kinematics::RigidAttachment;
 
 /// How a joint is driven by a motion.
 #[derive(Clone, Copy, Debug)]
@@ -115,7 +115,12 @@ pub(crate) struct Moved(Vec<Vec<f64>>);
 
 impl Levers {
     /// `slides` are, by joint, the farthest that its translation is from zero.
-    pub(crate) fn new(robot: &Robot, scene: &CollisionScene, carriages: &[Carriage], slides: &[f64]) -> Self {
+    pub(crate) fn new(
+        robot: &Robot,
+        scene: &CollisionScene,
+        rigid_attachments: &[RigidAttachment],
+        slides: &[f64],
+    ) -> Self {
         let chain = |cluster: &foliate_kernels::collision::scene::Cluster| {
             let Some(mut body) = cluster.body else { return Vec::new() };
             let ball = |&i: &u32| {
@@ -126,10 +131,10 @@ impl Levers {
             let mut chain = Vec::new();
             // Carriages that carry each other in a circle end after as many steps as there are bodies.
             for _ in 0..=robot.joints.len() {
-                let next = match carriages.iter().rev().find(|c| c.object == body) {
-                    Some(carriage) => {
-                        reach += carriage.X_CO.translation.length();
-                        carriage.carrier
+                let next = match rigid_attachments.iter().rev().find(|c| c.object == body) {
+                    Some(rigid_attachment) => {
+                        reach += rigid_attachment.X_CO.translation.length();
+                        rigid_attachment.carrier
                     }
                     None => {
                         let joint = &robot.joints[body.at()];

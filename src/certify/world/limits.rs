@@ -4,7 +4,7 @@ use crate::certify::motion::piecewise::{Curve, Motion};
 use crate::certify::motion::polynomial::Polynomial;
 use crate::certify::world::phases::Phase;
 use crate::certify::world::report::{LimitKind, LimitViolation, LimitsReport, Peak};
-use foliate_components::robot::{Joint, JointIndex, Motion as JointMotion, PartKind, Robot, Source};
+use foliate_components::robot::{Joint, JointIndex, JointType as JointMotion, PartKind, Robot, Source};
 
 /// Values outside of a limit by less than this are on it: radians, metres, and per second.
 const TOLERANCE: f64 = 1e-9;
@@ -90,7 +90,7 @@ pub(crate) fn not_looked_at(robot: &Robot, motion: &Motion, phases: &[Phase]) ->
             Source::Follows { .. } => 0..0,
         };
         motion.coordinates.iter().any(|c| driven.contains(c))
-            || phases.iter().any(|phase| phase.carriages.iter().any(|c| c.object == root))
+            || phases.iter().any(|phase| phase.rigid_attachments.iter().any(|c| c.object == root))
     };
     let objects = robot.parts.iter().filter(|part| part.kind == PartKind::Object && part.root_joint.is_some_and(moves));
     let names: Vec<&str> = objects.map(|part| part.name.as_str()).collect();

@@ -8,9 +8,9 @@ use crate::certify::world::levers::{Drives, Levers, slides};
 use crate::certify::world::report::{PairCounts, PairName};
 use foliate_components::Pose;
 use foliate_components::problem::Problem;
-use foliate_components::robot::{DisabledPair, LinkIndex, Motion as JointMotion, Robot};
+use foliate_components::robot::{DisabledPair, JointType as JointMotion, LinkIndex, Robot};
 use foliate_kernels::collision::{CollisionScene, PairId, PairRule, PairSet};
-use foliate_kernels::kinematics::{Carriage, Kinematics};
+use foliate_kernels::kinematics::{Kinematics, RigidAttachment};
 use std::collections::HashSet;
 
 /// Why a motion cannot be looked at.
@@ -48,7 +48,7 @@ pub(crate) struct Phase {
     /// Places of the motion.
     pub from: f64,
     pub to: f64,
-    pub carriages: Vec<Carriage>,
+    pub rigid_attachments: Vec<RigidAttachment>,
     pub pairs: PairSet,
     /// Where everything stands that does not move.
     pub base: Vec<f64>,
@@ -111,7 +111,7 @@ impl Certifier {
         motion.write(place, q);
         X_WJ.resize(self.kinematics.bodies(), Pose::identity());
         self.kinematics.forward(q, X_WJ);
-        self.kinematics.carry(q, &phase.carriages, X_WJ);
+        self.kinematics.carry(q, &phase.rigid_attachments, X_WJ);
     }
 
     /// How many pairs are tested on a motion, and how many are not.
@@ -137,7 +137,7 @@ impl Certifier {
         let mut events = self.events(motion, attachments)?;
         let touching = self.touching(&events);
         let end = motion.segments.len() as f64;
-        let (mut phases, mut carriages, mut from) = (Vec::new(), Vec::<Carriage>::new(), 0.0);
+        let (mut phases, mut rigid_attachments, mut from) = (Vec::new(), Vec::<RigidAttachment>::new(), 0.0);
         let mut X_WJ = vec![Pose::identity(); self.kinematics.bodies()];
         loop {
             // What happens at the start of this phase.
@@ -146,19 +146,19 @@ impl Certifier {
                 let mut q = base.clone();
                 motion.write(from, &mut q);
                 self.kinematics.forward(&q, &mut X_WJ);
-                self.kinematics.carry(&q, &carriages, &mut X_WJ);
-                self.kinematics.write_back(&carriages, &X_WJ, &mut base);
+                self.kinematics.carry(&q, &rigid_attachments, &mut X_WJ);
+                self.kinematics.write_back(&rigid_attachments, &X_WJ, &mut base);
                 for event in events.drain(..now) {
-                    event.happen(robot, &mut carriages, &X_WJ)?;
+                    event.happen(robot, &mut rigid_attachments, &X_WJ)?;
                 }
             }
             let to = events.first().map_or(end, |e| e.place);
             phases.push(Phase {
                 from,
                 to,
-                pairs: PairSet::new(&self.scene, &carriages, &touching),
-                levers: Levers::new(robot, &self.scene, &carriages, &slides),
-                carriages: carriages.clone(),
+                pairs: PairSet::new(&self.scene, &rigid_attachments, &touching),
+                levers: Levers::new(robot, &self.scene, &rigid_attachments, &slides),
+                rigid_attachments: rigid_attachments.clone(),
                 base: base.clone(),
             });
             if events.is_empty() {
@@ -221,8 +221,13 @@ struct Event {
 }
 
 impl Event {
-    fn happen(self, robot: &Robot, carriages: &mut Vec<Carriage>, X_WJ: &[Pose]) -> Result<(), CertifyError> {
-        carriages.retain(|c| c.object != self.object);
+    fn happen(
+        self,
+        robot: &Robot,
+        rigid_attachments: &mut Vec<RigidAttachment>,
+        X_WJ: &[Pose],
+    ) -> Result<(), CertifyError> {
+        rigid_attachments.retain(|c| c.object != self.object);
         let Some(link) = self.link else { return Ok(()) };
         let carrier = robot.links[link.at()].joint;
         let mut above = carrier;
@@ -232,12 +237,12 @@ impl Event {
                 let name = |l: usize| robot.links[l].name.clone();
                 return Err(CertifyError::CarriesItself { object: name(self.part.start), link: name(link.at()) });
             }
-            let carried = carriages.iter().find(|c| c.object == body);
+            let carried = rigid_attachments.iter().find(|c| c.object == body);
             above = carried.map_or(robot.joints[body.at()].parent, |c| c.carrier);
         }
         let X_WO = X_WJ[self.object.at()];
         let X_CO = carrier.map_or(X_WO, |c| X_WJ[c.at()].inverse() * X_WO);
-        carriages.push(Carriage { object: self.object, carrier, X_CO });
+        rigid_attachments.push(RigidAttachment { object: self.object, carrier, X_CO });
         Ok(())
     }
 }

@@ -8,7 +8,7 @@ use crate::check::distance::measured::{Measured, exact};
 use crate::check::world::models::{Body, Value, World, ordered};
 use crate::path_file::document::PathFile;
 use foliate_components::Pose;
-use foliate_components::robot::Motion;
+use foliate_components::robot::JointType;
 use foliate_components::robot::model::{JointKind, Model};
 use glam::DQuat;
 use std::collections::HashMap;
@@ -78,9 +78,9 @@ impl<'w> Neighbours<'w> {
         (0..SAMPLES).all(|sample| {
             let value = range.0 + (range.1 - range.0) * sample as f64 / (SAMPLES - 1) as f64;
             let moved = match body.motion {
-                Motion::Revolute { axis } => Pose::from_rotation(DQuat::from_axis_angle(axis, value)),
-                Motion::Prismatic { axis } => Pose::from_translation(axis * value),
-                Motion::Planar | Motion::FreeFlyer => return false,
+                JointType::Revolute { axis } => Pose::from_rotation(DQuat::from_axis_angle(axis, value)),
+                JointType::Prismatic { axis } => Pose::from_translation(axis * value),
+                JointType::Planar | JointType::FreeFlyer => return false,
             };
             let beyond = body.parent_from_joint * moved;
             let meet = |&(&a, &b): &(&usize, &usize)| {
@@ -103,7 +103,7 @@ impl<'w> Neighbours<'w> {
         };
         let (low, high) = of_file.map_or(body.limits, |[low, high]| (*low, *high));
         match body.motion {
-            Motion::Revolute { .. } if !(low.is_finite() && high.is_finite()) => Some((-PI, PI)),
+            JointType::Revolute { .. } if !(low.is_finite() && high.is_finite()) => Some((-PI, PI)),
             _ => (low.is_finite() && high.is_finite()).then_some((low, high)),
         }
     }

@@ -12,7 +12,7 @@ use crate::path_file::document::{PathFile, SegmentEntry};
 use foliate_components::Pose;
 use foliate_components::pose::pose_from_array;
 use foliate_components::problem::{Goal, PartialGoal};
-use foliate_components::robot::{Motion, Source};
+use foliate_components::robot::{JointType, Source};
 use std::f64::consts::TAU;
 
 /// How far the ends may be from the scene's, metres and radians: the accuracy of projections.
@@ -80,17 +80,17 @@ impl Contract<'_> {
         };
         for joint in &self.problem.robot.joints {
             let Source::Coordinates { q, .. } = joint.source else { continue };
-            let linear = if joint.motion == Motion::FreeFlyer { 3 } else { joint.motion.configuration_size() };
+            let linear = if joint.motion == JointType::FreeFlyer { 3 } else { joint.motion.configuration_size() };
             for i in q..q + linear {
-                let turns =
-                    matches!(joint.motion, Motion::Revolute { .. }) || (joint.motion == Motion::Planar && i == q + 2);
+                let turns = matches!(joint.motion, JointType::Revolute { .. })
+                    || (joint.motion == JointType::Planar && i == q + 2);
                 let endless = !joint.lower[i - q].is_finite() && !joint.upper[i - q].is_finite();
                 let off = found[i] - wanted[i];
                 // Angles without limits are unwrapped numbers: full turns make no difference.
                 let off = if turns && endless { off - TAU * (off / TAU).round() } else { off };
                 see(off.abs(), &self.names[i]);
             }
-            if joint.motion == Motion::FreeFlyer {
+            if joint.motion == JointType::FreeFlyer {
                 see(quaternions_off(&found[q + 3..q + 7], &wanted[q + 3..q + 7]), &joint.name);
             }
         }

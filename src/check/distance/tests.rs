@@ -6,7 +6,7 @@ use super::pieces::{Pieces, distance};
 use foliate_components::Pose;
 use foliate_components::pose::exp_so3;
 use foliate_components::robot::shape::{Geometry, Mesh};
-use foliate_kernels::collision::{Ask, Solid, clearance};
+use foliate_kernels::collision::{DistanceQuery, Solid, clearance};
 use glam::DVec3;
 use serde_json::json;
 use std::fmt::Write;
@@ -102,7 +102,7 @@ fn distances_are_those_of_the_search_and_bounds_close() {
             let pose = Pose::from_parts(random.vector().normalize() * far, exp_so3(3.0 * random.vector()));
             let wanted = Wanted { enough: f64::INFINITY, open: 1e-9, share: 0.0, around: 0.0 };
             let found = distance(&Pieces::of(&a), &Pieces::of(&b), &pose, &wanted, &mut None);
-            let ask = Ask { absolute: 1e-9, ..Ask::exact(f64::MAX) };
+            let ask = DistanceQuery { absolute: 1e-9, ..DistanceQuery::exact(f64::MAX) };
             let search =
                 clearance(&Solid::of(&a), &Pose::identity(), &Solid::of(&b), &pose, ask, &mut DVec3::ZERO.clone());
             let case = format!("round {round}: {} {}: {found:?}, the search says {search}", a.kind(), b.kind());

@@ -6,7 +6,7 @@
 use crate::check::motion::segment::{At, SegmentMotion, Via, half_angle};
 use crate::check::world::models::Value;
 use foliate_components::Pose;
-use foliate_components::robot::Motion;
+use foliate_components::robot::JointType;
 
 /// What a joint does along a segment, summed up from the first knot to each knot.
 #[derive(Clone, Debug, Default)]
@@ -209,13 +209,13 @@ fn step(motion: &SegmentMotion<'_>, joint: usize, knot: usize) -> (f64, f64) {
     let scalar = || (motion.scalar(joint, At::knot(knot + 1)) - motion.scalar(joint, At::knot(knot))).abs();
     let shift = |columns: &[usize]| columns.iter().map(|&c| (there[c] - here[c]).powi(2)).sum::<f64>().sqrt();
     match (body.motion, &body.value) {
-        (Motion::Revolute { .. }, _) => (scalar(), 0.0),
-        (Motion::Prismatic { .. }, _) => (0.0, scalar()),
-        (Motion::Planar, Value::Columns(c)) => ((there[c[2]] - here[c[2]]).abs(), shift(&c[..2])),
-        (Motion::FreeFlyer, Value::Columns(c)) => {
+        (JointType::Revolute { .. }, _) => (scalar(), 0.0),
+        (JointType::Prismatic { .. }, _) => (0.0, scalar()),
+        (JointType::Planar, Value::Columns(c)) => ((there[c[2]] - here[c[2]]).abs(), shift(&c[..2])),
+        (JointType::FreeFlyer, Value::Columns(c)) => {
             (2.0 * half_angle(motion.quaternion(c, knot), motion.quaternion(c, knot + 1)), shift(&c[..3]))
         }
-        (Motion::Planar | Motion::FreeFlyer, _) => (0.0, 0.0),
+        (JointType::Planar | JointType::FreeFlyer, _) => (0.0, 0.0),
     }
 }
 
@@ -239,10 +239,10 @@ fn slide(motion: &SegmentMotion<'_>, joint: usize) -> f64 {
         motion.knots.iter().map(length).fold(0.0, f64::max)
     };
     match (body.motion, &body.value) {
-        (Motion::Revolute { .. }, _) => 0.0,
-        (Motion::Prismatic { .. }, _) => knots.map(|k| motion.scalar(joint, At::knot(k)).abs()).fold(0.0, f64::max),
-        (Motion::Planar, Value::Columns(c)) => offset(&c[..2]),
-        (Motion::FreeFlyer, Value::Columns(c)) => offset(&c[..3]),
-        (Motion::Planar | Motion::FreeFlyer, _) => 0.0,
+        (JointType::Revolute { .. }, _) => 0.0,
+        (JointType::Prismatic { .. }, _) => knots.map(|k| motion.scalar(joint, At::knot(k)).abs()).fold(0.0, f64::max),
+        (JointType::Planar, Value::Columns(c)) => offset(&c[..2]),
+        (JointType::FreeFlyer, Value::Columns(c)) => offset(&c[..3]),
+        (JointType::Planar | JointType::FreeFlyer, _) => 0.0,
     }
 }

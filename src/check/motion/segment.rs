@@ -9,7 +9,7 @@ use crate::check::world::attachments::Attachment;
 use crate::check::world::models::{Body, Frame, Value, World};
 use crate::path_file::document::SegmentEntry;
 use foliate_components::Pose;
-use foliate_components::robot::Motion;
+use foliate_components::robot::JointType;
 use glam::{DQuat, DVec3};
 
 /// A place along a segment.
@@ -177,13 +177,13 @@ impl<'a> SegmentMotion<'a> {
 
     fn moved(&self, body: &Body, index: usize, at: At) -> Pose {
         match body.motion {
-            Motion::Revolute { axis } => Pose::from_rotation(DQuat::from_axis_angle(axis, self.scalar(index, at))),
-            Motion::Prismatic { axis } => Pose::from_translation(axis * self.scalar(index, at)),
-            Motion::Planar => {
+            JointType::Revolute { axis } => Pose::from_rotation(DQuat::from_axis_angle(axis, self.scalar(index, at))),
+            JointType::Prismatic { axis } => Pose::from_translation(axis * self.scalar(index, at)),
+            JointType::Planar => {
                 let [x, y, theta] = self.numbers(body, at);
                 Pose::from_parts(DVec3::new(x, y, 0.0), DQuat::from_rotation_z(theta))
             }
-            Motion::FreeFlyer => {
+            JointType::FreeFlyer => {
                 let [x, y, z] = self.numbers(body, at);
                 Pose::from_parts(DVec3::new(x, y, z), self.turn(body, at))
             }

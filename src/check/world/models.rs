@@ -14,7 +14,7 @@ use foliate_components::Pose;
 use foliate_components::pose::pose_from_array;
 use foliate_components::robot::model::Model;
 use foliate_components::robot::shape::Geometry;
-use foliate_components::robot::{JointIndex, Motion, PartKind, PartPlacement, Robot, RootJoint, Source};
+use foliate_components::robot::{JointIndex, JointType, PartKind, PartPlacement, Robot, RootJoint, Source};
 use glam::{DQuat, DVec3};
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -63,7 +63,7 @@ pub(crate) struct Body {
     pub part: usize,
     pub parent: Option<usize>,
     pub parent_from_joint: Pose,
-    pub motion: Motion,
+    pub motion: JointType,
     pub value: Value,
     /// The model's limits; infinite where it has none.
     pub limits: (f64, f64),
@@ -74,9 +74,9 @@ impl Body {
     pub(crate) fn moved_at(&self, world: &World, index: usize, knot: &[f64]) -> Pose {
         let value = world.scalar(index, |column| knot[column]);
         match self.motion {
-            Motion::Revolute { axis } => Pose::from_rotation(DQuat::from_axis_angle(axis, value)),
-            Motion::Prismatic { axis } => Pose::from_translation(axis * value),
-            Motion::Planar | Motion::FreeFlyer => Pose::identity(),
+            JointType::Revolute { axis } => Pose::from_rotation(DQuat::from_axis_angle(axis, value)),
+            JointType::Prismatic { axis } => Pose::from_translation(axis * value),
+            JointType::Planar | JointType::FreeFlyer => Pose::identity(),
         }
     }
 }
@@ -365,11 +365,11 @@ fn body(robot: &Robot, index: usize, columns: &HashMap<&str, usize>) -> Result<B
 }
 
 /// Names of a joint's coordinates.
-fn names(prefix: &str, joint: &str, motion: Motion) -> Vec<String> {
+fn names(prefix: &str, joint: &str, motion: JointType) -> Vec<String> {
     let axes: &[&str] = match motion {
-        Motion::Revolute { .. } | Motion::Prismatic { .. } => return vec![joint.to_owned()],
-        Motion::Planar => &["x", "y", "theta"],
-        Motion::FreeFlyer => &["x", "y", "z", "qx", "qy", "qz", "qw"],
+        JointType::Revolute { .. } | JointType::Prismatic { .. } => return vec![joint.to_owned()],
+        JointType::Planar => &["x", "y", "theta"],
+        JointType::FreeFlyer => &["x", "y", "z", "qx", "qy", "qz", "qw"],
     };
     axes.iter().map(|axis| format!("{prefix}/{axis}")).collect()
 }

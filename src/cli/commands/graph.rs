@@ -52,8 +52,8 @@ fn shown(problem: Problem) -> Result<ConstraintGraph, Refusal> {
         Err(other) => return Err(Refusal(other.to_string())),
     }
     let start = problem.start.clone();
-    let mut model = PlanningModel(Arc::new(Model::growing(problem).map_err(|e| Refusal(e.to_string()))?));
-    let tolerance = SearchSettings::default().membership_tolerance;
+    let mut model = PlanningModel(Arc::new(Model::new_lazy(problem).map_err(|e| Refusal(e.to_string()))?));
+    let tolerance = SearchSettings::default().classification_tolerance;
     let state = model.reach(&start, tolerance).ok_or_else(|| {
         Refusal(format!(
             "the graph has more than {MOST_STATES} states, and the start lies in none, so that none is shown"

@@ -6,7 +6,7 @@ use crate::scene::reading::error::{SceneError, did_you_mean, quoted};
 use crate::scene::reading::keys::{Item, Keys};
 use foliate_components::Pose;
 use foliate_components::problem::{Goal, NamedConstraint, PartialGoal};
-use foliate_components::robot::{Motion, PartIndex, PartKind, Robot, RootJoint, Source};
+use foliate_components::robot::{JointType, PartIndex, PartKind, Robot, RootJoint, Source};
 
 /// Most goals of a scene.
 const GOALS: usize = 10_000;
@@ -102,7 +102,7 @@ fn coordinates(item: &Item<'_>, reader: &Reader<'_>) -> Result<Vec<(usize, f64)>
 }
 
 fn whole_rotations(item: &Item<'_>, coordinates: &[(usize, f64)], robot: &Robot) -> Result<(), SceneError> {
-    for joint in robot.joints.iter().filter(|j| j.motion == Motion::FreeFlyer) {
+    for joint in robot.joints.iter().filter(|j| j.motion == JointType::FreeFlyer) {
         let Source::Coordinates { q, .. } = joint.source else { continue };
         let named: Vec<f64> =
             coordinates.iter().filter(|(i, _)| (q + 3..q + 7).contains(i)).map(|(_, value)| *value).collect();

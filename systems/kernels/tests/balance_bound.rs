@@ -9,11 +9,11 @@ use foliate_components::constraint::{
     Constraint, Curvature, Custom, Frame, Function, Gradient, Reference, RelativePose, Row,
 };
 use foliate_components::robot::Robot;
-use foliate_kernels::constrained_motion::{CarriageTemplate, ConstraintProgram};
+use foliate_kernels::constrained_motion::{AttachmentTemplate, ConstraintProgram};
 use foliate_kernels::constraints::{
     centre_of_mass, com_between, custom, distance, placement_of, relative_pose, residual,
 };
-use foliate_kernels::kinematics::{Carriage, Kinematics};
+use foliate_kernels::kinematics::{Kinematics, RigidAttachment};
 use heavy_world::{Draw, held, poses, world};
 use rand::RngExt;
 use std::sync::Arc;
@@ -23,7 +23,7 @@ const ROUNDS: usize = 400;
 struct Bench {
     robot: Robot,
     kinematics: Kinematics,
-    carriages: Vec<Carriage>,
+    rigid_attachments: Vec<RigidAttachment>,
     draw: Draw,
 }
 
@@ -42,9 +42,14 @@ impl Tightness {
 }
 
 impl Bench {
-    fn new(seed: u64, carriages: impl FnOnce(&Robot) -> Vec<Carriage>) -> Self {
+    fn new(seed: u64, rigid_attachments: impl FnOnce(&Robot) -> Vec<RigidAttachment>) -> Self {
         let robot = world();
-        Self { kinematics: Kinematics::new(&robot), carriages: carriages(&robot), robot, draw: Draw::new(seed) }
+        Self {
+            kinematics: Kinematics::new(&robot),
+            rigid_attachments: rigid_attachments(&robot),
+            robot,
+            draw: Draw::new(seed),
+        }
     }
 
     /// Draws motions of which the bound on `constraint` is finite, samples its rows along them and compares. `values`
@@ -57,7 +62,7 @@ impl Bench {
         tightness: &mut Tightness,
     ) {
         let carried: Vec<_> =
-            self.carriages.iter().map(|c| CarriageTemplate::fixed(c.object, c.carrier, c.X_CO)).collect();
+            self.rigid_attachments.iter().map(|c| AttachmentTemplate::fixed(c.object, c.carrier, c.X_CO)).collect();
         let one = std::slice::from_ref(constraint);
         let program = ConstraintProgram::compile(&self.robot, &self.kinematics, one, &carried, &[]).unwrap();
         if program.rows() == 0 {
@@ -70,7 +75,7 @@ impl Bench {
         let at = |t: f64| {
             let (mut moved, step) = (q.clone(), delta.iter().map(|d| d * t).collect::<Vec<_>>());
             self.robot.space.integrate(&q, &step, &mut moved);
-            (poses(&self.kinematics, &self.carriages, &moved), moved)
+            (poses(&self.kinematics, &self.rigid_attachments, &moved), moved)
         };
         let (start, _) = at(0.0);
         let bound = program.residual_bound().between(&delta, &start);
@@ -145,13 +150,16 @@ fn half_spaces() {
             balance.reference = Reference::Identity;
             // Planes near the centre of mass, or nothing happens.
             let q = bench.draw.configuration(&bench.robot);
-            let center = centre_of_mass::in_frame(&balance, &poses(&bench.kinematics, &bench.carriages, &q));
+            let center = centre_of_mass::in_frame(&balance, &poses(&bench.kinematics, &bench.rigid_attachments, &q));
             for plane in &mut balance.rows {
                 plane.offset = plane.normal.dot(center) + bench.draw.rng.random_range(-1e-3..1e-3);
             }
             let constraint = Constraint::CentreOfMass(balance.clone());
-            let carried: Vec<_> =
-                bench.carriages.iter().map(|c| CarriageTemplate::fixed(c.object, c.carrier, c.X_CO)).collect();
+            let carried: Vec<_> = bench
+                .rigid_attachments
+                .iter()
+                .map(|c| AttachmentTemplate::fixed(c.object, c.carrier, c.X_CO))
+                .collect();
             let one = std::slice::from_ref(&constraint);
             let program = ConstraintProgram::compile(&bench.robot, &bench.kinematics, one, &carried, &[]).unwrap();
             let scale = bench.draw.rng.random_range(0.01..0.1);
@@ -160,10 +168,11 @@ fn half_spaces() {
             let depth = |t: f64| {
                 let (mut moved, step) = (q.clone(), delta.iter().map(|d| d * t).collect::<Vec<_>>());
                 bench.robot.space.integrate(&q, &step, &mut moved);
-                let X_WJ = poses(&bench.kinematics, &bench.carriages, &moved);
+                let X_WJ = poses(&bench.kinematics, &bench.rigid_attachments, &moved);
                 residual(&bench.robot, &constraint, &moved, &X_WJ)
             };
-            let bound = program.residual_bound().between(&delta, &poses(&bench.kinematics, &bench.carriages, &q));
+            let bound =
+                program.residual_bound().between(&delta, &poses(&bench.kinematics, &bench.rigid_attachments, &q));
             let ends = depth(0.0).max(depth(1.0));
             let most = (1..20).map(|sample| depth(f64::from(sample) / 20.0)).fold(0.0, f64::max);
             assert!(most <= ends + bound + 1e-12, "{most} above {ends} by more than {bound}");

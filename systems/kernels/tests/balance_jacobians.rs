@@ -12,7 +12,7 @@ use foliate_kernels::constraints::centre_of_mass::{self, MassColumns};
 use foliate_kernels::constraints::com_between::{self, StanceColumns};
 use foliate_kernels::constraints::custom::{self, FunctionColumns, FunctionMemory};
 use foliate_kernels::constraints::{RowsOut, distance, parameter};
-use foliate_kernels::kinematics::{AttachmentTree, Carriage, Column, Kinematics};
+use foliate_kernels::kinematics::{AttachmentTree, Column, Kinematics, RigidAttachment};
 use glam::DVec3;
 use heavy_world::{Draw, held, poses, world};
 
@@ -23,20 +23,20 @@ const ROUNDS: u64 = 40;
 struct Setting {
     robot: Robot,
     kinematics: Kinematics,
-    carriages: Vec<Carriage>,
+    rigid_attachments: Vec<RigidAttachment>,
 }
 
 impl Setting {
     fn both() -> [Self; 2] {
-        let of = |carriages: fn(&Robot) -> Vec<Carriage>| {
+        let of = |rigid_attachments: fn(&Robot) -> Vec<RigidAttachment>| {
             let robot = world();
-            Self { kinematics: Kinematics::new(&robot), carriages: carriages(&robot), robot }
+            Self { kinematics: Kinematics::new(&robot), rigid_attachments: rigid_attachments(&robot), robot }
         };
         [of(|_| Vec::new()), of(held)]
     }
 
     fn tree(&self) -> AttachmentTree<'_> {
-        AttachmentTree::with_carried(&self.robot, self.carriages.iter().map(|c| (c.object, c.carrier)))
+        AttachmentTree::with_carried(&self.robot, self.rigid_attachments.iter().map(|c| (c.object, c.carrier)))
     }
 
     fn columns(&self, from: Option<JointIndex>, to: &Frame) -> Vec<Column> {
@@ -44,7 +44,7 @@ impl Setting {
     }
 
     fn poses(&self, q: &[f64]) -> Vec<Pose> {
-        poses(&self.kinematics, &self.carriages, q)
+        poses(&self.kinematics, &self.rigid_attachments, q)
     }
 
     /// The rows and their Jacobian, and both again from `value` by central differences; satisfied inequalities are zero.

@@ -14,11 +14,11 @@ use foliate_components::robot::model::Inertial;
 use foliate_components::robot::{PartIndex, PartKind, PartPlacement, Robot, RootJoint};
 use foliate_components::samples::models;
 use foliate_kernels::constrained_motion::{
-    CarriageTemplate, CompileError, ConstraintProgram, MotionEnd, MotionScratch, MotionSettings, Outcome, Scratch,
+    AttachmentTemplate, CompileError, ConstraintProgram, MotionEnd, MotionScratch, MotionSettings, Outcome, Scratch,
     Settings, project, project_motion,
 };
 use foliate_kernels::constraints::{centre_of_mass, parameter, placement_of, residual};
-use foliate_kernels::kinematics::{Carriage, Kinematics};
+use foliate_kernels::kinematics::{Kinematics, RigidAttachment};
 use glam::DVec3;
 use heavy_world::{Draw, Gaze, held, poses, world};
 use std::sync::Arc;
@@ -175,14 +175,14 @@ fn the_balance_of_robot_and_box_follows_the_hand() {
     let hand = bench.frame("human/l_wrist_roll");
     let X_CO = Pose::from_translation(DVec3::new(0.0, 0.0, -0.25));
     let object = bench.robot.joint("box/root_joint").unwrap();
-    let carriage = CarriageTemplate::fixed(object, hand.joint, X_CO);
+    let rigid_attachment = AttachmentTemplate::fixed(object, hand.joint, X_CO);
     // Where the robot and the box in its hand balance as the robot alone did.
     let wanted = CentreOfMass { masses: both.masses.clone(), ..alone.clone() };
     let constraints = [left, right, Constraint::CentreOfMass(wanted.clone())];
-    let compile = |carriages: &[CarriageTemplate]| {
-        ConstraintProgram::compile(&bench.robot, &bench.kinematics, &constraints, carriages, &[]).unwrap()
+    let compile = |rigid_attachments: &[AttachmentTemplate]| {
+        ConstraintProgram::compile(&bench.robot, &bench.kinematics, &constraints, rigid_attachments, &[]).unwrap()
     };
-    let (carried, loose) = (compile(&[carriage]), compile(&[]));
+    let (carried, loose) = (compile(&[rigid_attachment]), compile(&[]));
     assert_eq!((carried.active().len(), carried.rows()), (33, 15));
     assert_eq!(loose.active().len(), 39, "a loose box balances the robot by flying");
     let mut q = bench.standing.clone();
@@ -444,7 +444,11 @@ fn objects_on_objects_follow_in_any_order() {
             };
             let constraints = order.map(constraint);
             let program = ConstraintProgram::compile(&robot, &kinematics, &constraints, &[], &[]).unwrap();
-            assert_eq!((program.rows(), program.checks(), program.carriages().len()), (0, 0, 3), "{order:?} {turned}");
+            assert_eq!(
+                (program.rows(), program.checks(), program.rigid_attachments().len()),
+                (0, 0, 3),
+                "{order:?} {turned}"
+            );
             let mut q = start.clone();
             let outcome = project(&program, &mut q, &[], &Settings::default(), &mut Scratch::default());
             assert!(outcome.is_converged(), "{outcome:?}");
@@ -454,24 +458,24 @@ fn objects_on_objects_follow_in_any_order() {
                 assert!(ours.translation.distance(theirs.translation) < 1e-9, "{order:?} {turned}");
             }
             // Forward kinematics takes carriages in any order too.
-            let mut carriages: Vec<Carriage> = Vec::new();
-            assert!(program.resolve_carriages(&[], &mut carriages));
-            let ordered = poses(&kinematics, &carriages, &start);
-            carriages.reverse();
-            assert_eq!(poses(&kinematics, &carriages, &start), ordered);
-            carriages.swap(0, 1);
-            assert_eq!(poses(&kinematics, &carriages, &start), ordered);
+            let mut rigid_attachments: Vec<RigidAttachment> = Vec::new();
+            assert!(program.resolve_attachments(&[], &mut rigid_attachments));
+            let ordered = poses(&kinematics, &rigid_attachments, &start);
+            rigid_attachments.reverse();
+            assert_eq!(poses(&kinematics, &rigid_attachments, &start), ordered);
+            rigid_attachments.swap(0, 1);
+            assert_eq!(poses(&kinematics, &rigid_attachments, &start), ordered);
         }
     }
     // A second relation on a carried object is a row, not another carrier.
     let drone = joint("drone/elbow");
     let both = [links[1], links[0], rigid(drone, lid, 0.2)].map(Constraint::RelativePose);
     let program = ConstraintProgram::compile(&robot, &kinematics, &both, &[], &[]).unwrap();
-    assert_eq!((program.rows(), program.carriages().len()), (6, 2));
+    assert_eq!((program.rows(), program.rigid_attachments().len()), (6, 2));
     // Objects that only hang on each other leave one of them free.
     let floating = [links[1], links[2]].map(Constraint::RelativePose);
     let program = ConstraintProgram::compile(&robot, &kinematics, &floating, &[], &[]).unwrap();
-    assert_eq!((program.rows(), program.carriages().len()), (0, 2));
+    assert_eq!((program.rows(), program.rigid_attachments().len()), (0, 2));
 }
 
 #[test]
@@ -520,7 +524,7 @@ fn what_makes_no_sense_is_refused() {
 fn the_held_box_has_no_freedom_of_its_own() {
     let robot = world();
     let kinematics = Kinematics::new(&robot);
-    let carried: Vec<_> = held(&robot).iter().map(|c| CarriageTemplate::fixed(c.object, c.carrier, c.X_CO)).collect();
+    let carried: Vec<_> = held(&robot).iter().map(|c| AttachmentTemplate::fixed(c.object, c.carrier, c.X_CO)).collect();
     let masses = Masses::of_parts(&robot, &[robot.part("lid").unwrap()]).unwrap();
     let rows = vec![PlaneRow { normal: DVec3::Z, offset: 0.4, row: Row::Zero }];
     let frame = Frame::world(Pose::identity());

@@ -9,7 +9,7 @@ use collision_models::{random_geometry, random_pose};
 use foliate_components::Pose;
 use foliate_components::pose::pose_to_array;
 use foliate_components::robot::shape::Geometry;
-use foliate_kernels::collision::{Ask, Solid, clearance};
+use foliate_kernels::collision::{DistanceQuery, Solid, clearance};
 use glam::DVec3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -114,7 +114,8 @@ fn distances_of_all_kinds() {
     assert_eq!(theirs.len(), pairs.len());
     let (mut apart, mut hits, mut above, mut below) = (0, 0, 0.0_f64, 0.0_f64);
     for ((a, X_WA, b, X_WB), theirs) in pairs.iter().zip(theirs) {
-        let ours = clearance(&Solid::of(a), X_WA, &Solid::of(b), X_WB, Ask::exact(1e9), &mut DVec3::ZERO.clone());
+        let ours =
+            clearance(&Solid::of(a), X_WA, &Solid::of(b), X_WB, DistanceQuery::exact(1e9), &mut DVec3::ZERO.clone());
         if theirs <= 0.0 {
             hits += 1;
             assert!(ours < 1e-5, "{a:?} {b:?}: coal says overlap, we say {ours}");

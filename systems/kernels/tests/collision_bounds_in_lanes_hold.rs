@@ -9,10 +9,10 @@ use collision_models::{random_pose, single};
 use foliate_components::Pose;
 use foliate_components::robot::{PartKind, Robot, RootJoint};
 use foliate_kernels::collision::{
-    Ask, CollisionScene, CollisionScratch, PairId, PairRule, PairSet, Verdicts, first_collision, first_collisions,
-    open_to_bounds, pair_clearance,
+    CollisionScene, CollisionScratch, DistanceQuery, PairId, PairRule, PairSet, Verdicts, first_collision,
+    first_collisions, open_to_bounds, pair_clearance,
 };
-use foliate_kernels::kinematics::{Carriage, Kinematics};
+use foliate_kernels::kinematics::{Kinematics, RigidAttachment};
 use foliate_kernels::lanes::Level;
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -22,24 +22,24 @@ struct Scene {
     robot: Robot,
     scene: CollisionScene,
     kinematics: Kinematics,
-    carriages: Vec<Carriage>,
+    rigid_attachments: Vec<RigidAttachment>,
     pairs: PairSet,
 }
 
 impl Scene {
-    fn new(robot: Robot, carriages: Vec<Carriage>) -> Self {
+    fn new(robot: Robot, rigid_attachments: Vec<RigidAttachment>) -> Self {
         let ignored = always_colliding(&robot);
         let rule = PairRule { ignored: &ignored, ..PairRule::default() };
         let scene = CollisionScene::new(&robot, &rule);
-        let pairs = PairSet::new(&scene, &carriages, &[]);
+        let pairs = PairSet::new(&scene, &rigid_attachments, &[]);
         let kinematics = Kinematics::new(&robot);
-        Self { robot, scene, kinematics, carriages, pairs }
+        Self { robot, scene, kinematics, rigid_attachments, pairs }
     }
 
     fn poses(&self, q: &[f64]) -> Vec<Pose> {
         let mut X_WJ = vec![Pose::IDENTITY; self.kinematics.bodies()];
         self.kinematics.forward(q, &mut X_WJ);
-        self.kinematics.carry(q, &self.carriages, &mut X_WJ);
+        self.kinematics.carry(q, &self.rigid_attachments, &mut X_WJ);
         X_WJ
     }
 
@@ -47,13 +47,14 @@ impl Scene {
     fn check_bounds(&self, block: &[Vec<f64>], guard: f64, scratch: &mut CollisionScratch) -> (usize, usize) {
         let (scene, pairs) = (&self.scene, &self.pairs);
         let flat = block.concat();
-        let open = open_to_bounds(scene, &self.kinematics, &self.carriages, &flat, pairs, guard, scratch);
+        let open = open_to_bounds(scene, &self.kinematics, &self.rigid_attachments, &flat, pairs, guard, scratch);
         let (mut closed, mut free) = (0, 0);
         for (lane, q) in block.iter().enumerate() {
             let X_WJ = self.poses(q);
             for id in pairs.moving_pairs(scene).chain(pairs.constant_pairs(scene)) {
                 let needed = pairs.margin(id) + guard;
-                let clearance = pair_clearance(scene, id, &X_WJ, Ask::exact(needed), &mut DVec3::ZERO.clone());
+                let clearance =
+                    pair_clearance(scene, id, &X_WJ, DistanceQuery::exact(needed), &mut DVec3::ZERO.clone());
                 free += usize::from(clearance >= needed);
                 // What does not move within the block stands in the first lane.
                 let listed = |(pair, lanes): &(PairId, u16)| *pair == id && (lanes >> lane & 1 == 1 || *lanes == 1);
@@ -69,7 +70,7 @@ impl Scene {
     fn check_verdicts(&self, block: &[Vec<f64>], guard: f64, scratch: &mut CollisionScratch) -> usize {
         let (scene, pairs, flat) = (&self.scene, &self.pairs, block.concat());
         let mut found = Vec::new();
-        first_collisions(scene, &self.kinematics, &self.carriages, &flat, pairs, guard, scratch, &mut found);
+        first_collisions(scene, &self.kinematics, &self.rigid_attachments, &flat, pairs, guard, scratch, &mut found);
         assert_eq!(found.len(), block.len());
         for (q, found) in block.iter().zip(&found) {
             let X_WJ = self.poses(q);
@@ -78,7 +79,7 @@ impl Scene {
             if let Some(contact) = found {
                 let needed = pairs.margin(contact.pair) + guard;
                 let clearance =
-                    pair_clearance(scene, contact.pair, &X_WJ, Ask::exact(needed), &mut DVec3::ZERO.clone());
+                    pair_clearance(scene, contact.pair, &X_WJ, DistanceQuery::exact(needed), &mut DVec3::ZERO.clone());
                 assert!(
                     contact.clearance == f64::NEG_INFINITY || clearance < needed + 1e-9,
                     "{contact:?}: {clearance}"
@@ -179,15 +180,15 @@ fn verdicts_in_lanes_are_the_verdicts() {
         for held in [false, true] {
             let robot = bench();
             let root = |part: &str| robot.parts[robot.part(part).unwrap().at()].root_joint.unwrap();
-            let carriages = match held {
+            let rigid_attachments = match held {
                 false => Vec::new(),
-                true => vec![Carriage {
+                true => vec![RigidAttachment {
                     object: root("box1"),
                     carrier: robot.joint("robot/left_j6"),
                     X_CO: at(0.23, 0.0, 0.0),
                 }],
             };
-            let bench = Scene::new(robot, carriages);
+            let bench = Scene::new(robot, rigid_attachments);
             let mut rng = ChaCha8Rng::seed_from_u64(92);
             let mut scratch = CollisionScratch::at_level(level);
             let (mut colliding, mut asked) = (0, 0);
@@ -209,8 +210,8 @@ fn verdicts_in_lanes_are_the_verdicts() {
 fn of_a_row_the_first_collision_is_found() {
     for level in levels() {
         let bench = Scene::new(bench(), Vec::new());
-        let Scene { scene, kinematics, carriages, pairs, .. } = &bench;
-        let verdicts = Verdicts { scene, kinematics, carriages, pairs, guard: 1e-5 };
+        let Scene { scene, kinematics, rigid_attachments, pairs, .. } = &bench;
+        let verdicts = Verdicts { scene, kinematics, rigid_attachments, pairs, guard: 1e-5 };
         let mut rng = ChaCha8Rng::seed_from_u64(95);
         let mut scratch = CollisionScratch::at_level(level);
         let (mut blocked, mut later, mut free) = (0, 0, 0);

@@ -12,7 +12,7 @@ use foliate_components::robot::{JointIndex, PartKind, Robot, RootJoint};
 use foliate_kernels::collision::{
     CertificateSettings, CollisionScene, CollisionScratch, MotionVerdict, PairRule, PairSet, certify_motion,
 };
-use foliate_kernels::kinematics::{Carriage, Kinematics};
+use foliate_kernels::kinematics::{Kinematics, RigidAttachment};
 use glam::DVec3;
 
 fn robot(post: DVec3) -> Robot {
@@ -34,9 +34,9 @@ fn robot(post: DVec3) -> Robot {
 fn swing(robot: &Robot, held: bool, from: f64, to: f64) -> MotionVerdict {
     let (scene, kinematics) = (CollisionScene::new(robot, &PairRule::default()), Kinematics::new(robot));
     let arm_from_box = at(0.6, 0.0, 0.0);
-    let carriage = Carriage { object: JointIndex(1), carrier: Some(JointIndex(0)), X_CO: arm_from_box };
-    let carriages = if held { vec![carriage] } else { Vec::new() };
-    let pairs = PairSet::new(&scene, &carriages, &[]);
+    let rigid_attachment = RigidAttachment { object: JointIndex(1), carrier: Some(JointIndex(0)), X_CO: arm_from_box };
+    let rigid_attachments = if held { vec![rigid_attachment] } else { Vec::new() };
+    let pairs = PairSet::new(&scene, &rigid_attachments, &[]);
     // The arm and what it holds do not move relative to each other.
     assert_eq!(pairs.constant_pairs(&scene).count(), usize::from(held));
     assert_eq!(pairs.moving_pairs(&scene).count(), 3 - usize::from(held));
@@ -47,7 +47,7 @@ fn swing(robot: &Robot, held: bool, from: f64, to: f64) -> MotionVerdict {
         place(robot, q, "box", at(0.0, 0.0, 3.0));
     }
     let settings = CertificateSettings::default();
-    certify_motion(&scene, &kinematics, &carriages, &a, &b, &pairs, &settings, &mut CollisionScratch::new())
+    certify_motion(&scene, &kinematics, &rigid_attachments, &a, &b, &pairs, &settings, &mut CollisionScratch::new())
 }
 
 fn post(radius: f64) -> DVec3 {

@@ -11,7 +11,7 @@ use foliate_kernels::collision::{
     CertificateSettings, CollisionScene, CollisionScratch, Contact, MotionVerdict, PairRule, PairSet, certify_motion,
     first_collision, min_clearance,
 };
-use foliate_kernels::kinematics::{Carriage, Kinematics};
+use foliate_kernels::kinematics::{Kinematics, RigidAttachment};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::time::Instant;
@@ -20,7 +20,7 @@ struct Bench {
     robot: Robot,
     scene: CollisionScene,
     kinematics: Kinematics,
-    carriages: Vec<Carriage>,
+    rigid_attachments: Vec<RigidAttachment>,
     pairs: PairSet,
 }
 
@@ -30,23 +30,23 @@ impl Bench {
         let root = |part: &str| robot.parts[robot.part(part).unwrap().at()].root_joint.unwrap();
         let left = robot.joint("robot/left_j6");
         let (carrier, X_CO) = if held { (left, at(0.23, 0.0, 0.0)) } else { (None, at(0.8, 0.3, -0.114)) };
-        let carriages = vec![
-            Carriage { object: root("box1"), carrier, X_CO },
-            Carriage { object: root("box2"), carrier: None, X_CO: at(0.8, -0.3, -0.114) },
+        let rigid_attachments = vec![
+            RigidAttachment { object: root("box1"), carrier, X_CO },
+            RigidAttachment { object: root("box2"), carrier: None, X_CO: at(0.8, -0.3, -0.114) },
         ];
         // What always overlaps is no subject of a test: those pairs go the way of an SRDF's.
         let ignored = always_colliding(&robot);
         let rule = PairRule { ignored: &ignored, ..PairRule::default() };
         let scene = CollisionScene::new(&robot, &rule);
-        let pairs = PairSet::new(&scene, &carriages, &[]);
+        let pairs = PairSet::new(&scene, &rigid_attachments, &[]);
         let kinematics = Kinematics::new(&robot);
-        Self { robot, scene, kinematics, carriages, pairs }
+        Self { robot, scene, kinematics, rigid_attachments, pairs }
     }
 
     fn poses(&self, q: &[f64]) -> Vec<Pose> {
         let mut X_WJ = vec![Pose::IDENTITY; self.kinematics.bodies()];
         self.kinematics.forward(q, &mut X_WJ);
-        self.kinematics.carry(q, &self.carriages, &mut X_WJ);
+        self.kinematics.carry(q, &self.rigid_attachments, &mut X_WJ);
         X_WJ
     }
 
@@ -85,7 +85,7 @@ impl Bench {
     }
 
     fn certify(&self, a: &[f64], b: &[f64], settings: &CertificateSettings, s: &mut CollisionScratch) -> MotionVerdict {
-        certify_motion(&self.scene, &self.kinematics, &self.carriages, a, b, &self.pairs, settings, s)
+        certify_motion(&self.scene, &self.kinematics, &self.rigid_attachments, a, b, &self.pairs, settings, s)
     }
 }
 

@@ -109,7 +109,7 @@ fn a_box_inside_a_closed_mesh_collides() {
         let mut scratch = CollisionScratch::new();
         let verdict = |pose: Pose, s: &mut CollisionScratch| first_collision(&scene, &[pose], &pairs, 1e-5, s);
         let inside = at(0.1, -0.1, 0.35);
-        let ask = foliate_kernels::collision::Ask::exact(0.05);
+        let ask = foliate_kernels::collision::DistanceQuery::exact(0.05);
         assert!(pair_clearance(&scene, PairId(0), &[inside], ask, &mut DVec3::ZERO.clone()) >= 0.05);
         assert_eq!(verdict(inside, &mut scratch).map(|c| c.clearance), Some(f64::NEG_INFINITY));
         assert_eq!(min_clearance(&scene, &[inside], pairs.moving_pairs(&scene)).unwrap().clearance, f64::NEG_INFINITY);

@@ -8,7 +8,7 @@ mod collision_models;
 use collision_models::{box_mesh, random_geometry, random_pose};
 use foliate_components::Pose;
 use foliate_components::robot::shape::Geometry;
-use foliate_kernels::collision::{Ask, Solid, clearance};
+use foliate_kernels::collision::{DistanceQuery, Solid, clearance};
 use glam::DVec3;
 use parry3d_f64::query;
 use parry3d_f64::shape::{Ball, Capsule, Cuboid, Cylinder, Shape, TriMesh};
@@ -39,7 +39,7 @@ fn parry_distance(a: &Geometry, X_WA: &Pose, b: &Geometry, X_WB: &Pose) -> f64 {
 }
 
 fn exact(a: &Geometry, X_WA: &Pose, b: &Geometry, X_WB: &Pose) -> f64 {
-    clearance(&Solid::of(a), X_WA, &Solid::of(b), X_WB, Ask::exact(1e9), &mut DVec3::ZERO.clone())
+    clearance(&Solid::of(a), X_WA, &Solid::of(b), X_WB, DistanceQuery::exact(1e9), &mut DVec3::ZERO.clone())
 }
 
 #[test]
@@ -126,7 +126,7 @@ fn an_answer_that_is_not_enough_is_nearly_exact() {
         let (X_WA, X_WB) = (random_pose(&mut rng, 0.4), random_pose(&mut rng, 0.4));
         let truth = exact(&a, &X_WA, &b, &X_WB);
         let needed = 0.1;
-        let ask = Ask { relative: 0.1, ..Ask::exact(needed) };
+        let ask = DistanceQuery { relative: 0.1, ..DistanceQuery::exact(needed) };
         let mut hint = DVec3::ZERO;
         for _ in 0..2 {
             let found = clearance(&Solid::of(&a), &X_WA, &Solid::of(&b), &X_WB, ask, &mut hint);
@@ -137,7 +137,7 @@ fn an_answer_that_is_not_enough_is_nearly_exact() {
                 assert!(found <= 0.0);
             }
             // With a floor: enough, or above the floor, or exact.
-            let ask = Ask { floor: 0.01, ..Ask::exact(needed) };
+            let ask = DistanceQuery { floor: 0.01, ..DistanceQuery::exact(needed) };
             let found = clearance(&Solid::of(&a), &X_WA, &Solid::of(&b), &X_WB, ask, &mut hint);
             assert!(found <= truth.max(0.0) + 2e-6);
             assert!(found >= 0.01 || found >= truth.min(0.01) - 2e-6, "{found} of {truth}");
@@ -173,11 +173,13 @@ fn what_is_not_a_number_collides() {
         for a in [&ball, &cuboid, &mesh] {
             for b in [&ball, &cuboid, &mesh] {
                 for (p, q) in [(&far, &lost), (&lost, &far), (&lost, &lost)] {
-                    assert!(clearance(a, p, b, q, Ask::exact(0.1), &mut DVec3::ZERO.clone()) < 0.0);
+                    assert!(clearance(a, p, b, q, DistanceQuery::exact(0.1), &mut DVec3::ZERO.clone()) < 0.0);
                 }
             }
         }
     }
     let broken = Solid::of(&Geometry::Box { half_extents: DVec3::NAN });
-    assert!(clearance(&broken, &far, &cuboid, &Pose::IDENTITY, Ask::exact(0.1), &mut DVec3::ZERO.clone()) <= 0.0);
+    assert!(
+        clearance(&broken, &far, &cuboid, &Pose::IDENTITY, DistanceQuery::exact(0.1), &mut DVec3::ZERO.clone()) <= 0.0
+    );
 }

@@ -12,7 +12,7 @@ use foliate_components::robot::shape::{Geometry, Mesh};
 use foliate_components::robot::{PartKind, Robot, RootJoint};
 use foliate_kernels::collision::distance::hull_distance::hull_distance;
 use foliate_kernels::collision::{
-    Ask, CertificateSettings, CollisionScene, CollisionScratch, MotionVerdict, PairRule, PairSet, Solid,
+    CertificateSettings, CollisionScene, CollisionScratch, DistanceQuery, MotionVerdict, PairRule, PairSet, Solid,
     certify_motion, clearance, pair_clearance,
 };
 use foliate_kernels::kinematics::Kinematics;
@@ -37,8 +37,8 @@ fn hulls_are_never_farther_apart_than_what_is_in_them() {
         let (X_WA, X_WB) = (random_pose(&mut rng, 0.6), random_pose(&mut rng, 0.6));
         let (one, other) = (Solid::of(&a), Solid::of(&b));
         let mut n = DVec3::ZERO;
-        let hulls = hull_distance(&one, &X_WA, &other, &X_WB, Ask::exact(1e9), &mut n);
-        let truth = clearance(&one, &X_WA, &other, &X_WB, Ask::exact(1e9), &mut DVec3::ZERO.clone());
+        let hulls = hull_distance(&one, &X_WA, &other, &X_WB, DistanceQuery::exact(1e9), &mut n);
+        let truth = clearance(&one, &X_WA, &other, &X_WB, DistanceQuery::exact(1e9), &mut DVec3::ZERO.clone());
         if hulls <= 0.0 {
             overlaps += 1;
             continue;
@@ -64,9 +64,9 @@ fn hulls_of_convex_meshes_lose_little() {
         let (a, b) = (Solid::of(&a), Solid::of(&b));
         for _ in 0..200 {
             let (X_WA, X_WB) = (random_pose(&mut rng, 1.0), random_pose(&mut rng, 1.0));
-            let truth = clearance(&a, &X_WA, &b, &X_WB, Ask::exact(1e9), &mut DVec3::ZERO.clone());
+            let truth = clearance(&a, &X_WA, &b, &X_WB, DistanceQuery::exact(1e9), &mut DVec3::ZERO.clone());
             if truth > 0.02 {
-                let hulls = hull_distance(&a, &X_WA, &b, &X_WB, Ask::exact(1e9), &mut DVec3::ZERO.clone());
+                let hulls = hull_distance(&a, &X_WA, &b, &X_WB, DistanceQuery::exact(1e9), &mut DVec3::ZERO.clone());
                 assert!(hulls >= truth - 0.01, "hulls {hulls} m apart, solids {truth} m");
             }
         }
@@ -101,11 +101,13 @@ fn hostile_meshes_have_no_hull() {
     let far = at(5.0, 0.0, 0.0);
     for mesh in [broken, empty] {
         let solid = Solid::of(&Geometry::Mesh(Arc::new(mesh)));
-        let found = hull_distance(&good, &Pose::IDENTITY, &solid, &far, Ask::exact(0.1), &mut DVec3::ZERO.clone());
+        let found =
+            hull_distance(&good, &Pose::IDENTITY, &solid, &far, DistanceQuery::exact(0.1), &mut DVec3::ZERO.clone());
         assert!(found < 0.0, "{found}");
     }
     let nowhere = at(f64::NAN, 0.0, 0.0);
-    let found = hull_distance(&good, &Pose::IDENTITY, &good, &nowhere, Ask::exact(0.1), &mut DVec3::ZERO.clone());
+    let found =
+        hull_distance(&good, &Pose::IDENTITY, &good, &nowhere, DistanceQuery::exact(0.1), &mut DVec3::ZERO.clone());
     assert!(found < 0.0, "{found}");
 }
 
@@ -140,7 +142,7 @@ fn dense_sampling_finds_nothing_in_what_hulls_certify() {
     let (size, samples) = (robot.space.size(), 300);
     let mut least = |q: &[f64]| {
         kinematics.forward(q, &mut X_WJ);
-        let of = |id| pair_clearance(&scene, id, &X_WJ, Ask::exact(0.05), &mut DVec3::ZERO.clone());
+        let of = |id| pair_clearance(&scene, id, &X_WJ, DistanceQuery::exact(0.05), &mut DVec3::ZERO.clone());
         pairs.moving_pairs(&scene).map(of).fold(f64::INFINITY, f64::min)
     };
     let (mut free, mut cut) = (0, 0);

@@ -10,7 +10,7 @@ use foliate_components::Pose;
 use foliate_components::robot::shape::{Geometry, Mesh};
 use foliate_components::robot::{PartKind, Robot, RootJoint};
 use foliate_kernels::collision::{
-    Ask, CollisionScene, CollisionScratch, PairId, PairRule, PairSet, Verdicts, contained, pair_clearance,
+    CollisionScene, CollisionScratch, DistanceQuery, PairId, PairRule, PairSet, Verdicts, contained, pair_clearance,
     surely_colliding,
 };
 use foliate_kernels::kinematics::Kinematics;
@@ -32,7 +32,7 @@ fn couple(a: &Geometry, b: &Geometry, rng: &mut ChaCha8Rng) -> CollisionScene {
 }
 
 fn exact(scene: &CollisionScene, id: PairId, X_WJ: &[Pose]) -> f64 {
-    pair_clearance(scene, id, X_WJ, Ask::exact(0.0), &mut DVec3::ZERO.clone())
+    pair_clearance(scene, id, X_WJ, DistanceQuery::exact(0.0), &mut DVec3::ZERO.clone())
 }
 
 /// Whether the exact queries say that a pair collides, whatever is asked for.
@@ -204,7 +204,7 @@ fn what_overlaps_inside_in_lanes_collides() {
             };
             let block: Vec<_> = (0..16).map(|_| draw(&mut rng)).collect();
             let verdicts =
-                Verdicts { scene: &scene, kinematics: &kinematics, carriages: &[], pairs: &pairs, guard: 1e-5 };
+                Verdicts { scene: &scene, kinematics: &kinematics, rigid_attachments: &[], pairs: &pairs, guard: 1e-5 };
             let lanes = verdicts.surely_colliding(&block.concat(), &mut scratch);
             let known = colliding_lanes(&scene, &kinematics, &block);
             assert_eq!(lanes & !known, 0, "{level}: {lanes:b}, exactly {known:b}");
@@ -232,7 +232,8 @@ fn most_collisions_of_two_arms_are_seen_from_inside() {
             q
         };
         let block: Vec<_> = (0..16).map(|_| draw(&mut rng)).collect();
-        let verdicts = Verdicts { scene: &scene, kinematics: &kinematics, carriages: &[], pairs: &pairs, guard: 1e-5 };
+        let verdicts =
+            Verdicts { scene: &scene, kinematics: &kinematics, rigid_attachments: &[], pairs: &pairs, guard: 1e-5 };
         let lanes = verdicts.surely_colliding(&block.concat(), &mut scratch);
         let known = colliding_lanes(&scene, &kinematics, &block);
         assert_eq!(lanes & !known, 0);

@@ -10,10 +10,10 @@ use foliate_components::problem::Margin;
 use foliate_components::robot::model::{JointKind, Model};
 use foliate_components::robot::{PartKind, Robot, RootJoint};
 use foliate_kernels::collision::{
-    Ask, CollisionScene, CollisionScratch, MinimumClearance, MinimumSettings, PairId, PairRule, PairSet,
+    CollisionScene, CollisionScratch, DistanceQuery, MinimumClearance, MinimumSettings, PairId, PairRule, PairSet,
     minimum_clearance_along, pair_clearance,
 };
-use foliate_kernels::kinematics::{Carriage, Kinematics};
+use foliate_kernels::kinematics::{Kinematics, RigidAttachment};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -22,23 +22,23 @@ struct Motion {
     robot: Robot,
     scene: CollisionScene,
     kinematics: Kinematics,
-    carriages: Vec<Carriage>,
+    rigid_attachments: Vec<RigidAttachment>,
     pairs: PairSet,
 }
 
 impl Motion {
-    fn new(robot: Robot, rule: &PairRule<'_>, carriages: Vec<Carriage>) -> Self {
+    fn new(robot: Robot, rule: &PairRule<'_>, rigid_attachments: Vec<RigidAttachment>) -> Self {
         let scene = CollisionScene::new(&robot, rule);
-        let pairs = PairSet::new(&scene, &carriages, &[]);
-        Self { kinematics: Kinematics::new(&robot), robot, scene, carriages, pairs }
+        let pairs = PairSet::new(&scene, &rigid_attachments, &[]);
+        Self { kinematics: Kinematics::new(&robot), robot, scene, rigid_attachments, pairs }
     }
 
     fn least(&self, knots: &[f64], settings: &MinimumSettings) -> MinimumClearance {
         let mut scratch = CollisionScratch::new();
-        let Self { scene, kinematics, carriages, pairs, .. } = self;
-        let found = minimum_clearance_along(scene, kinematics, carriages, knots, pairs, settings, &mut scratch);
+        let Self { scene, kinematics, rigid_attachments, pairs, .. } = self;
+        let found = minimum_clearance_along(scene, kinematics, rigid_attachments, knots, pairs, settings, &mut scratch);
         // Buffers that have seen another motion change nothing.
-        let again = minimum_clearance_along(scene, kinematics, carriages, knots, pairs, settings, &mut scratch);
+        let again = minimum_clearance_along(scene, kinematics, rigid_attachments, knots, pairs, settings, &mut scratch);
         assert_eq!(found, again);
         found
     }
@@ -67,10 +67,10 @@ impl Motion {
         }
         let mut X_WJ = vec![Pose::IDENTITY; self.kinematics.bodies()];
         self.kinematics.forward(&q, &mut X_WJ);
-        self.kinematics.carry(&q, &self.carriages, &mut X_WJ);
+        self.kinematics.carry(&q, &self.rigid_attachments, &mut X_WJ);
         let all = (0..self.scene.pairs().len() as u32).map(PairId).filter(|&id| only.is_none_or(|o| o == id));
         let clearance = |id: PairId| {
-            let ask = Ask::exact(f64::MAX);
+            let ask = DistanceQuery::exact(f64::MAX);
             pair_clearance(&self.scene, id, &X_WJ, ask, &mut DVec3::ZERO.clone()) - self.pairs.margin(id)
         };
         all.map(clearance).fold(f64::INFINITY, f64::min)
@@ -98,12 +98,12 @@ impl Motion {
 fn of_random_motions_of_two_arms() {
     let robot = bench();
     let root = |part: &str| robot.parts[robot.part(part).unwrap().at()].root_joint.unwrap();
-    let carriages = vec![
-        Carriage { object: root("box1"), carrier: robot.joint("robot/left_j6"), X_CO: at(0.23, 0.0, 0.0) },
-        Carriage { object: root("box2"), carrier: None, X_CO: at(0.8, -0.3, -0.114) },
+    let rigid_attachments = vec![
+        RigidAttachment { object: root("box1"), carrier: robot.joint("robot/left_j6"), X_CO: at(0.23, 0.0, 0.0) },
+        RigidAttachment { object: root("box2"), carrier: None, X_CO: at(0.8, -0.3, -0.114) },
     ];
     let ignored = collision_models::always_colliding(&robot);
-    let motion = Motion::new(robot, &PairRule { ignored: &ignored, ..PairRule::default() }, carriages);
+    let motion = Motion::new(robot, &PairRule { ignored: &ignored, ..PairRule::default() }, rigid_attachments);
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let mut free = 0;
     for round in 0..100 {
@@ -136,7 +136,7 @@ fn of_random_motions_of_two_arms() {
 }
 
 /// A carriage on a rail with a plate beside it at the given distance, and a locked slide with a block on it.
-fn carriage(plate: f64, block: f64) -> Model {
+fn rigid_attachment(plate: f64, block: f64) -> Model {
     let rail = |name: &str, kind, child, pose| joint(name, kind, 0, child, pose, DVec3::X);
     Model {
         name: "cell".into(),
@@ -159,7 +159,7 @@ fn carriage(plate: f64, block: f64) -> Model {
 #[test]
 fn where_a_carriage_passes_a_plate_and_what_does_not_move() {
     for (plate, block) in [(0.013, 0.5), (0.5, 0.004), (0.02, 0.019)] {
-        let model = carriage(plate, block);
+        let model = rigid_attachment(plate, block);
         let robot = compose(&[(&model, placed("p", PartKind::Robot, RootJoint::Fixed, Pose::IDENTITY))]);
         let locked = [robot.joint("p/slide").unwrap()];
         let motion = Motion::new(robot, &PairRule { locked: &locked, ..PairRule::default() }, Vec::new());

@@ -14,7 +14,7 @@ use foliate_kernels::collision::{
     CertificateSettings, CollisionScene, CollisionScratch, MotionVerdict, PairRule, PairSet, adjacent_links,
     certify_motion, first_collision, min_clearance,
 };
-use foliate_kernels::kinematics::{Carriage, Kinematics};
+use foliate_kernels::kinematics::{Kinematics, RigidAttachment};
 use glam::DVec3;
 
 /// Three links in a row, 0.3 m apart, each a cube of 0.1 m.
@@ -222,9 +222,9 @@ fn what_is_placed_or_carried_together_is_constant() {
     let scene = CollisionScene::new(&robot, &PairRule::default());
     let all = scene.pairs().len();
     let (one, two) = (JointIndex(2), JointIndex(3));
-    let carry = |object, carrier| Carriage { object, carrier, X_CO: at(0.0, 0.0, 0.3) };
-    let constant = |carriages: &[Carriage]| {
-        let set = PairSet::new(&scene, carriages, &[]);
+    let carry = |object, carrier| RigidAttachment { object, carrier, X_CO: at(0.0, 0.0, 0.3) };
+    let constant = |rigid_attachments: &[RigidAttachment]| {
+        let set = PairSet::new(&scene, rigid_attachments, &[]);
         assert_eq!(set.moving_pairs(&scene).count() + set.constant_pairs(&scene).count(), all);
         set.constant_pairs(&scene).map(|id| names(&robot, &scene)[id.at()].clone()).collect::<Vec<_>>()
     };

@@ -12,7 +12,7 @@ use foliate_kernels::collision::{
     CertificateSettings, CollisionScene, CollisionScratch, MotionVerdict, PairRule, PairSet, PolylineVerdict,
     certify_motion, certify_polyline, first_collision, min_clearance,
 };
-use foliate_kernels::kinematics::{Carriage, Kinematics};
+use foliate_kernels::kinematics::{Kinematics, RigidAttachment};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::time::Instant;
@@ -21,7 +21,7 @@ struct Bench {
     robot: Robot,
     scene: CollisionScene,
     kinematics: Kinematics,
-    carriages: Vec<Carriage>,
+    rigid_attachments: Vec<RigidAttachment>,
     pairs: PairSet,
     size: usize,
 }
@@ -31,21 +31,21 @@ impl Bench {
     fn new() -> Self {
         let robot = bench();
         let root = |part: &str| robot.parts[robot.part(part).unwrap().at()].root_joint.unwrap();
-        let carriages = vec![
-            Carriage { object: root("box1"), carrier: robot.joint("robot/left_j6"), X_CO: at(0.23, 0.0, 0.0) },
-            Carriage { object: root("box2"), carrier: None, X_CO: at(0.8, -0.3, -0.114) },
+        let rigid_attachments = vec![
+            RigidAttachment { object: root("box1"), carrier: robot.joint("robot/left_j6"), X_CO: at(0.23, 0.0, 0.0) },
+            RigidAttachment { object: root("box2"), carrier: None, X_CO: at(0.8, -0.3, -0.114) },
         ];
         let ignored = always_colliding(&robot);
         let scene = CollisionScene::new(&robot, &PairRule { ignored: &ignored, ..PairRule::default() });
-        let pairs = PairSet::new(&scene, &carriages, &[]);
+        let pairs = PairSet::new(&scene, &rigid_attachments, &[]);
         let (kinematics, size) = (Kinematics::new(&robot), robot.space.size());
-        Self { robot, scene, kinematics, carriages, pairs, size }
+        Self { robot, scene, kinematics, rigid_attachments, pairs, size }
     }
 
     fn poses(&self, q: &[f64]) -> Vec<Pose> {
         let mut X_WJ = vec![Pose::IDENTITY; self.kinematics.bodies()];
         self.kinematics.forward(q, &mut X_WJ);
-        self.kinematics.carry(q, &self.carriages, &mut X_WJ);
+        self.kinematics.carry(q, &self.rigid_attachments, &mut X_WJ);
         X_WJ
     }
 
@@ -82,7 +82,7 @@ impl Bench {
     }
 
     fn whole(&self, knots: &[f64], settings: &CertificateSettings, s: &mut CollisionScratch) -> PolylineVerdict {
-        certify_polyline(&self.scene, &self.kinematics, &self.carriages, knots, &self.pairs, settings, s)
+        certify_polyline(&self.scene, &self.kinematics, &self.rigid_attachments, knots, &self.pairs, settings, s)
     }
 
     /// The first piece that is not free, each on its own.
@@ -90,7 +90,7 @@ impl Bench {
         (0..knots.len() / self.size - 1).find(|piece| {
             let (a, b) = knots[piece * self.size..(piece + 2) * self.size].split_at(self.size);
             let verdict =
-                certify_motion(&self.scene, &self.kinematics, &self.carriages, a, b, &self.pairs, settings, s);
+                certify_motion(&self.scene, &self.kinematics, &self.rigid_attachments, a, b, &self.pairs, settings, s);
             !matches!(verdict, MotionVerdict::Free { .. })
         })
     }

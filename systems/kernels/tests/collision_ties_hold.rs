@@ -9,7 +9,8 @@ use foliate_components::Pose;
 use foliate_components::robot::model::{JointKind, Model};
 use foliate_components::robot::{JointIndex, PartKind, Robot, RootJoint};
 use foliate_kernels::collision::{
-    CertificateSettings, CollisionScene, CollisionScratch, PairRule, PairSet, PolylineVerdict, Tie, certify_polyline,
+    CertificateSettings, CollisionScene, CollisionScratch, PairRule, PairSet, PolylineVerdict, RigidPair,
+    certify_polyline,
 };
 use foliate_kernels::kinematics::Kinematics;
 use glam::DVec3;
@@ -54,9 +55,9 @@ fn arms(gap: f64) -> Robot {
 /// `turned`.
 fn certify(robot: &Robot, tie_them: bool, turned: f64) -> PolylineVerdict {
     let (scene, kinematics) = (CollisionScene::new(robot, &PairRule::default()), Kinematics::new(robot));
-    let tie = Tie { a: Some(JointIndex(0)), b: Some(JointIndex(2)), origin: DVec3::new(OUT, SIDE, 0.0) };
-    let ties = if tie_them { vec![tie] } else { Vec::new() };
-    let pairs = PairSet::new(&scene, &[], &[]).tied(ties);
+    let rigid_pair = RigidPair { a: Some(JointIndex(0)), b: Some(JointIndex(2)), origin: DVec3::new(OUT, SIDE, 0.0) };
+    let rigid_pairs = if tie_them { vec![rigid_pair] } else { Vec::new() };
+    let pairs = PairSet::new(&scene, &[], &[]).with_rigid_pairs(rigid_pairs);
     let knots: Vec<f64> = (0..=8_i32)
         .flat_map(|knot| {
             let (t, error) = (f64::from(knot) / 8.0, if knot % 2 == 0 { 0.0 } else { 0.5 * WITHIN });
@@ -67,7 +68,7 @@ fn certify(robot: &Robot, tie_them: bool, turned: f64) -> PolylineVerdict {
     let settings = CertificateSettings {
         start_is_free: true,
         max_samples: 16,
-        tied_within: WITHIN,
+        rigid_within: WITHIN,
         ..CertificateSettings::default()
     };
     certify_polyline(&scene, &kinematics, &[], &knots, &pairs, &settings, &mut CollisionScratch::new())

@@ -11,7 +11,7 @@ use foliate_components::Pose;
 use foliate_components::robot::shape::Mesh;
 use foliate_kernels::collision::convex::{Convex, Core};
 use foliate_kernels::collision::solids::mesh_tree::MeshTree;
-use foliate_kernels::collision::{Ask, Solid, clearance};
+use foliate_kernels::collision::{DistanceQuery, Solid, clearance};
 use foliate_kernels::lanes::Level;
 use glam::DVec3;
 use rand::{Rng, RngExt, SeedableRng};
@@ -63,22 +63,23 @@ fn mesh_solid(mesh: &Mesh, level: Level) -> Solid {
 /// The smallest of all pairs, by GJK alone.
 fn one_by_one(a: &[Solid], X_WA: &Pose, b: &[Solid], X_WB: &Pose) -> f64 {
     let pairs = a.iter().flat_map(|a| b.iter().map(move |b| (a, b)));
-    let distance = |(a, b): (&Solid, &Solid)| clearance(a, X_WA, b, X_WB, Ask::exact(1e9), &mut DVec3::ZERO.clone());
+    let distance =
+        |(a, b): (&Solid, &Solid)| clearance(a, X_WA, b, X_WB, DistanceQuery::exact(1e9), &mut DVec3::ZERO.clone());
     pairs.map(distance).fold(f64::INFINITY, f64::min)
 }
 
 /// Rungs of an ask, from tight to all that matters.
-fn asks(rng: &mut impl Rng, truth: f64) -> [Ask; 4] {
+fn asks(rng: &mut impl Rng, truth: f64) -> [DistanceQuery; 4] {
     let around = truth.abs() * rng.random_range(0.5..1.5) + 1e-3;
     [
-        Ask::exact(1e9),
-        Ask::exact(around),
-        Ask { floor: 0.5 * around, ..Ask::exact(around) },
-        Ask { floor: 0.7 * around, ground: 1e-3, ..Ask::exact(2.0 * around) },
+        DistanceQuery::exact(1e9),
+        DistanceQuery::exact(around),
+        DistanceQuery { floor: 0.5 * around, ..DistanceQuery::exact(around) },
+        DistanceQuery { floor: 0.7 * around, ground: 1e-3, ..DistanceQuery::exact(2.0 * around) },
     ]
 }
 
-fn holds(found: f64, truth: f64, ask: Ask) {
+fn holds(found: f64, truth: f64, ask: DistanceQuery) {
     assert!(found <= truth.max(0.0) + TOLERANCE, "{found} is above {truth}");
     if truth <= 0.0 {
         assert!(found <= 0.0, "{found} where they meet");
@@ -156,7 +157,7 @@ fn flat_triangles_are_as_far_as_their_edges() {
             &Pose::IDENTITY,
             &ball,
             &Pose::from_translation(at),
-            Ask::exact(1e9),
+            DistanceQuery::exact(1e9),
             &mut DVec3::ZERO.clone(),
         );
         assert!((found - truth).abs() < 1e-9, "{found} of {truth}");
@@ -194,7 +195,8 @@ fn a_triangle_without_numbers_collides_wherever_it_stands() {
         let (mesh, other) = (mesh_solid(&mesh, Level::detected()), mesh_solid(&star(&mut rng, 0.2), Level::detected()));
         let far = Pose::from_translation(DVec3::new(5.0, 0.0, 0.0));
         for solid in [other, Solid::of(&random_geometry(&mut rng, spoilt as usize % 4))] {
-            let found = clearance(&mesh, &Pose::IDENTITY, &solid, &far, Ask::exact(0.01), &mut DVec3::ZERO.clone());
+            let found =
+                clearance(&mesh, &Pose::IDENTITY, &solid, &far, DistanceQuery::exact(0.01), &mut DVec3::ZERO.clone());
             assert!(found <= 0.0, "{found}");
         }
     }

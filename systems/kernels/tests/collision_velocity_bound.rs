@@ -13,7 +13,7 @@ use foliate_components::robot::{JointIndex, PartKind, Robot, RootJoint};
 use foliate_kernels::collision::samples::motion_bound::MotionBound;
 use foliate_kernels::collision::scene::SceneSolid;
 use foliate_kernels::collision::{CollisionScene, PairId, PairRule, PairSet, Solid};
-use foliate_kernels::kinematics::{Carriage, Kinematics};
+use foliate_kernels::kinematics::{Kinematics, RigidAttachment};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -38,16 +38,16 @@ fn point_of(solid: &SceneSolid, rng: &mut ChaCha8Rng) -> DVec3 {
     solid.X_JS.transform_point(p)
 }
 
-fn poses(kinematics: &Kinematics, carriages: &[Carriage], q: &[f64]) -> Vec<Pose> {
+fn poses(kinematics: &Kinematics, rigid_attachments: &[RigidAttachment], q: &[f64]) -> Vec<Pose> {
     let mut X_WJ = vec![Pose::IDENTITY; kinematics.bodies()];
     kinematics.forward(q, &mut X_WJ);
-    kinematics.carry(q, carriages, &mut X_WJ);
+    kinematics.carry(q, rigid_attachments, &mut X_WJ);
     X_WJ
 }
 
 /// A body and its ancestors, carried objects below their carriers.
-fn ancestors(robot: &Robot, carriages: &[Carriage], body: Option<JointIndex>) -> Vec<JointIndex> {
-    let up = |&body: &JointIndex| match carriages.iter().find(|c| c.object == body) {
+fn ancestors(robot: &Robot, rigid_attachments: &[RigidAttachment], body: Option<JointIndex>) -> Vec<JointIndex> {
+    let up = |&body: &JointIndex| match rigid_attachments.iter().find(|c| c.object == body) {
         Some(c) => c.carrier,
         None => robot.joints[body.at()].parent,
     };
@@ -56,17 +56,24 @@ fn ancestors(robot: &Robot, carriages: &[Carriage], body: Option<JointIndex>) ->
 
 fn common_ancestor(
     robot: &Robot,
-    carriages: &[Carriage],
+    rigid_attachments: &[RigidAttachment],
     a: Option<JointIndex>,
     b: Option<JointIndex>,
 ) -> Option<JointIndex> {
-    let other = ancestors(robot, carriages, b);
-    ancestors(robot, carriages, a).into_iter().find(|j| other.contains(j))
+    let other = ancestors(robot, rigid_attachments, b);
+    ancestors(robot, rigid_attachments, a).into_iter().find(|j| other.contains(j))
 }
 
-fn check_motion(robot: &Robot, carriages: &[Carriage], a: &[f64], b: &[f64], rng: &mut ChaCha8Rng, tally: &mut Tally) {
+fn check_motion(
+    robot: &Robot,
+    rigid_attachments: &[RigidAttachment],
+    a: &[f64],
+    b: &[f64],
+    rng: &mut ChaCha8Rng,
+    tally: &mut Tally,
+) {
     let (scene, kinematics) = (CollisionScene::new(robot, &PairRule::default()), Kinematics::new(robot));
-    let pairs = PairSet::new(&scene, carriages, &[]);
+    let pairs = PairSet::new(&scene, rigid_attachments, &[]);
     let mut delta = vec![0.0; robot.space.dimension()];
     robot.space.difference(a, b, &mut delta);
     let mut bound = MotionBound::default();
@@ -77,7 +84,7 @@ fn check_motion(robot: &Robot, carriages: &[Carriage], a: &[f64], b: &[f64], rng
         let middle = rng.random_range(half..=1.0 - half);
         let mut q = robot.space.neutral();
         robot.space.interpolate(a, b, middle, &mut q);
-        let X_mid = poses(&kinematics, carriages, &q);
+        let X_mid = poses(&kinematics, rigid_attachments, &q);
         bound.look_at(&scene, &X_mid, half);
         for _ in 0..40 {
             let id = moving[rng.random_range(0..moving.len())];
@@ -88,7 +95,7 @@ fn check_motion(robot: &Robot, carriages: &[Carriage], a: &[f64], b: &[f64], rng
             let n = collision_models::random_vector(rng, 1.0).normalize();
             let along = bound.of_pair_along(&scene, &pairs, id, &X_mid, n);
             // The direction is fixed in the frame of the nearest common ancestor.
-            let ancestor = common_ancestor(robot, carriages, one.body, other.body);
+            let ancestor = common_ancestor(robot, rigid_attachments, one.body, other.body);
             let frame = |X: &[Pose]| ancestor.map_or(Pose::IDENTITY, |j| X[j.at()]);
             let local = frame(&X_mid).rotation.inverse() * n;
             let mut most_along = 0.0_f64;
@@ -97,7 +104,7 @@ fn check_motion(robot: &Robot, carriages: &[Carriage], a: &[f64], b: &[f64], rng
                 let (p, r) = (point_of(one, rng), point_of(other, rng));
                 let before = in_world(one, p, &X_mid).distance(in_world(other, r, &X_mid));
                 robot.space.interpolate(a, b, middle + half * rng.random_range(-1.0..=1.0), &mut q);
-                let X_now = poses(&kinematics, carriages, &q);
+                let X_now = poses(&kinematics, rigid_attachments, &q);
                 let now = in_world(one, p, &X_now).distance(in_world(other, r, &X_now));
                 most = most.max((now - before).abs());
                 let gap = |X: &[Pose]| (in_world(one, p, X) - in_world(other, r, X)).dot(frame(X).rotation * local);
@@ -141,18 +148,18 @@ fn holds_for_two_arms_with_held_and_placed_boxes() {
     let root = |part: &str| robot.parts[robot.part(part).unwrap().at()].root_joint.unwrap();
     for round in 0..60 {
         let (a, b) = (random_configuration(&robot, &mut rng), random_configuration(&robot, &mut rng));
-        let held = Carriage {
+        let held = RigidAttachment {
             object: root("box1"),
             carrier: robot.joint(if round % 2 == 0 { "robot/left_j6" } else { "robot/right_j3" }),
             X_CO: random_pose(&mut rng, 0.3),
         };
-        let on_it = Carriage {
+        let on_it = RigidAttachment {
             object: root("box2"),
             carrier: if round % 3 == 0 { None } else { Some(root("box1")) },
             X_CO: random_pose(&mut rng, 0.3),
         };
-        let carriages = [held, on_it];
-        check_motion(&robot, &carriages[..round % 3], &a, &b, &mut rng, &mut tally);
+        let rigid_attachments = [held, on_it];
+        check_motion(&robot, &rigid_attachments[..round % 3], &a, &b, &mut rng, &mut tally);
     }
     report("two arms", tally);
 }

@@ -8,7 +8,7 @@ use foliate_components::pose::exp_so3;
 use foliate_components::robot::{JointIndex, LinkIndex, PartKind, Robot, RootJoint};
 use foliate_components::samples::models;
 use foliate_kernels::constraints::{RowsOut, locked, placement, placement_of, relative_pose};
-use foliate_kernels::kinematics::{AttachmentTree, Carriage, Kinematics, geometric_jacobian};
+use foliate_kernels::kinematics::{AttachmentTree, Kinematics, RigidAttachment, geometric_jacobian};
 use glam::DVec3;
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
@@ -41,23 +41,23 @@ fn world() -> Robot {
 struct Setting {
     robot: Robot,
     kinematics: Kinematics,
-    carriages: Vec<Carriage>,
+    rigid_attachments: Vec<RigidAttachment>,
 }
 
 impl Setting {
-    fn new(carriages: impl FnOnce(&Robot) -> Vec<Carriage>) -> Self {
+    fn new(rigid_attachments: impl FnOnce(&Robot) -> Vec<RigidAttachment>) -> Self {
         let robot = world();
-        Self { kinematics: Kinematics::new(&robot), carriages: carriages(&robot), robot }
+        Self { kinematics: Kinematics::new(&robot), rigid_attachments: rigid_attachments(&robot), robot }
     }
 
     fn tree(&self) -> AttachmentTree<'_> {
-        AttachmentTree::with_carried(&self.robot, self.carriages.iter().map(|c| (c.object, c.carrier)))
+        AttachmentTree::with_carried(&self.robot, self.rigid_attachments.iter().map(|c| (c.object, c.carrier)))
     }
 
     fn poses(&self, q: &[f64]) -> Vec<Pose> {
         let mut X_WJ = vec![Pose::identity(); self.kinematics.bodies()];
         self.kinematics.forward(q, &mut X_WJ);
-        self.kinematics.carry(q, &self.carriages, &mut X_WJ);
+        self.kinematics.carry(q, &self.rigid_attachments, &mut X_WJ);
         X_WJ
     }
 
@@ -90,14 +90,14 @@ impl Setting {
     }
 }
 
-fn held(robot: &Robot) -> Vec<Carriage> {
+fn held(robot: &Robot) -> Vec<RigidAttachment> {
     let X_CO = Pose::from_parts(DVec3::new(0.1, 0.02, 0.2), exp_so3(DVec3::new(1.0, 0.5, -0.3)));
     let (hand, block) = (robot.joint("arm/w2"), robot.joint("block/root_joint").unwrap());
     let (other, lid) = (robot.joint("other/root_joint").unwrap(), robot.joint("lid/root_joint").unwrap());
     vec![
-        Carriage { object: block, carrier: hand, X_CO },
-        Carriage { object: other, carrier: None, X_CO },
-        Carriage { object: lid, carrier: Some(block), X_CO },
+        RigidAttachment { object: block, carrier: hand, X_CO },
+        RigidAttachment { object: other, carrier: None, X_CO },
+        RigidAttachment { object: lid, carrier: Some(block), X_CO },
     ]
 }
 

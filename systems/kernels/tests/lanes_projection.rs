@@ -8,7 +8,7 @@ use foliate_components::pose::exp_so3;
 use foliate_components::robot::Robot;
 use foliate_components::samples::models;
 use foliate_kernels::constrained_motion::{
-    CarriageTemplate, ConstraintProgram, Job, Outcome, SEEDS, Scratch, SeedTable, Settings, project, project_batch,
+    AttachmentTemplate, ConstraintProgram, Job, Outcome, SEEDS, Scratch, SeedTable, Settings, project, project_batch,
 };
 use foliate_kernels::constraints::{placement, placement_of};
 use foliate_kernels::kinematics::Kinematics;
@@ -67,8 +67,8 @@ impl Cell {
         Contact::new(&self.robot, &[surface(&format!("{object}/bottom"))], &supports, 1e-3).unwrap()
     }
 
-    fn compile(&self, constraints: &[Constraint], carriages: &[CarriageTemplate]) -> ConstraintProgram {
-        ConstraintProgram::compile(&self.robot, &self.kinematics, constraints, carriages, &[]).unwrap()
+    fn compile(&self, constraints: &[Constraint], rigid_attachments: &[AttachmentTemplate]) -> ConstraintProgram {
+        ConstraintProgram::compile(&self.robot, &self.kinematics, constraints, rigid_attachments, &[]).unwrap()
     }
 
     /// Programs with problems that can be solved: starts and arguments.
@@ -78,7 +78,7 @@ impl Cell {
         let gripper = placement_of(&grasp.gripper);
         let contact = self.contact("block");
         let block = self.robot.joint("block/root_joint").unwrap();
-        let placed = CarriageTemplate::argument(block, None, 0);
+        let placed = AttachmentTemplate::argument(block, None, 0);
         let rigid = RelativePose::rigid(Frame::world(Pose::identity()), grasp.gripper, Reference::Argument(0));
         let apart = Pose::from_parts(DVec3::new(0.0, 0.0, 0.25), exp_so3(DVec3::new(0.0, 2.0, 0.0)));
         let mut above = RelativePose::rigid(grasp.gripper, Frame::world(Pose::identity()), Reference::Fixed(apart));
@@ -86,7 +86,7 @@ impl Cell {
         let both = RelativePose::rigid(grasp.gripper, second.gripper, Reference::Fixed(apart));
         let placed_at = Constraint::PlacementHold(contact.clone(), 0);
         let X_CO = gripper.X_JF * placement_of(&grasp.handle).X_JF.inverse();
-        let in_hand = CarriageTemplate::fixed(block, gripper.joint, X_CO);
+        let in_hand = AttachmentTemplate::fixed(block, gripper.joint, X_CO);
         let laid = Constraint::Placement(contact.clone());
         let held = Constraint::RelativePose(grasp.constraint());
         let programs = [

@@ -5,7 +5,7 @@
 
 use foliate_components::Pose;
 use foliate_components::robot::configuration::ConfigurationSpace;
-use foliate_components::robot::{Joint, Motion, PartIndex, Source};
+use foliate_components::robot::{Joint, JointType, PartIndex, Source};
 use foliate_kernels::lanes::Level;
 use foliate_kernels::nearest::{Bucket, BucketQueries, Metric, Seeker, nearest};
 use glam::DVec3;
@@ -20,11 +20,11 @@ fn random_space(rng: &mut ChaCha8Rng) -> (ConfigurationSpace, Vec<f64>) {
     let mut weights = Vec::new();
     for _ in 0..rng.random_range(1..8) {
         let (motion, bound) = match rng.random_range(0..5) {
-            0 => (Motion::Revolute { axis: DVec3::Z }, 3.0),
-            1 => (Motion::Revolute { axis: DVec3::Z }, f64::INFINITY),
-            2 => (Motion::Prismatic { axis: DVec3::Z }, 50.0),
-            3 => (Motion::Planar, 10.0),
-            _ => (Motion::FreeFlyer, 2.0),
+            0 => (JointType::Revolute { axis: DVec3::Z }, 3.0),
+            1 => (JointType::Revolute { axis: DVec3::Z }, f64::INFINITY),
+            2 => (JointType::Prismatic { axis: DVec3::Z }, 50.0),
+            3 => (JointType::Planar, 10.0),
+            _ => (JointType::FreeFlyer, 2.0),
         };
         let (size, dimension) = (motion.configuration_size(), motion.velocity_size());
         let weight = if rng.random_bool(0.2) { 0.0 } else { rng.random_range(0.01..3.0) };

@@ -14,7 +14,7 @@ use foliate_kernels::constrained_motion::{
     project_motions,
 };
 use foliate_kernels::constraints::{placement_of, relative_pose};
-use foliate_kernels::kinematics::{Carriage, Kinematics};
+use foliate_kernels::kinematics::{Kinematics, RigidAttachment};
 use foliate_kernels::lanes::Level;
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -86,10 +86,10 @@ impl Bench {
         }
     }
 
-    fn poses(&self, q: &[f64], carriages: &[Carriage]) -> Vec<Pose> {
+    fn poses(&self, q: &[f64], rigid_attachments: &[RigidAttachment]) -> Vec<Pose> {
         let mut X_WJ = vec![Pose::identity(); self.kinematics.bodies()];
         self.kinematics.forward(q, &mut X_WJ);
-        self.kinematics.carry(q, carriages, &mut X_WJ);
+        self.kinematics.carry(q, rigid_attachments, &mut X_WJ);
         X_WJ
     }
 }
@@ -103,13 +103,13 @@ fn largest_residual(
     value: impl Fn(&[Pose]) -> f64,
 ) -> f64 {
     let size = bench.robot.space.size();
-    let mut carriages = Vec::new();
-    assert!(program.resolve_carriages(arguments, &mut carriages));
+    let mut rigid_attachments = Vec::new();
+    assert!(program.resolve_attachments(arguments, &mut rigid_attachments));
     let (mut q, mut worst) = (bench.robot.space.neutral(), 0.0_f64);
     for pair in knots.chunks(size).collect::<Vec<_>>().windows(2) {
         for sample in 0..=20 {
             bench.robot.space.interpolate(pair[0], pair[1], f64::from(sample) / 20.0, &mut q);
-            worst = worst.max(value(&bench.poses(&q, &carriages)));
+            worst = worst.max(value(&bench.poses(&q, &rigid_attachments)));
         }
     }
     worst

@@ -10,7 +10,7 @@ use foliate_components::pose::exp_so3;
 use foliate_components::robot::{PartKind, Robot, RootJoint};
 use foliate_components::samples::models;
 use foliate_kernels::constrained_motion::{
-    CarriageTemplate, CompileError, ConstraintProgram, Outcome, Relation, Scratch, Settings, project,
+    AttachmentTemplate, CompileError, ConstraintProgram, Outcome, Relation, Scratch, Settings, project,
 };
 use foliate_kernels::constraints::{placement, placement_of, relative_pose};
 use foliate_kernels::kinematics::Kinematics;
@@ -62,8 +62,8 @@ impl Bench {
         X_WJ
     }
 
-    fn compile(&self, constraints: &[Constraint], carriages: &[CarriageTemplate]) -> ConstraintProgram {
-        ConstraintProgram::compile(&self.robot, &self.kinematics, constraints, carriages, &[]).unwrap()
+    fn compile(&self, constraints: &[Constraint], rigid_attachments: &[AttachmentTemplate]) -> ConstraintProgram {
+        ConstraintProgram::compile(&self.robot, &self.kinematics, constraints, rigid_attachments, &[]).unwrap()
     }
 
     fn project(&mut self, program: &ConstraintProgram, q: &mut [f64], arguments: &[Pose]) -> Outcome {
@@ -98,7 +98,7 @@ fn a_reach_is_seven_variables_and_six_rows() {
     let program = reach(&bench);
     assert_eq!((program.active().len(), program.rows(), program.checks(), program.arguments()), (7, 6, 0, 1));
     assert_eq!(program.variables().len(), bench.robot.space.dimension());
-    assert!(program.carriages().is_empty());
+    assert!(program.rigid_attachments().is_empty());
 }
 
 #[test]
@@ -134,7 +134,7 @@ fn a_grasp_of_a_placed_block_is_the_arms_problem_alone() {
     let grasp = bench.grasp("left/hand", "block/top");
     for constraint in [grasp.constraint(), grasp.pregrasp()] {
         let program =
-            bench.compile(&[Constraint::RelativePose(constraint)], &[CarriageTemplate::argument(block, None, 0)]);
+            bench.compile(&[Constraint::RelativePose(constraint)], &[AttachmentTemplate::argument(block, None, 0)]);
         assert_eq!((program.active().len(), program.rows()), (7, 6));
         let X_WO = Pose::from_translation(DVec3::new(0.75, 0.3, 0.1));
         let mut solved = 0;
@@ -160,7 +160,7 @@ fn grasp_and_placement_together_eliminate_the_object() {
     let grasp = bench.grasp("left/hand", "block/top");
     let constraints = [Constraint::Placement(contact.clone()), Constraint::RelativePose(grasp.constraint())];
     let program = bench.compile(&constraints, &[]);
-    assert_eq!((program.active().len(), program.rows(), program.carriages().len()), (7, 5, 1));
+    assert_eq!((program.active().len(), program.rows(), program.rigid_attachments().len()), (7, 5, 1));
     let mut solved = 0;
     for _ in 0..200 {
         let mut q = bench.random();
@@ -184,8 +184,8 @@ fn constraint_and_complement_merge_and_eliminate() {
     let axial = bench.grasp("left/hand", "block/side");
     let apart = [Constraint::RelativePose(axial.constraint()), Constraint::RelativePose(axial.complement(0))];
     let program = bench.compile(&apart, &[]);
-    assert_eq!((program.active().len(), program.rows(), program.carriages().len()), (0, 0, 1));
-    assert_eq!(program.carriages()[0].carrier, bench.robot.joint("left/w2"));
+    assert_eq!((program.active().len(), program.rows(), program.rigid_attachments().len()), (0, 0, 1));
+    assert_eq!(program.rigid_attachments()[0].carrier, bench.robot.joint("left/w2"));
     let parameter = Pose::from_rotation(exp_so3(DVec3::Z * 0.8));
     let mut q = bench.random();
     assert_eq!(bench.project(&program, &mut q, &[parameter]), Outcome::Converged { iterations: 0, residual: 0.0 });
@@ -194,12 +194,12 @@ fn constraint_and_complement_merge_and_eliminate() {
     assert!((held.translation).length() < 1e-12 && held.rotation.dot(parameter.rotation).abs() > 1.0 - 1e-14);
     // Without the complement the grasp leaves a freedom and eliminates nothing.
     let program = bench.compile(&apart[..1], &[]);
-    assert_eq!((program.active().len(), program.rows(), program.carriages().len()), (13, 5, 0));
+    assert_eq!((program.active().len(), program.rows(), program.rigid_attachments().len()), (13, 5, 0));
 
     let contact = bench.on_table("block");
     let both = [Constraint::PlacementComplement(contact.clone(), 0), Constraint::Placement(contact.clone())];
     let program = bench.compile(&both, &[]);
-    assert!(matches!(program.carriages()[0].relation, Relation::Hold { .. }));
+    assert!(matches!(program.rigid_attachments()[0].relation, Relation::Hold { .. }));
     let parameter = Pose::from_parts(DVec3::new(0.0, 0.1, -0.2), exp_so3(DVec3::X * 2.0));
     let mut q = bench.random();
     assert!(bench.project(&program, &mut q, &[parameter]).is_converged());
@@ -216,7 +216,7 @@ fn two_hands_on_one_block() {
     let turned = Pose::from_rotation(exp_so3(DVec3::Y * std::f64::consts::PI));
     let right = RelativePose { b: left.handle.then(&turned), ..bench.grasp("right/hand", "block/top").constraint() };
     let program = bench.compile(&[Constraint::RelativePose(left.constraint()), Constraint::RelativePose(right)], &[]);
-    assert_eq!((program.active().len(), program.rows(), program.carriages().len()), (14, 6, 1));
+    assert_eq!((program.active().len(), program.rows(), program.rigid_attachments().len()), (14, 6, 1));
     let mut solved = 0;
     for _ in 0..200 {
         let mut q = bench.random();
@@ -240,7 +240,8 @@ fn templates_on_a_carried_object_become_rows_too() {
     let block = bench.robot.joint("block/root_joint").unwrap();
     let hands = [bench.robot.joint("left/w2"), bench.robot.joint("right/w2")];
     let X_CO = Pose::from_translation(DVec3::Z * 0.2);
-    let templates = [CarriageTemplate::fixed(block, hands[0], X_CO), CarriageTemplate::argument(block, hands[1], 3)];
+    let templates =
+        [AttachmentTemplate::fixed(block, hands[0], X_CO), AttachmentTemplate::argument(block, hands[1], 3)];
     let program = bench.compile(&[], &templates);
     assert_eq!((program.active().len(), program.rows(), program.arguments()), (14, 6, 4));
 }
@@ -253,22 +254,22 @@ fn objects_stack_in_any_order_and_cycles_are_refused() {
     let hand = bench.robot.joint("left/w2");
     let X = Pose::from_translation(DVec3::Z * 0.12);
     // The upper one is named first.
-    let templates = [CarriageTemplate::fixed(other, Some(block), X), CarriageTemplate::fixed(block, hand, X)];
+    let templates = [AttachmentTemplate::fixed(other, Some(block), X), AttachmentTemplate::fixed(block, hand, X)];
     let program = bench.compile(&[], &templates);
-    assert_eq!(program.carriages()[0].object, block);
+    assert_eq!(program.rigid_attachments()[0].object, block);
     let mut q = bench.random();
     assert!(bench.project(&program, &mut q, &[]).is_converged());
     let X_WJ = bench.poses(&q);
     assert!((X_WJ[other.at()].translation - (X_WJ[hand.unwrap().at()] * X * X).translation).length() < 1e-12);
 
-    let cycle = [CarriageTemplate::fixed(other, Some(block), X), CarriageTemplate::fixed(block, Some(other), X)];
+    let cycle = [AttachmentTemplate::fixed(other, Some(block), X), AttachmentTemplate::fixed(block, Some(other), X)];
     let compiled = ConstraintProgram::compile(&bench.robot, &bench.kinematics, &[], &cycle, &[]);
     assert_eq!(compiled.unwrap_err(), CompileError::Cycle("block/root_joint".into()));
     let compiled = ConstraintProgram::compile(
         &bench.robot,
         &bench.kinematics,
         &[],
-        &[CarriageTemplate::fixed(hand.unwrap(), None, X)],
+        &[AttachmentTemplate::fixed(hand.unwrap(), None, X)],
         &[],
     );
     assert_eq!(compiled.unwrap_err(), CompileError::NotAnObject("left/w2".into()));
@@ -289,7 +290,7 @@ fn a_leaf_parameter_never_drifts() {
     }
     let X_WO = bench.poses(&q)[block.at()];
     let held = bench.compile(&constraints[1..], &[]);
-    let placed = CarriageTemplate::argument(block, None, 0);
+    let placed = AttachmentTemplate::argument(block, None, 0);
     let regrasp = bench.compile(&constraints[1..], std::slice::from_ref(&placed));
     let coordinates = bench.robot.space.size() - 14..bench.robot.space.size() - 7;
     let mut rounds = 0;
@@ -378,7 +379,7 @@ fn what_no_variable_touches_is_checked_before_any_iteration() {
     let mut bench = Bench::new(22);
     let block = bench.robot.joint("block/root_joint").unwrap();
     let contact = bench.on_table("block");
-    let placed = [CarriageTemplate::argument(block, None, 0)];
+    let placed = [AttachmentTemplate::argument(block, None, 0)];
     let program = bench.compile(&[Constraint::Placement(contact.clone())], &placed);
     assert_eq!((program.rows(), program.checks()), (0, 1));
     let (_, X_WO) = placement::hold(&contact, &Pose::from_translation(DVec3::new(0.0, 0.1, 0.1))).unwrap();
@@ -461,7 +462,7 @@ fn roots_followers_and_articulated_objects() {
         Constraint::RelativePose(grasp("drone/tip", knob).constraint()),
     ];
     let program = bench.compile(&constraints, &[]);
-    assert_eq!((program.carriages().len(), program.rows(), program.active().len()), (1, 6, 5 + 8 + 1));
+    assert_eq!((program.rigid_attachments().len(), program.rows(), program.active().len()), (1, 6, 5 + 8 + 1));
     let mut solved = 0;
     for _ in 0..50 {
         let mut q = bench.random();

@@ -10,7 +10,7 @@ use foliate_components::pose::{exp_so3, log_so3};
 use foliate_components::robot::{JointIndex, PartKind, Robot, RootJoint};
 use foliate_components::samples::models;
 use foliate_kernels::constrained_motion::{
-    CarriageTemplate, ConstraintProgram, MotionEnd, MotionJob, MotionScratch, MotionSettings, Outcome, Scratch,
+    AttachmentTemplate, ConstraintProgram, MotionEnd, MotionJob, MotionScratch, MotionSettings, Outcome, Scratch,
     Settings, project, project_motion, project_motions,
 };
 use foliate_kernels::constraints::{centre_of_mass, placement_of, residual};
@@ -240,9 +240,9 @@ fn carried_objects_follow() {
     let X_CO = Pose::from_translation(DVec3::new(0.0, 0.0, -0.2));
     let feet = [bench.at("human/l_ankle_roll", 0), bench.at("human/r_ankle_roll", 1)];
     for carrier in [Some(hand), None] {
-        let carried = CarriageTemplate::fixed(object, carrier, X_CO);
+        let carried = AttachmentTemplate::fixed(object, carrier, X_CO);
         let program = ConstraintProgram::compile(&bench.robot, &bench.kinematics, &feet, &[carried], &[]).unwrap();
-        assert_eq!(program.carriages().len(), 1, "the foot carries nothing that anybody sees");
+        assert_eq!(program.rigid_attachments().len(), 1, "the foot carries nothing that anybody sees");
         let mut q = bench.near(0.1);
         assert!(bench.project(&program, &mut q, &[left, right]).is_converged());
         let bodies = poses(&bench.kinematics, &[], &q);

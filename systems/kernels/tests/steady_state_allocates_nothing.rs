@@ -24,7 +24,7 @@ use foliate_kernels::constrained_motion::{
     ConstraintProgram, Job, MotionScratch, MotionSettings, Scratch, Settings, project, project_batch, project_motion,
 };
 use foliate_kernels::constraints::placement_of;
-use foliate_kernels::kinematics::{AttachmentTree, Carriage, Kinematics, geometric_jacobian};
+use foliate_kernels::kinematics::{AttachmentTree, Kinematics, RigidAttachment, geometric_jacobian};
 use foliate_kernels::lanes::Level;
 use foliate_kernels::nearest::{Bucket, BucketQueries, Metric, nearest};
 use glam::DVec3;
@@ -58,7 +58,7 @@ fn the_counter_counts() {
 #[test]
 fn kinematics() {
     let robot = world();
-    let (kinematics, carriages) = (Kinematics::new(&robot), held(&robot));
+    let (kinematics, rigid_attachments) = (Kinematics::new(&robot), held(&robot));
     let mut draw = Draw::new(1);
     let samples: Vec<_> = (0..20).map(|_| draw.configuration(&robot)).collect();
     let tip = robot.joint("arm/w2");
@@ -68,9 +68,9 @@ fn kinematics() {
     let count = allocations(|| {
         for q in &samples {
             kinematics.forward(q, &mut X_WJ);
-            kinematics.carry(q, &carriages, &mut X_WJ);
+            kinematics.carry(q, &rigid_attachments, &mut X_WJ);
             written.copy_from_slice(q);
-            kinematics.write_back(&carriages, &X_WJ, &mut written);
+            kinematics.write_back(&rigid_attachments, &X_WJ, &mut written);
             let point = X_WJ[tip.unwrap().at()].translation;
             geometric_jacobian(&columns, &X_WJ, point, &mut jacobian);
             black_box(&jacobian);
@@ -219,7 +219,7 @@ struct Workplace {
     robot: Robot,
     scene: CollisionScene,
     kinematics: Kinematics,
-    carriages: Vec<Carriage>,
+    rigid_attachments: Vec<RigidAttachment>,
     pairs: PairSet,
     rng: ChaCha8Rng,
 }
@@ -238,15 +238,15 @@ impl Workplace {
         ]);
         let root = robot.joint("box/root_joint").unwrap();
         let carrier = robot.joint("robot/left_j6");
-        let carriages = vec![Carriage { object: root, carrier, X_CO: at(0.31, 0.0, 0.0) }];
+        let rigid_attachments = vec![RigidAttachment { object: root, carrier, X_CO: at(0.31, 0.0, 0.0) }];
         let ignored = always_colliding(&robot);
         let scene = CollisionScene::new(&robot, &PairRule { ignored: &ignored, ..PairRule::default() });
-        let pairs = PairSet::new(&scene, &carriages, &[]);
-        Self { kinematics: Kinematics::new(&robot), robot, scene, carriages, pairs, rng }
+        let pairs = PairSet::new(&scene, &rigid_attachments, &[]);
+        Self { kinematics: Kinematics::new(&robot), robot, scene, rigid_attachments, pairs, rng }
     }
 
     fn poses(&self, q: &[f64]) -> Vec<Pose> {
-        heavy_world::poses(&self.kinematics, &self.carriages, q)
+        heavy_world::poses(&self.kinematics, &self.rigid_attachments, q)
     }
 
     /// Free configurations and such that are not.
@@ -280,8 +280,8 @@ fn exact_verdicts_in_lanes() {
     let all: Vec<f64> = free.iter().chain(&blocked).flatten().copied().collect();
     let ends: Vec<usize> = (1..=(free.len() + blocked.len()) / 3).map(|row| 3 * row).collect();
     let all = &all[..3 * ends.len() * place.robot.space.size()];
-    let Workplace { scene, kinematics, carriages, pairs, .. } = &place;
-    let verdicts = Verdicts { scene, kinematics, carriages, pairs, guard: 1e-5 };
+    let Workplace { scene, kinematics, rigid_attachments, pairs, .. } = &place;
+    let verdicts = Verdicts { scene, kinematics, rigid_attachments, pairs, guard: 1e-5 };
     let (mut scratch, mut found) = (CollisionScratch::new(), Vec::new());
     let count = allocations(|| {
         found.clear();
@@ -299,8 +299,17 @@ fn certificates_of_straight_motions() {
     let (mut whole, mut cut) = (0, 0);
     let count = allocations(|| {
         for ends in free.windows(2) {
-            let Workplace { scene, kinematics, carriages, pairs, .. } = &place;
-            match certify_motion(scene, kinematics, carriages, &ends[0], &ends[1], pairs, &settings, &mut scratch) {
+            let Workplace { scene, kinematics, rigid_attachments, pairs, .. } = &place;
+            match certify_motion(
+                scene,
+                kinematics,
+                rigid_attachments,
+                &ends[0],
+                &ends[1],
+                pairs,
+                &settings,
+                &mut scratch,
+            ) {
                 MotionVerdict::Free { .. } => whole += 1,
                 MotionVerdict::FreeUntil { .. } => cut += 1,
             }
@@ -333,8 +342,8 @@ fn certificates_of_polylines() {
     let (mut whole, mut cut) = (0, 0);
     let count = allocations(|| {
         for knots in &polylines {
-            let Workplace { scene, kinematics, carriages, pairs, .. } = &place;
-            match certify_polyline(scene, kinematics, carriages, knots, pairs, &settings, &mut scratch) {
+            let Workplace { scene, kinematics, rigid_attachments, pairs, .. } = &place;
+            match certify_polyline(scene, kinematics, rigid_attachments, knots, pairs, &settings, &mut scratch) {
                 PolylineVerdict::Free { .. } => whole += 1,
                 PolylineVerdict::FreeUntil { .. } => cut += 1,
             }

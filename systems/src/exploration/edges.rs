@@ -54,7 +54,7 @@ pub struct Connections(pub Vec<Connection>);
 
 /// What would be an edge between two nodes, if it is free.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Passage {
+pub struct UnvalidatedEdge {
     /// Where its motions start: the root of a tree.
     pub from: NodeId,
     /// The transition that it travels.
@@ -67,38 +67,38 @@ pub struct Passage {
 
 /// The passages that nothing is known of, by the node that they lead to.
 #[derive(Clone, Debug, Default, Resource)]
-pub struct Passages {
-    open: BTreeMap<NodeId, Passage>,
+pub struct UnvalidatedEdges {
+    open: BTreeMap<NodeId, UnvalidatedEdge>,
     bytes: u64,
 }
 
-impl Passages {
+impl UnvalidatedEdges {
     /// Keeps a passage to a node that no other leads to.
-    pub fn add(&mut self, to: NodeId, passage: Passage) {
-        self.bytes += bytes(&passage);
-        if let Some(before) = self.open.insert(to, passage) {
+    pub fn add(&mut self, to: NodeId, unvalidated_edge: UnvalidatedEdge) {
+        self.bytes += bytes(&unvalidated_edge);
+        if let Some(before) = self.open.insert(to, unvalidated_edge) {
             self.bytes -= bytes(&before);
         }
     }
 
     /// The passage that leads to a node.
     #[must_use]
-    pub fn to(&self, node: NodeId) -> Option<&Passage> {
+    pub fn to(&self, node: NodeId) -> Option<&UnvalidatedEdge> {
         self.open.get(&node)
     }
 
     /// The passage from one node to another.
     #[must_use]
-    pub fn between(&self, from: NodeId, to: NodeId) -> Option<&Passage> {
-        self.to(to).filter(|passage| passage.from == from)
+    pub fn between(&self, from: NodeId, to: NodeId) -> Option<&UnvalidatedEdge> {
+        self.to(to).filter(|unvalidated_edge| unvalidated_edge.from == from)
     }
 
     /// Takes out the passage from one node to another: something is known of it.
-    pub fn take(&mut self, from: NodeId, to: NodeId) -> Option<Passage> {
+    pub fn take(&mut self, from: NodeId, to: NodeId) -> Option<UnvalidatedEdge> {
         self.between(from, to)?;
-        let passage = self.open.remove(&to);
-        self.bytes -= passage.as_ref().map_or(0, bytes);
-        passage
+        let unvalidated_edge = self.open.remove(&to);
+        self.bytes -= unvalidated_edge.as_ref().map_or(0, bytes);
+        unvalidated_edge
     }
 
     /// Number of passages that nothing is known of.
@@ -120,14 +120,14 @@ impl Passages {
     }
 }
 
-fn bytes(passage: &Passage) -> u64 {
-    let knots = passage.motions.iter().map(|motion| size_of_val(&*motion.knots)).sum::<usize>();
-    (size_of::<(NodeId, Passage)>() + size_of_val(&*passage.motions) + knots) as u64
+fn bytes(unvalidated_edge: &UnvalidatedEdge) -> u64 {
+    let knots = unvalidated_edge.motions.iter().map(|motion| size_of_val(&*motion.knots)).sum::<usize>();
+    (size_of::<(NodeId, UnvalidatedEdge)>() + size_of_val(&*unvalidated_edge.motions) + knots) as u64
 }
 
 #[cfg(test)]
 mod tests {
-    use crate::exploration::edges::{Passage, Passages};
+    use crate::exploration::edges::{UnvalidatedEdge, UnvalidatedEdges};
     use foliate_components::graph::TransitionId;
     use foliate_components::graph::leaf::LeafId;
     use foliate_components::roadmap::{Motion, NodeId};
@@ -137,13 +137,19 @@ mod tests {
         let transition = TransitionId(3);
         let motion = |knots| Motion { transition, leg: 1, leaf: LeafId(0), knots, clearance: 0.0, residual: 0.0 };
         let motions = vec![motion(vec![0.0; 8])];
-        let mut passages = Passages::default();
-        passages.add(NodeId(5), Passage { from: NodeId(4), transition, drawn: None, motions });
-        assert!(passages.bytes() > 64 && passages.len() == 1);
-        assert!(passages.between(NodeId(4), NodeId(5)).is_some());
-        assert!(passages.between(NodeId(5), NodeId(4)).is_none(), "it leads one way");
-        assert_eq!(passages.take(NodeId(3), NodeId(5)), None);
-        assert!(passages.take(NodeId(4), NodeId(5)).is_some_and(|passage| passage.motions.len() == 1));
-        assert!(passages.is_empty() && passages.bytes() == 0 && passages.to(NodeId(5)).is_none());
+        let mut unvalidated_edges = UnvalidatedEdges::default();
+        unvalidated_edges.add(NodeId(5), UnvalidatedEdge { from: NodeId(4), transition, drawn: None, motions });
+        assert!(unvalidated_edges.bytes() > 64 && unvalidated_edges.len() == 1);
+        assert!(unvalidated_edges.between(NodeId(4), NodeId(5)).is_some());
+        assert!(unvalidated_edges.between(NodeId(5), NodeId(4)).is_none(), "it leads one way");
+        assert_eq!(unvalidated_edges.take(NodeId(3), NodeId(5)), None);
+        assert!(
+            unvalidated_edges
+                .take(NodeId(4), NodeId(5))
+                .is_some_and(|unvalidated_edge| unvalidated_edge.motions.len() == 1)
+        );
+        assert!(
+            unvalidated_edges.is_empty() && unvalidated_edges.bytes() == 0 && unvalidated_edges.to(NodeId(5)).is_none()
+        );
     }
 }

@@ -3,7 +3,7 @@
 //! What is counted is what grows: the roadmap, passages, a lazy graph, what is compiled of transitions when they are first
 //! tried, and what the scheduler `sequence` knows of joins. `tests/memory_has_a_limit.rs` holds it against the process.
 
-use crate::exploration::edges::Passages;
+use crate::exploration::edges::UnvalidatedEdges;
 use crate::planning_model::model::PlanningModel;
 use crate::schedulers::sequence::leaf_graph::LeafGraph;
 use bevy_ecs::prelude::{Resource, World};
@@ -62,12 +62,12 @@ fn first(flags: &mut Vec<bool>, at: usize) -> bool {
 pub fn taken(
     model: &PlanningModel,
     roadmap: &Roadmap,
-    passages: &Passages,
+    unvalidated_edges: &UnvalidatedEdges,
     compiled: &Compiled,
     joins: Option<&LeafGraph>,
 ) -> u64 {
     let graph = if model.graph.lazy { PER_GRAPH_BYTE * model.graph.bytes() } else { 0 };
-    roadmap.bytes() + passages.bytes() + compiled.bytes() + graph + joins.map_or(0, LeafGraph::bytes)
+    roadmap.bytes() + unvalidated_edges.bytes() + compiled.bytes() + graph + joins.map_or(0, LeafGraph::bytes)
 }
 
 /// As [`taken`], of the search in a world.

@@ -6,12 +6,12 @@ use std::collections::HashSet;
 /// Values in order of leaf. Most leaves have some value that no other has, so whoever compares many leaves with one asks first
 /// whether there is anything to find.
 #[derive(Clone, Debug, Default)]
-pub struct Column {
+pub struct ParameterColumn {
     values: Vec<ParameterId>,
     present: HashSet<ParameterId>,
 }
 
-impl Column {
+impl ParameterColumn {
     /// By leaf.
     #[must_use]
     pub fn values(&self) -> &[ParameterId] {

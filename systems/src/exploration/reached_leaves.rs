@@ -1,6 +1,6 @@
 //! Which leaves each tree has reached, kept by the commit so that no step has to count them again.
 
-use crate::exploration::parameter_column::Column;
+use crate::exploration::parameter_column::ParameterColumn;
 use crate::exploration::visited_leaves::VisitedLeaves;
 use bevy_ecs::prelude::Resource;
 use foliate_components::graph::StateId;
@@ -16,7 +16,7 @@ pub struct ReachedLeaves {
     /// By tree as it was born: its leaves in order of first visit.
     pub by_component: Vec<Vec<LeafId>>,
     /// The same by state, with the leaves' parameters in columns.
-    columns: Vec<Vec<LeafColumns>>,
+    columns: Vec<Vec<LeafParameterColumns>>,
     /// Which tree, as it was born, has reached which leaf.
     seen: HashSet<(ComponentId, LeafId)>,
     /// By tree as it is now: its leaves by state. Empty for a tree that has been joined to another.
@@ -37,13 +37,13 @@ pub struct StateLeaves {
 /// The leaves of one state that a tree has reached, in order of first visit, as columns: whoever compares one leaf with
 /// all of them reads one number after another.
 #[derive(Clone, Debug)]
-pub struct LeafColumns {
+pub struct LeafParameterColumns {
     /// The state.
     pub state: StateId,
     /// By leaf: its place in [`ReachedLeaves::by_component`].
     pub places: Vec<u32>,
     /// By foliating constraint of the state, then by leaf.
-    pub parameters: Vec<Column>,
+    pub parameters: Vec<ParameterColumn>,
     /// By block of places: how many of these leaves lie before it.
     starts: Vec<u32>,
 }
@@ -73,7 +73,7 @@ impl ReachedLeaves {
         let columns = &mut self.columns[born.at()];
         let known = columns.iter().position(|c| c.state == leaf.state);
         let at = known.unwrap_or_else(|| {
-            columns.push(LeafColumns::new(leaf));
+            columns.push(LeafParameterColumns::new(leaf));
             columns.len() - 1
         });
         columns[at].push(place, leaf);
@@ -99,7 +99,7 @@ impl ReachedLeaves {
 
     /// What a tree reached while it had this id, by state in order of first visit.
     #[must_use]
-    pub fn columns_of(&self, born: ComponentId) -> &[LeafColumns] {
+    pub fn columns_of(&self, born: ComponentId) -> &[LeafParameterColumns] {
         self.columns.get(born.at()).map_or(&[], Vec::as_slice)
     }
 
@@ -109,12 +109,12 @@ impl ReachedLeaves {
     }
 }
 
-impl LeafColumns {
+impl LeafParameterColumns {
     /// Places per block.
     pub(crate) const BLOCK: usize = 512;
 
     fn new(leaf: &Leaf) -> Self {
-        let parameters = vec![Column::default(); leaf.parameters.len()];
+        let parameters = vec![ParameterColumn::default(); leaf.parameters.len()];
         Self { state: leaf.state, places: Vec::new(), parameters, starts: Vec::new() }
     }
 

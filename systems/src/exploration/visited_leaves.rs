@@ -3,7 +3,7 @@
 //! Leaves stand in order of id, their parameters and visits in columns, so that a draw is one pass over numbers: sums of
 //! blocks first, then the block in which the draw falls.
 
-use crate::exploration::parameter_column::Column;
+use crate::exploration::parameter_column::ParameterColumn;
 use foliate_components::graph::StateId;
 use foliate_components::graph::leaf::{Leaf, LeafId, ParameterId};
 use foliate_components::roadmap::ComponentId;
@@ -20,7 +20,7 @@ pub(crate) struct VisitedLeaves {
     /// By id.
     leaves: Vec<LeafId>,
     /// By foliating constraint of the state, then by leaf.
-    parameters: Vec<Column>,
+    parameters: Vec<ParameterColumn>,
     /// By leaf: how many nodes lie on it.
     visits: Visits,
     /// The same by tree as it is now.
@@ -43,7 +43,7 @@ impl VisitedLeaves {
         Self {
             state: leaf.state,
             leaves: Vec::new(),
-            parameters: vec![Column::default(); leaf.parameters.len()],
+            parameters: vec![ParameterColumn::default(); leaf.parameters.len()],
             visits: Visits::default(),
             by_tree: Vec::new(),
         }
@@ -163,7 +163,7 @@ impl<'a> Choices<'a> {
     /// value is nowhere.
     pub fn with(mut self, mut values: impl Iterator<Item = (usize, ParameterId)>) -> Option<Self> {
         let found = values.all(|(row, value)| {
-            let column: &'a Column = &self.of.parameters[row];
+            let column: &'a ParameterColumn = &self.of.parameters[row];
             self.wanted.push((column.values(), value));
             column.has(value)
         });

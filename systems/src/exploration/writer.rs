@@ -3,7 +3,7 @@
 //! No other file adds to the roadmap. All functions here are serial, so ids do not depend on threads.
 
 use crate::exploration::entities::{EntityTable, NewNodes};
-use crate::exploration::explored::Families;
+use crate::exploration::explored::SearchSides;
 use crate::exploration::neighbours::index::Neighbours;
 use crate::exploration::reached_leaves::ReachedLeaves;
 use crate::planning_model::model::PlanningModel;
@@ -81,8 +81,8 @@ pub(crate) fn add_node(world: &mut World, q: &[f64], leaf: LeafId, component: Op
     world.resource_scope(|world, mut neighbours: Mut<'_, Neighbours>| {
         neighbours.add(world.resource::<Roadmap>(), node);
     });
-    let family = world.resource::<Families>().born_for(component);
-    visit(world, leaf, family);
+    let search_side = world.resource::<SearchSides>().side_root(component);
+    visit(world, leaf, search_side);
     count_in(world, state, |s| s.nodes += 1);
     world.spawn((node, InState(state), OnLeaf(leaf), InComponent(component), ConfigurationId(node.0)));
     node

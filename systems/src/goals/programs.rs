@@ -8,8 +8,8 @@ use foliate_components::constraint::{Constraint, Frame, Locked, LockedValue, Ref
 use foliate_components::graph::{ConstraintId, ConstraintKind, StateId};
 use foliate_components::pose::{exp_so3, pose_from_array};
 use foliate_components::problem::{JointRest, PartialGoal};
-use foliate_components::robot::{Joint, JointIndex, Motion, Source};
-use foliate_kernels::constrained_motion::{CarriageTemplate, ConstraintProgram, Outcome, Scratch, Settings, project};
+use foliate_components::robot::{Joint, JointIndex, JointType, Source};
+use foliate_kernels::constrained_motion::{AttachmentTemplate, ConstraintProgram, Outcome, Scratch, Settings, project};
 use glam::DVec3;
 
 /// A goal in a state.
@@ -23,8 +23,8 @@ pub(crate) struct GoalProgram {
 
 /// Constraints with the names that errors use.
 #[derive(Clone, Default)]
-struct Demands {
-    carriages: Vec<CarriageTemplate>,
+struct GoalConstraints {
+    rigid_attachments: Vec<AttachmentTemplate>,
     constraints: Vec<(String, Constraint)>,
 }
 
@@ -42,20 +42,21 @@ impl GoalProgram {
         state: StateId,
         supported_too: bool,
     ) -> Result<Self, String> {
-        let mut demands = Demands::of_goal(model, goal, state);
+        let mut goal_constraints = GoalConstraints::of_goal(model, goal, state);
         let staying = Staying::in_state(model, goal, start, state, supported_too);
-        let mut all = demands.clone();
+        let mut all = goal_constraints.clone();
         staying.iter().for_each(|staying| staying.demanded_of(&mut all));
         if let Ok(program) = all.compile(model, settings, start) {
             return Ok(Self::with_idle(model, program));
         }
         // Not all can stay: one after another, what can.
-        let mut program = demands.compile(model, settings, start).map_err(|why| in_state(model, state, &why))?;
+        let mut program =
+            goal_constraints.compile(model, settings, start).map_err(|why| in_state(model, state, &why))?;
         for staying in &staying {
-            let mut tighter = demands.clone();
+            let mut tighter = goal_constraints.clone();
             staying.demanded_of(&mut tighter);
             if let Ok(compiled) = tighter.compile(model, settings, start) {
-                (demands, program) = (tighter, compiled);
+                (goal_constraints, program) = (tighter, compiled);
             }
         }
         Ok(Self::with_idle(model, program))
@@ -75,24 +76,24 @@ impl GoalProgram {
     }
 }
 
-impl Demands {
+impl GoalConstraints {
     fn of_goal(model: &Model, goal: &PartialGoal, state: StateId) -> Self {
-        let mut demands = Self::default();
+        let mut goal_constraints = Self::default();
         for (part, pose) in &goal.poses {
             if let Some(root) = object_root(model, *part) {
-                demands.carriages.push(CarriageTemplate::fixed(root, None, *pose));
+                goal_constraints.rigid_attachments.push(AttachmentTemplate::fixed(root, None, *pose));
             }
         }
         for &constraint in &model.graph.state(state).manifold {
             let name = model.graph.constraint(constraint).name.clone();
-            demands.constraints.extend(rows_of(model, constraint).map(|rows| (name, rows)));
+            goal_constraints.constraints.extend(rows_of(model, constraint).map(|rows| (name, rows)));
         }
         for named in &goal.constraints {
             let rows = named.constraint.without_parameters();
-            demands.constraints.extend(rows.map(|rows| (named.name.clone(), rows)));
+            goal_constraints.constraints.extend(rows.map(|rows| (named.name.clone(), rows)));
         }
-        demands.constraints.extend(coordinate_rows(model, &goal.coordinates));
-        demands
+        goal_constraints.constraints.extend(coordinate_rows(model, &goal.coordinates));
+        goal_constraints
     }
 
     /// Compiles. A relation that no free joint can change is asked here and then left out: a goal that is given in numbers
@@ -103,14 +104,15 @@ impl Demands {
         let solve = Settings { tolerance: settings.projection_tolerance, iterations: 0, ..Settings::default() };
         loop {
             let rows: Vec<_> = constraints.iter().map(|(_, rows)| rows.clone()).collect();
-            let program = ConstraintProgram::compile(robot, &model.kinematics, &rows, &self.carriages, locked);
+            let program = ConstraintProgram::compile(robot, &model.kinematics, &rows, &self.rigid_attachments, locked);
             let program = program.map_err(|e| e.to_string())?;
             let outcome = project(&program, &mut start.to_vec(), &[], &solve, &mut Scratch::default());
             let Outcome::Contradicted { constraint, residual } = outcome else { return Ok(program) };
-            let Some(number) = constraint.checked_sub(self.carriages.len()).filter(|&n| n < constraints.len()) else {
+            let Some(number) = constraint.checked_sub(self.rigid_attachments.len()).filter(|&n| n < constraints.len())
+            else {
                 return Err(format!("an object is in two places, {residual:.3e} apart"));
             };
-            if residual > settings.membership_tolerance {
+            if residual > settings.classification_tolerance {
                 return Err(format!("`{}` is off by {residual:.3e}", constraints[number].0));
             }
             constraints.remove(number);
@@ -147,7 +149,7 @@ pub(crate) fn validate(model: &Model, goal: &PartialGoal) -> Result<(), String> 
 
 /// Refuses part of a quaternion, and one that is far from unit.
 fn whole_quaternions(model: &Model, goal: &PartialGoal) -> Result<(), String> {
-    for joint in model.problem.robot.joints.iter().filter(|j| j.motion == Motion::FreeFlyer) {
+    for joint in model.problem.robot.joints.iter().filter(|j| j.motion == JointType::FreeFlyer) {
         let Source::Coordinates { q, .. } = joint.source else { continue };
         let numbers: Vec<f64> = (q + 3..q + 7).filter_map(|index| named(&goal.coordinates, index)).collect();
         let length = numbers.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -176,7 +178,7 @@ fn coordinate_rows(model: &Model, coordinates: &[(usize, f64)]) -> Vec<(String, 
             continue;
         }
         let constraint = match (joint.motion, values.as_slice()) {
-            (Motion::Planar | Motion::FreeFlyer, values) => root_rows(index, joint, values),
+            (JointType::Planar | JointType::FreeFlyer, values) => root_rows(index, joint, values),
             (_, &[Some(value)]) => Constraint::Locked(Locked { joint: index, value: LockedValue::Fixed(value) }),
             _ => continue,
         };
@@ -189,7 +191,7 @@ fn coordinate_rows(model: &Model, coordinates: &[(usize, f64)]) -> Vec<(String, 
 fn root_rows(index: JointIndex, joint: &Joint, values: &[Option<f64>]) -> Constraint {
     let number = |i: usize| values.get(i).copied().flatten();
     let row = |is_held: bool| is_held.then_some(Row::Zero);
-    let (reference, rows) = if joint.motion == Motion::Planar {
+    let (reference, rows) = if joint.motion == JointType::Planar {
         let at = DVec3::new(number(0).unwrap_or(0.0), number(1).unwrap_or(0.0), 0.0);
         let turn = exp_so3(DVec3::Z * number(2).unwrap_or(0.0));
         let held = [0, 1].map(|i| row(number(i).is_some()));
@@ -217,11 +219,11 @@ fn rows_of(model: &Model, constraint: ConstraintId) -> Option<Constraint> {
         ConstraintKind::Grasp { .. } => Some(Constraint::RelativePose(model.grasp(constraint)?.constraint())),
         ConstraintKind::Pregrasp { .. } => Some(Constraint::RelativePose(model.grasp(constraint)?.pregrasp())),
         ConstraintKind::Placement { object, on } => {
-            Some(model.objects()[object as usize].resting_on(on)?.resting.constraint(0.0))
+            Some(model.objects()[object as usize].placement_on(on)?.resting.constraint(0.0))
         }
         ConstraintKind::Preplacement { object, on } => {
             let lift = model.problem.graph.preplacement_distance;
-            Some(model.objects()[object as usize].resting_on(on)?.resting.constraint(lift))
+            Some(model.objects()[object as usize].placement_on(on)?.resting.constraint(lift))
         }
         ConstraintKind::Rest { .. } => None,
         ConstraintKind::JointRest { .. } | ConstraintKind::Given { .. } => {
@@ -233,7 +235,7 @@ fn rows_of(model: &Model, constraint: ConstraintId) -> Option<Constraint> {
 /// Something that stays where the start has it, if nothing demands otherwise.
 enum Staying {
     /// An object at rest.
-    Object(CarriageTemplate),
+    Object(AttachmentTemplate),
     /// A joint at rest, such as a door's.
     Joint(String, Locked),
 }
@@ -269,13 +271,13 @@ impl Staying {
     fn object(model: &Model, goal: &PartialGoal, object: u32, X_WJ: &[Pose]) -> Option<Self> {
         let (root, part) = (model.objects()[object as usize].root?, model.graph.objects[object as usize].part);
         let is_free = goal.poses.iter().all(|(named, _)| *named != part);
-        is_free.then(|| Self::Object(CarriageTemplate::fixed(root, None, X_WJ[root.at()])))
+        is_free.then(|| Self::Object(AttachmentTemplate::fixed(root, None, X_WJ[root.at()])))
     }
 
-    fn demanded_of(&self, demands: &mut Demands) {
+    fn demanded_of(&self, goal_constraints: &mut GoalConstraints) {
         match self {
-            Self::Object(carriage) => demands.carriages.push(carriage.clone()),
-            Self::Joint(name, locked) => demands.constraints.push((name.clone(), Constraint::Locked(*locked))),
+            Self::Object(rigid_attachment) => goal_constraints.rigid_attachments.push(rigid_attachment.clone()),
+            Self::Joint(name, locked) => goal_constraints.constraints.push((name.clone(), Constraint::Locked(*locked))),
         }
     }
 }

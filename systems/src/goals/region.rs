@@ -149,7 +149,7 @@ impl Region {
             for end in ends {
                 let end = match end {
                     Try::Unreached(q) => {
-                        model.reach(&q, settings.membership_tolerance);
+                        model.reach(&q, settings.classification_tolerance);
                         judge(model, settings, &q, &mut TryScratch::default())
                     }
                     end => end,
@@ -229,7 +229,7 @@ impl Region {
         if !project(&program.program, &mut q, &[], &solve, &mut scratch.newton).is_converged() {
             return Try::ProjectionFailed;
         }
-        if state_classification::is_unreached(model, &q, settings.membership_tolerance) {
+        if state_classification::is_unreached(model, &q, settings.classification_tolerance) {
             return Try::Unreached(q);
         }
         judge(model, settings, &q, scratch)
@@ -274,7 +274,7 @@ fn what_collides(model: &Model, settings: &SearchSettings, q: &[f64], scratch: &
     }
     scratch.X_WJ.resize(model.kinematics.bodies(), Pose::identity());
     model.kinematics.forward(q, &mut scratch.X_WJ);
-    let Some(state) = state_classification::state_of(model, q, &scratch.X_WJ, settings.membership_tolerance) else {
+    let Some(state) = state_classification::state_of(model, q, &scratch.X_WJ, settings.classification_tolerance) else {
         return Try::Refused;
     };
     let collision = scratch.collision.get_or_insert_with(|| CollisionScratch::at_level(settings.level));

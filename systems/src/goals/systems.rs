@@ -15,7 +15,7 @@ use foliate_components::graph::leaf::{Leaf, LeafIndex};
 use foliate_components::roadmap::{NodeId, Roadmap};
 
 /// Makes a start or a goal the root of a tree.
-pub(crate) fn plant(world: &mut World, root: Feasible) -> NodeId {
+pub(crate) fn add_feasible_root(world: &mut World, root: Feasible) -> NodeId {
     writer::spawn_graph(world);
     let tolerance = world.resource::<SearchSettings>().projection_tolerance;
     let mut index = world.resource_mut::<LeafIndex>();
@@ -38,16 +38,16 @@ pub fn draw_more_goals(world: &mut World) {
         });
         writer::spawn_graph(world);
         for goal in found {
-            plant_goal(world, goal);
+            add_goal_root(world, goal);
         }
     });
 }
 
-fn plant_goal(world: &mut World, goal: Feasible) {
+fn add_goal_root(world: &mut World, goal: Feasible) {
     let (roadmap, roots) = (world.resource::<Roadmap>(), world.resource::<Roots>());
     if roots.goals.iter().any(|&root| roadmap.configuration(root) == goal.q) {
         return;
     }
-    let root = plant(world, goal);
+    let root = add_feasible_root(world, goal);
     world.resource_mut::<Roots>().goals.push(root);
 }

@@ -9,7 +9,7 @@
 //! The small graphs grow with the constraint graph: of a lazy one they hold what has come into being, and what leads nowhere
 //! yet is far.
 
-use crate::heuristic::leaf_distance_table::{Row, StatePair};
+use crate::heuristic::leaf_distance_table::{LeafDistanceTable, Row};
 use foliate_components::graph::leaf::Leaf;
 use foliate_components::graph::{ConstraintGraph, ConstraintId, ConstraintKind, StateId, Transition, TransitionKind};
 use std::collections::HashMap;
@@ -137,8 +137,8 @@ impl GraspDistance {
 
     /// What `between` says of all leaves of one state and all of another.
     #[must_use]
-    pub(crate) fn between_states(&self, graph: &ConstraintGraph, from: StateId, to: StateId) -> StatePair {
-        let mut pair = StatePair::default();
+    pub(crate) fn between_states(&self, graph: &ConstraintGraph, from: StateId, to: StateId) -> LeafDistanceTable {
+        let mut pair = LeafDistanceTable::default();
         let position = |state: StateId, c: ConstraintId| graph.state(state).foliation.iter().position(|&x| x == c);
         let ends = self.situations[from.at()].iter().zip(&self.situations[to.at()]);
         for (subject, (&a, &b)) in self.subjects.iter().zip(ends) {

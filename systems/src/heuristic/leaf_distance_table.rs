@@ -1,6 +1,6 @@
 //! How far one leaf is from many of one state: a pass over the columns of their parameters.
 
-use crate::exploration::parameter_column::Column;
+use crate::exploration::parameter_column::ParameterColumn;
 use foliate_components::graph::leaf::ParameterId;
 use foliate_kernels::lanes::{Isa, Kernel, Level};
 
@@ -9,7 +9,7 @@ const BLOCK: usize = 32;
 
 /// The distance between any leaf of one state and any of another, as a function of which values they share.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct StatePair {
+pub(crate) struct LeafDistanceTable {
     /// Where all values that both have are the same.
     pub least: u16,
     /// Constraints of a subject that shares no other: each adds its own where the values differ.
@@ -28,16 +28,16 @@ pub(crate) struct Row {
     pub extra: u16,
 }
 
-/// Which end of a [`StatePair`] one leaf stands at, when it is measured against many.
+/// Which end of a [`LeafDistanceTable`] one leaf stands at, when it is measured against many.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum End {
     From,
     To,
 }
 
-impl StatePair {
+impl LeafDistanceTable {
     /// What the distances between a leaf with values `one`, which stands at an end, and many others come to.
-    pub fn distances<'a>(&self, one: &[ParameterId], end: End, many: &'a [Column]) -> Distances<'a> {
+    pub fn distances<'a>(&self, one: &[ParameterId], end: End, many: &'a [ParameterColumn]) -> Distances<'a> {
         let mut distances = Distances { least: self.least, alone: Vec::new(), together: Vec::new() };
         let term = |row: &Row| {
             let (value, column) = match end {
@@ -254,7 +254,13 @@ mod tests {
     use super::*;
 
     /// What blocks are to say, one leaf after another.
-    fn one_by_one(pair: &StatePair, one: &[ParameterId], end: End, many: &[Column], index: usize) -> u16 {
+    fn one_by_one(
+        pair: &LeafDistanceTable,
+        one: &[ParameterId],
+        end: End,
+        many: &[ParameterColumn],
+        index: usize,
+    ) -> u16 {
         let extra = |row: &Row| {
             let (own, other) = match end {
                 End::From => (one[row.from], many[row.to].values()[index]),
@@ -267,8 +273,8 @@ mod tests {
         pair.least + alone + together
     }
 
-    fn column(values: impl Iterator<Item = ParameterId>) -> Column {
-        let mut column = Column::default();
+    fn column(values: impl Iterator<Item = ParameterId>) -> ParameterColumn {
+        let mut column = ParameterColumn::default();
         values.for_each(|value| column.push(value));
         column
     }
@@ -276,7 +282,7 @@ mod tests {
     #[test]
     fn blocks_say_what_leaf_by_leaf_is_true() {
         let row = |from, to, extra| Row { from, to, extra };
-        let pair = StatePair {
+        let pair = LeafDistanceTable {
             least: 3,
             alone: vec![row(0, 1, 2), row(1, 0, 4)],
             together: vec![vec![row(2, 3, 1), row(3, 2, 5)], vec![row(0, 2, 7)]],

@@ -3,9 +3,9 @@
 use crate::exploration::explored::Explored;
 use crate::exploration::reached_leaves::ReachedLeaves;
 use crate::heuristic::grasp_distance::GraspDistance;
-use crate::heuristic::leaf_distance_table::{End, StatePair};
+use crate::heuristic::leaf_distance_table::{End, LeafDistanceTable};
 use crate::heuristic::weighted_leaves::{FOCUS, Weighted, WeightedLeaves};
-use crate::heuristic::weighted_sampling::{Reached, draw_near};
+use crate::heuristic::weighted_sampling::{Reached, draw_weighted};
 use bevy_ecs::prelude::Resource;
 use foliate_components::graph::leaf::{Leaf, LeafId};
 use foliate_components::graph::{ConstraintGraph, StateId, Transition};
@@ -17,10 +17,10 @@ use std::collections::HashMap;
 
 /// How far every leaf is from every tree, kept from step to step.
 #[derive(Clone, Debug, Default, Resource)]
-pub struct Aims {
+pub struct LeafHeuristic {
     pub(crate) distance: GraspDistance,
     /// By the states of two leaves.
-    pub(crate) pairs: HashMap<(StateId, StateId), StatePair>,
+    pub(crate) pairs: HashMap<(StateId, StateId), LeafDistanceTable>,
     /// By tree as it was born: what is known of the leaves it has reached.
     pub(crate) measured: Vec<Measured>,
     /// By tree as it is now: its leaves by state, sorted; empty for a tree that has been joined to another.
@@ -68,7 +68,7 @@ impl Nearest {
     }
 }
 
-impl Aims {
+impl LeafHeuristic {
     /// Changes of grasp from a leaf that the tree `tree` has reached to the nearest leaf of any other tree.
     #[must_use]
     pub fn to_others(&self, leaf: LeafId, tree: ComponentId) -> Option<u16> {
@@ -76,8 +76,14 @@ impl Aims {
     }
 
     /// How much likelier a transition gets by what it leads to.
-    pub(crate) fn preference(&self, graph: &ConstraintGraph, from: &Leaf, transition: &Transition, aim: &Leaf) -> f64 {
-        FOCUS.powi(-i32::from(self.distance.after(graph, from, transition, aim)))
+    pub(crate) fn preference(
+        &self,
+        graph: &ConstraintGraph,
+        from: &Leaf,
+        transition: &Transition,
+        target_leaf: &Leaf,
+    ) -> f64 {
+        FOCUS.powi(-i32::from(self.distance.after(graph, from, transition, target_leaf)))
     }
 
     /// Remembers that a candidate has started on a leaf.
@@ -117,14 +123,14 @@ impl Aims {
     }
 
     /// Chooses what to aim at from `leaf`: among the leaves that other trees have reached, near ones first.
-    pub(crate) fn aim(
+    pub(crate) fn target_leaf(
         &self,
         graph: &ConstraintGraph,
         explored: &Explored<'_>,
         (leaf, tree): (LeafId, ComponentId),
         level: Level,
         rng: &mut impl Rng,
-        scratch: &mut AimScratch,
+        scratch: &mut HeuristicScratch,
     ) -> Option<LeafId> {
         let from = explored.leaves.leaf(leaf);
         let lists = (0u32..).map(ComponentId).zip(&explored.reached.by_component);
@@ -140,10 +146,10 @@ impl Aims {
             let distances = pair.distances(&from.parameters, End::From, &columns.parameters);
             nearest = nearest.min(distances.measure(level, &mut scratch.far[start..]));
         }
-        draw_near(level, &others, (&scratch.far, nearest), rng.random(), &mut scratch.sums)
+        draw_weighted(level, &others, (&scratch.far, nearest), rng.random(), &mut scratch.sums)
     }
 
-    fn pair(&self, graph: &ConstraintGraph, from: StateId, to: StateId) -> Cow<'_, StatePair> {
+    fn pair(&self, graph: &ConstraintGraph, from: StateId, to: StateId) -> Cow<'_, LeafDistanceTable> {
         match self.pairs.get(&(from, to)) {
             Some(pair) => Cow::Borrowed(pair),
             None => Cow::Owned(self.distance.between_states(graph, from, to)),
@@ -153,13 +159,13 @@ impl Aims {
 
 /// Buffers of one thread.
 #[derive(Default)]
-pub(crate) struct AimScratch {
+pub(crate) struct HeuristicScratch {
     /// Distances to all leaves of other trees, tree by tree and state by state.
     far: Vec<u16>,
     sums: Vec<u64>,
 }
 
-impl Aims {
+impl LeafHeuristic {
     /// Weighs afresh what trees have reached that others have been joined to.
     pub(crate) fn follow_joins(&mut self, explored: &Explored<'_>) {
         let mut joined = Vec::new();

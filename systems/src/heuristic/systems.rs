@@ -1,7 +1,7 @@
 //! The systems of set Select that use the leaf heuristic: measure new leaves, and choose leaves for guided candidates.
 
 use crate::exploration::explored::Explored;
-use crate::heuristic::leaf_heuristic::{AimScratch, Aims, Measured};
+use crate::heuristic::leaf_heuristic::{HeuristicScratch, LeafHeuristic, Measured};
 use crate::planning_model::model::PlanningModel;
 use crate::runtime::parallel::LEAST_SHARED;
 use crate::runtime::random::{Purpose, draw, stream};
@@ -19,24 +19,24 @@ pub fn measure_leaves(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
     explored: Explored<'_>,
-    mut aims: ResMut<'_, Aims>,
+    mut heuristic: ResMut<'_, LeafHeuristic>,
 ) {
-    let aims = &mut *aims;
-    if aims.distance.grow(&model.graph) {
-        aims.pairs.clear();
-        let all = aims.measured.iter_mut().flat_map(|measured| &mut measured.states);
+    let heuristic = &mut *heuristic;
+    if heuristic.distance.grow(&model.graph) {
+        heuristic.pairs.clear();
+        let all = heuristic.measured.iter_mut().flat_map(|measured| &mut measured.states);
         all.for_each(|nearest| nearest.stale = nearest.known);
     }
     let trees = explored.reached.by_component.len();
-    aims.measured.resize_with(trees, Measured::default);
-    aims.trees.resize_with(trees, Vec::new);
-    aims.tries.resize(explored.leaves.leaves().len(), 0);
-    aims.follow_joins(&explored);
-    aims.follow_tries(&explored);
+    heuristic.measured.resize_with(trees, Measured::default);
+    heuristic.trees.resize_with(trees, Vec::new);
+    heuristic.tries.resize(explored.leaves.leaves().len(), 0);
+    heuristic.follow_joins(&explored);
+    heuristic.follow_tries(&explored);
     for born in (0..trees as u32).map(ComponentId) {
         let list = &explored.reached.by_component[born.at()];
-        for &leaf in &list[aims.measured[born.at()].known..] {
-            aims.measure(&model.graph, &explored, settings.level, (born, leaf));
+        for &leaf in &list[heuristic.measured[born.at()].known..] {
+            heuristic.measure(&model.graph, &explored, settings.level, (born, leaf));
         }
     }
 }
@@ -47,20 +47,20 @@ pub fn choose_leaves(
     settings: Res<'_, SearchSettings>,
     step: Res<'_, StepCounter>,
     explored: Explored<'_>,
-    aims: Res<'_, Aims>,
+    heuristic: Res<'_, LeafHeuristic>,
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
     if settings.selection != Selection::Guided {
         return;
     }
     let weigh = |tree: ComponentId| {
-        let states = &aims.trees[tree.at()];
+        let states = &heuristic.trees[tree.at()];
         (tree, states.iter().map(|state| (state, state.weight())).collect::<Vec<_>>())
     };
     let trees: Vec<_> = explored.trees().map(weigh).collect();
     let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive() && c.near.is_none()).collect();
-    pool.par_iter_mut().with_min_len(LEAST_SHARED).for_each_init(AimScratch::default, |scratch, candidate| {
-        let mut rng = stream(settings.seed, Purpose::Aim, step.step, candidate.index);
+    pool.par_iter_mut().with_min_len(LEAST_SHARED).for_each_init(HeuristicScratch::default, |scratch, candidate| {
+        let mut rng = stream(settings.seed, Purpose::Heuristic, step.step, candidate.index);
         if rng.random::<f64>() >= settings.guided_probability {
             return;
         }
@@ -68,6 +68,7 @@ pub fn choose_leaves(
         let Some(leaf) = draw(states, rng.random()).and_then(|leaves| leaves.draw(rng.random())) else { return };
         candidate.component = Some(*tree);
         candidate.leaf = Some(leaf);
-        candidate.aim = aims.aim(&model.graph, &explored, (leaf, *tree), settings.level, &mut rng, scratch);
+        candidate.target_leaf =
+            heuristic.target_leaf(&model.graph, &explored, (leaf, *tree), settings.level, &mut rng, scratch);
     });
 }

@@ -1,6 +1,6 @@
 //! Draws among leaves that many trees have reached, near ones first.
 
-use crate::exploration::reached_leaves::LeafColumns;
+use crate::exploration::reached_leaves::LeafParameterColumns;
 use foliate_components::graph::leaf::LeafId;
 use foliate_kernels::lanes::{Isa, Kernel, Level};
 
@@ -16,14 +16,14 @@ pub(crate) struct Reached<'a> {
     /// In order of first visit.
     pub leaves: &'a [LeafId],
     /// The same by state.
-    pub columns: &'a [LeafColumns],
+    pub columns: &'a [LeafParameterColumns],
 }
 
 /// Draws by `u` ∈ [0, 1) a leaf of some trees, each with weight [`FOCUS`](crate::heuristic::weighted_leaves::FOCUS)⁻²ᵈ of
 /// its distance d: in order of tree and first visit, while distances come state by state. `nearest` is the smallest of them.
 /// Sums of whole numbers: no rounding, and
 /// additions that need not wait for each other.
-pub(crate) fn draw_near(
+pub(crate) fn draw_weighted(
     level: Level,
     trees: &[Reached<'_>],
     (far, nearest): (&[u16], u16),
@@ -45,7 +45,7 @@ pub(crate) fn draw_near(
     for tree in trees {
         let blocks = blocks(tree.leaves.len());
         if block < blocks {
-            let start = block * LeafColumns::BLOCK;
+            let start = block * LeafParameterColumns::BLOCK;
             let of_block = in_order(tree.columns, far, block);
             let at = of_block.iter().position(|&d| is_here(weight(d, nearest)))?;
             return tree.leaves.get(start + at).copied();
@@ -57,16 +57,16 @@ pub(crate) fn draw_near(
 }
 
 fn blocks(leaves: usize) -> usize {
-    leaves.div_ceil(LeafColumns::BLOCK)
+    leaves.div_ceil(LeafParameterColumns::BLOCK)
 }
 
 /// Distances of a block of leaves in order of first visit.
-fn in_order(columns: &[LeafColumns], mut far: &[u16], block: usize) -> [u16; LeafColumns::BLOCK] {
-    let mut ordered = [u16::MAX; LeafColumns::BLOCK];
+fn in_order(columns: &[LeafParameterColumns], mut far: &[u16], block: usize) -> [u16; LeafParameterColumns::BLOCK] {
+    let mut ordered = [u16::MAX; LeafParameterColumns::BLOCK];
     for columns in columns {
         let range = columns.block(block);
         for (&place, &far) in columns.places[range.clone()].iter().zip(&far[range]) {
-            ordered[place as usize % LeafColumns::BLOCK] = far;
+            ordered[place as usize % LeafParameterColumns::BLOCK] = far;
         }
         far = &far[columns.len()..];
     }
@@ -163,11 +163,11 @@ mod tests {
             let mut sums = Vec::new();
             for step in 0..1000 {
                 let u = f64::from(step) / 1000.0 + 1e-4;
-                assert_eq!(draw_near(level, &trees, (&far, 3), u, &mut sums), draw(&choices, u), "{u}");
+                assert_eq!(draw_weighted(level, &trees, (&far, 3), u, &mut sums), draw(&choices, u), "{u}");
             }
-            let last = draw_near(level, &trees, (&far, 3), 1.0, &mut sums);
+            let last = draw_weighted(level, &trees, (&far, 3), 1.0, &mut sums);
             assert_eq!(last, trees[1].leaves.iter().rfind(|&&leaf| far_of(leaf) < 24).copied());
-            assert_eq!(draw_near(level, &[], (&[], u16::MAX), 0.5, &mut sums), None);
+            assert_eq!(draw_weighted(level, &[], (&[], u16::MAX), 0.5, &mut sums), None);
         }
     }
 }

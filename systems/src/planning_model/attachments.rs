@@ -1,7 +1,7 @@
 //! What carries each object, how it hangs there, and where that puts it.
 
 use crate::planning_model::graph::attachment_order::{Carriers, is_rigid, solid_grasp};
-use crate::planning_model::graph::support_placement::Resting;
+use crate::planning_model::graph::support_placement::SupportPlacement;
 use crate::planning_model::model::Model;
 use crate::planning_model::state_classification;
 use foliate_components::Pose;
@@ -12,7 +12,7 @@ use foliate_components::graph::{ConstraintId, ConstraintKind, StateId};
 use foliate_components::path::Attachment;
 use foliate_components::pose::{log_so3, pose_to_array};
 use foliate_components::robot::{JointIndex, PartIndex, Robot, Source, SurfaceIndex};
-use foliate_kernels::kinematics::Carriage;
+use foliate_kernels::kinematics::RigidAttachment;
 
 /// The value that a leg's leaf gives a constraint, where the constraint foliates the leg's state.
 #[must_use]
@@ -64,28 +64,28 @@ impl Model {
 
     /// How every object hangs on what carries it, in a state whose foliating constraints have the values `parameter`; a
     /// carrier comes before what it carries.
-    pub fn carriages<'a>(
+    pub fn rigid_attachments<'a>(
         &self,
         state: StateId,
         parameter: impl Fn(ConstraintId) -> Option<&'a Parameter>,
-    ) -> Vec<Carriage> {
+    ) -> Vec<RigidAttachment> {
         let carriers = self.carriers(state);
-        let carriage = |&index: &usize| {
+        let rigid_attachment = |&index: &usize| {
             let (constraint, object) = (carriers.of[index]?, self.objects[index].root?);
             if let Some(value) = parameter(constraint) {
-                return Some(Carriage { object, carrier: value.carrier, X_CO: value.value });
+                return Some(RigidAttachment { object, carrier: value.carrier, X_CO: value.value });
             }
             let (carrier, X_CO) = solid_grasp(self.grasp(constraint)?);
-            Some(Carriage { object, carrier, X_CO })
+            Some(RigidAttachment { object, carrier, X_CO })
         };
-        carriers.order.iter().filter_map(carriage).collect()
+        carriers.order.iter().filter_map(rigid_attachment).collect()
     }
 
     /// How every object hangs on what carries it, on a leaf.
     #[must_use]
-    pub fn carriages_of_leaf(&self, leaf: &Leaf, leaves: &LeafIndex) -> Vec<Carriage> {
+    pub fn attachments_of_leaf(&self, leaf: &Leaf, leaves: &LeafIndex) -> Vec<RigidAttachment> {
         let foliation = &self.graph.state(leaf.state).foliation;
-        self.carriages(leaf.state, |constraint| {
+        self.rigid_attachments(leaf.state, |constraint| {
             let position = foliation.iter().position(|&c| c == constraint)?;
             Some(leaves.parameter(leaf.parameters[position]))
         })
@@ -93,8 +93,10 @@ impl Model {
 
     /// How every object hangs on what carries it, along a leg.
     #[must_use]
-    pub fn carriages_of_leg(&self, leg: &PlannedLeg, leaves: &LeafIndex) -> Vec<Carriage> {
-        self.carriages(leg.state, |constraint| parameter_in(self, leaves, leg.state, &leg.parameters, constraint))
+    pub fn attachments_of_leg(&self, leg: &PlannedLeg, leaves: &LeafIndex) -> Vec<RigidAttachment> {
+        self.rigid_attachments(leg.state, |constraint| {
+            parameter_in(self, leaves, leg.state, &leg.parameters, constraint)
+        })
     }
 
     /// What every object hangs on, on a leaf, for output; an object's carrier comes first.
@@ -142,8 +144,8 @@ impl Model {
         let position = self.graph.state(leaf.state).foliation.iter().position(|&c| c == constraint)?;
         let parameter = leaves.parameter(leaf.parameters[position]);
         let root = self.objects[object].root?;
-        let place = self.objects[object].resting_on(on)?;
-        let Resting::Surfaces(lying) = &place.resting else {
+        let place = self.objects[object].placement_on(on)?;
+        let SupportPlacement::Surfaces(lying) = &place.resting else {
             return Some(Attachment::Rest { object: root, on: place.touches });
         };
         // Seen from the carrier, which stands at the origin.
@@ -160,7 +162,7 @@ impl Model {
     /// much as the start or goal is, where a leaf has its values from there.
     #[must_use]
     pub fn carrier_gap(&self, leaf: &Leaf, leaves: &LeafIndex, knots: &[Vec<f64>]) -> CarrierGap {
-        let carriages = self.carriages_of_leaf(leaf, leaves);
+        let rigid_attachments = self.attachments_of_leaf(leaf, leaves);
         let carrying = || self.carriers(leaf.state).of.iter().flatten();
         let mut X_WJ = vec![Pose::identity(); self.kinematics.bodies()];
         let mut gap = CarrierGap::default();
@@ -173,14 +175,14 @@ impl Model {
             self.kinematics.forward(q, &mut X_WJ);
             // Where an object is written its handle may be off by more than its origin.
             gap.residual = gap.residual.max(off(q, &X_WJ));
-            let written: Vec<Pose> = carriages.iter().map(|c| X_WJ[c.object.at()]).collect();
-            self.kinematics.carry(q, &carriages, &mut X_WJ);
-            for (carriage, written) in carriages.iter().zip(written) {
-                let carried = X_WJ[carriage.object.at()];
+            let written: Vec<Pose> = rigid_attachments.iter().map(|c| X_WJ[c.object.at()]).collect();
+            self.kinematics.carry(q, &rigid_attachments, &mut X_WJ);
+            for (rigid_attachment, written) in rigid_attachments.iter().zip(written) {
+                let carried = X_WJ[rigid_attachment.object.at()];
                 let turn = log_so3(written.rotation.conjugate() * carried.rotation).length();
                 let shift = carried.translation.distance(written.translation);
                 gap.residual = gap.residual.max(shift).max(turn);
-                gap.moved = gap.moved.max(shift + turn * self.reach_of(carriage.object));
+                gap.moved = gap.moved.max(shift + turn * self.reach_of(rigid_attachment.object));
             }
             gap.residual = gap.residual.max(off(q, &X_WJ));
         }

@@ -19,7 +19,7 @@ pub mod problem_tables;
 pub(crate) mod programs;
 pub mod state_classification;
 
-pub use crate::planning_model::graph::attachment_order::{hanging, solid_grasp};
+pub use crate::planning_model::graph::attachment_order::{pose_on_carrier, solid_grasp};
 pub use crate::planning_model::model::{Model, PlanningModel};
 pub use crate::planning_model::objects::{ModelError, ObjectModel};
 pub use crate::planning_model::problem_tables::ProblemTables;

@@ -6,8 +6,8 @@
 
 use crate::planning_model::graph::attachment_order::{Carriers, grasp_of};
 use crate::planning_model::graph::checks::GraphError;
-use crate::planning_model::graph::lazy_graph::Growth;
-use crate::planning_model::graph::state_keys::Case;
+use crate::planning_model::graph::lazy_graph::LazyGraph;
+use crate::planning_model::graph::state_keys::StateKey;
 use crate::planning_model::leg_program::LegProgram;
 use crate::planning_model::objects::{ModelError, ObjectModel, object_models};
 use crate::planning_model::problem_tables::ProblemTables;
@@ -54,7 +54,7 @@ pub struct Model {
     pub robot_weights: Vec<f64>,
     pub(crate) objects: Vec<ObjectModel>,
     /// What the graph grows from, where it is lazy.
-    pub(crate) growth: Option<Growth>,
+    pub(crate) lazy_graph: Option<LazyGraph>,
     /// By constraint.
     grasps: Vec<Option<Grasp>>,
     pub(crate) states: Vec<Arc<StateTables>>,
@@ -120,7 +120,7 @@ impl Model {
     pub fn of(tables: Arc<ProblemTables>) -> Result<Self, ModelError> {
         match crate::planning_model::graph::enumeration::build_constraint_graph(&tables.problem) {
             Ok(graph) => Self::on_graph(tables, graph),
-            Err(GraphError::TooManyStates { .. }) => Self::growing_on(tables),
+            Err(GraphError::TooManyStates { .. }) => Self::lazy_on(tables),
             Err(other) => Err(other.into()),
         }
     }
@@ -129,13 +129,13 @@ impl Model {
     ///
     /// # Errors
     /// See [`ModelError`].
-    pub fn growing(problem: Problem) -> Result<Self, ModelError> {
-        Self::growing_on(Arc::new(ProblemTables::new(problem)))
+    pub fn new_lazy(problem: Problem) -> Result<Self, ModelError> {
+        Self::lazy_on(Arc::new(ProblemTables::new(problem)))
     }
 
-    fn growing_on(tables: Arc<ProblemTables>) -> Result<Self, ModelError> {
-        let (graph, growth) = Growth::new(&tables.problem)?;
-        Self::assemble(tables, graph, Some(growth))
+    fn lazy_on(tables: Arc<ProblemTables>) -> Result<Self, ModelError> {
+        let (graph, lazy_graph) = LazyGraph::new(&tables.problem)?;
+        Self::assemble(tables, graph, Some(lazy_graph))
     }
 
     /// Builds the tables of a problem whose graph is given, by hand say. The graph is taken as whole.
@@ -155,7 +155,7 @@ impl Model {
     fn assemble(
         tables: Arc<ProblemTables>,
         graph: ConstraintGraph,
-        growth: Option<Growth>,
+        lazy_graph: Option<LazyGraph>,
     ) -> Result<Self, ModelError> {
         let problem = &tables.problem;
         let robot = &problem.robot;
@@ -175,17 +175,17 @@ impl Model {
             .collect::<Result<_, _>>()?;
         let robot_weights = robot_weights(&tables, &objects);
         let (states, transitions) = (Vec::new(), Vec::new());
-        let mut model = Self { tables, graph, robot_weights, objects, growth, grasps, states, transitions };
+        let mut model = Self { tables, graph, robot_weights, objects, lazy_graph, grasps, states, transitions };
         model.catch_up();
         Ok(model)
     }
 
     /// Gives tables to what has come into being.
     fn catch_up(&mut self) {
-        let growth = self.growth.as_ref();
+        let lazy_graph = self.lazy_graph.as_ref();
         let grasp = |kind| match kind {
             ConstraintKind::Grasp { gripper, handle } | ConstraintKind::Pregrasp { gripper, handle } => {
-                growth.and_then(|growth| growth.grasp(gripper, handle)).cloned()
+                lazy_graph.and_then(|lazy_graph| lazy_graph.grasp(gripper, handle)).cloned()
             }
             _ => None,
         };
@@ -196,13 +196,13 @@ impl Model {
 
     /// See [`PlanningModel::expand`].
     pub fn expand(&mut self, state: StateId) {
-        let Some(growth) = &mut self.growth else { return };
-        growth.expand(&self.tables.problem, &mut self.graph, state);
+        let Some(lazy_graph) = &mut self.lazy_graph else { return };
+        lazy_graph.expand(&self.tables.problem, &mut self.graph, state);
         self.catch_up();
     }
 
-    pub(crate) fn reach(&mut self, case: Case) -> Option<StateId> {
-        let state = self.growth.as_mut()?.reach(&self.tables.problem, &mut self.graph, case);
+    pub(crate) fn reach(&mut self, key: StateKey) -> Option<StateId> {
+        let state = self.lazy_graph.as_mut()?.reach(&self.tables.problem, &mut self.graph, key);
         self.catch_up();
         state
     }
@@ -224,8 +224,8 @@ impl Model {
     }
 
     /// What the graph grows from, where it is lazy.
-    pub(crate) fn growth(&self) -> Option<&Growth> {
-        self.growth.as_ref()
+    pub(crate) fn lazy_graph(&self) -> Option<&LazyGraph> {
+        self.lazy_graph.as_ref()
     }
 
     /// Sets the locked joints of a configuration to their values.

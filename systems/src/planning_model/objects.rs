@@ -4,7 +4,7 @@
 
 use crate::planning_model::graph::attachment_order::root_of;
 use crate::planning_model::graph::checks::GraphError;
-use crate::planning_model::graph::support_placement::{Resting, RestingPlace};
+use crate::planning_model::graph::support_placement::{PlacementOnSupport, SupportPlacement};
 use foliate_components::graph::ConstraintGraph;
 use foliate_components::problem::Problem;
 use foliate_components::robot::JointIndex;
@@ -15,13 +15,13 @@ pub struct ObjectModel {
     /// Its free-flyer; none for a part that is fixed in the world and only has joints (doors, drawers).
     pub root: Option<JointIndex>,
     /// What it may rest on, by body; without any, it stays where it is.
-    pub resting: Vec<RestingPlace>,
+    pub resting: Vec<PlacementOnSupport>,
 }
 
 impl ObjectModel {
     /// How it rests on a body's supports.
     #[must_use]
-    pub fn resting_on(&self, body: Option<JointIndex>) -> Option<&RestingPlace> {
+    pub fn placement_on(&self, body: Option<JointIndex>) -> Option<&PlacementOnSupport> {
         self.resting.iter().find(|place| place.on == body)
     }
 }
@@ -43,10 +43,10 @@ pub(crate) fn object_models(problem: &Problem, graph: &ConstraintGraph) -> Resul
         let Some(root) = root_of(robot, object.part) else {
             return Ok(ObjectModel { root: None, resting: Vec::new() });
         };
-        let resting = RestingPlace::of_object(robot, options, object).map_err(|e| failed(&e))?;
-        let off_root = |place: &RestingPlace| match &place.resting {
-            Resting::Surfaces(lying) => lying.object_joint() != Some(root),
-            Resting::Plane { .. } => false,
+        let resting = PlacementOnSupport::of_object(robot, options, object).map_err(|e| failed(&e))?;
+        let off_root = |place: &PlacementOnSupport| match &place.resting {
+            SupportPlacement::Surfaces(lying) => lying.object_joint() != Some(root),
+            SupportPlacement::Plane { .. } => false,
         };
         if resting.iter().any(off_root) {
             return Err(failed("its contact surfaces are on a link that moves against its root"));

@@ -7,9 +7,9 @@ use foliate_components::constraint::Frame;
 use foliate_components::graph::{ConstraintKind, StateId, TransitionId};
 use foliate_components::robot::{LinkIndex, Robot, ShapeIndex};
 use foliate_kernels::collision::{
-    CollisionScratch, Contact, PairId, PairSet, Tie, all_collisions, first_collision, rigid_collisions,
+    CollisionScratch, Contact, PairId, PairSet, RigidPair, all_collisions, first_collision, rigid_collisions,
 };
-use foliate_kernels::kinematics::Carriage;
+use foliate_kernels::kinematics::RigidAttachment;
 use std::borrow::Cow;
 
 /// Pairs of links that touch, by what makes them.
@@ -23,10 +23,13 @@ impl Model {
     /// The pairs of shapes on motions of a transition that lie in `state`. Which pairs move depends on who carries whom,
     /// which the state decides; margins are lifted from what touches at either end of the transition.
     #[must_use]
-    pub fn pairs(&self, transition: TransitionId, state: StateId, carriages: &[Carriage]) -> &PairSet {
-        let tied = |pairs: PairSet| Box::new(pairs.tied(self.ties(state)));
-        let shared =
-            || self.states[state.at()].pairs.get_or_init(|| tied(PairSet::new(&self.collision, carriages, &[])));
+    pub fn pairs(&self, transition: TransitionId, state: StateId, rigid_attachments: &[RigidAttachment]) -> &PairSet {
+        let with_rigid_pairs = |pairs: PairSet| Box::new(pairs.with_rigid_pairs(self.rigid_pairs(state)));
+        let shared = || {
+            self.states[state.at()]
+                .pairs
+                .get_or_init(|| with_rigid_pairs(PairSet::new(&self.collision, rigid_attachments, &[])))
+        };
         if self.problem.margins.is_empty() {
             return shared();
         }
@@ -35,24 +38,30 @@ impl Model {
         let Some(leg) = ends.legs.iter().position(|leg| leg.state == state) else { return shared() };
         self.leg_tables(transition)[leg].pairs.get_or_init(|| {
             let touching = self.touching_along(transition);
-            tied(PairSet::new(&self.collision, carriages, &touching))
+            with_rigid_pairs(PairSet::new(&self.collision, rigid_attachments, &touching))
         })
     }
 
     /// What motions in a state keep together, though it is carried by neither: a second hand and what it holds, say.
-    fn ties(&self, state: StateId) -> Vec<Tie> {
+    fn rigid_pairs(&self, state: StateId) -> Vec<RigidPair> {
         let rigid = self.interior_program(state).map_or(&[][..], |interior| &interior.rigid);
-        let tie = |(a, b): &(Frame, Frame)| Tie { a: a.joint, b: b.joint, origin: b.joint_from_frame.translation };
-        rigid.iter().map(tie).collect()
+        let rigid_pair =
+            |(a, b): &(Frame, Frame)| RigidPair { a: a.joint, b: b.joint, origin: b.joint_from_frame.translation };
+        rigid.iter().map(rigid_pair).collect()
     }
 
     /// The pairs of a motion that is part of a transition which is not travelled to its end: margins are lifted only from what
     /// touches where it begins, or in the states in which its legs lie.
     #[must_use]
-    pub fn pairs_on_the_way(&self, transition: TransitionId, states: &[StateId], carriages: &[Carriage]) -> PairSet {
+    pub fn pairs_on_the_way(
+        &self,
+        transition: TransitionId,
+        states: &[StateId],
+        rigid_attachments: &[RigidAttachment],
+    ) -> PairSet {
         let from = self.graph.transition(transition).from;
         let touching: Vec<_> = states.iter().chain([&from]).flat_map(|&state| self.touching(state)).collect();
-        PairSet::new(&self.collision, carriages, &touching)
+        PairSet::new(&self.collision, rigid_attachments, &touching)
     }
 
     /// All pairs on motions of a transition, with the margins that hold along it.
@@ -60,13 +69,15 @@ impl Model {
         &self,
         transition: TransitionId,
         state: StateId,
-        carriages: &[Carriage],
+        rigid_attachments: &[RigidAttachment],
     ) -> Cow<'_, PairSet> {
         if self.problem.margins.is_empty() {
-            return Cow::Borrowed(self.pairs(transition, state, carriages));
+            return Cow::Borrowed(self.pairs(transition, state, rigid_attachments));
         }
         let touching = self.touching_along(transition);
-        Cow::Owned(PairSet::new(&self.collision, carriages, &touching).tied(self.ties(state)))
+        Cow::Owned(
+            PairSet::new(&self.collision, rigid_attachments, &touching).with_rigid_pairs(self.rigid_pairs(state)),
+        )
     }
 
     /// The links that touch by grasp or placement at either end of a transition.
@@ -105,7 +116,7 @@ impl Model {
                     touch(&mut touches.grasped, &hand, &links_with(robot, robot.handles[handle.at()].link));
                 }
                 ConstraintKind::Placement { object, on } => {
-                    let place = self.objects[object as usize].resting_on(on);
+                    let place = self.objects[object as usize].placement_on(on);
                     for surface in &self.graph.objects[object as usize].surfaces {
                         let lying = links_with(robot, robot.surfaces[surface.at()].link);
                         for support in place.iter().flat_map(|place| &place.supports) {

@@ -1,6 +1,6 @@
 //! What a leaf demands besides its attachments, for output: whoever proves a path again has to know it.
 
-use crate::planning_model::graph::support_placement::Resting;
+use crate::planning_model::graph::support_placement::SupportPlacement;
 use crate::planning_model::model::Model;
 use foliate_components::Pose;
 use foliate_components::graph::leaf::{Leaf, LeafIndex};
@@ -14,23 +14,23 @@ impl Model {
     /// # Panics
     /// If the leaf is of another model or index.
     #[must_use]
-    pub fn demands(&self, leaf: &Leaf, leaves: &LeafIndex) -> Vec<PathConstraint> {
+    pub fn path_constraints(&self, leaf: &Leaf, leaves: &LeafIndex) -> Vec<PathConstraint> {
         let state = self.graph.state(leaf.state);
         let value = |constraint: ConstraintId| {
             let position = state.foliation.iter().position(|&c| c == constraint)?;
             Some(leaves.parameter(leaf.parameters[position]).value)
         };
-        state.manifold.iter().filter_map(|&constraint| self.demand(constraint, value(constraint))).collect()
+        state.manifold.iter().filter_map(|&constraint| self.path_constraint(constraint, value(constraint))).collect()
     }
 
-    fn demand(&self, id: ConstraintId, value: Option<Pose>) -> Option<PathConstraint> {
+    fn path_constraint(&self, id: ConstraintId, value: Option<Pose>) -> Option<PathConstraint> {
         let name = self.graph.constraint(id).name.clone();
         match self.graph.constraint(id).kind {
             ConstraintKind::Placement { object, on } => {
                 // Polygons that touch are attachments. A plane is no document, so the file has to say how it is stood on;
                 // that the object keeps its place on it is told by its hanging on nothing.
-                let resting = &self.objects().get(object as usize)?.resting_on(on)?.resting;
-                let on_plane = matches!(resting, Resting::Plane { .. }).then(|| resting.constraint(0.0))?;
+                let resting = &self.objects().get(object as usize)?.placement_on(on)?.resting;
+                let on_plane = matches!(resting, SupportPlacement::Plane { .. }).then(|| resting.constraint(0.0))?;
                 Some(PathConstraint { name, constraint: on_plane, argument: None })
             }
             ConstraintKind::JointRest { .. } | ConstraintKind::Given { .. } => {

@@ -9,7 +9,7 @@ use foliate_components::constraint::{Constraint, Locked, LockedValue};
 use foliate_components::coverage::LeftOutPair;
 use foliate_components::graph::ConstraintKind;
 use foliate_components::problem::{JointRest, Problem};
-use foliate_components::robot::{JointIndex, Motion, Robot, Source};
+use foliate_components::robot::{JointIndex, JointType, Robot, Source};
 use foliate_kernels::collision::{CollisionScene, PairRule, PairSet};
 use foliate_kernels::constrained_motion::SeedTable;
 use foliate_kernels::kinematics::Kinematics;
@@ -151,13 +151,13 @@ fn coordinate_weights(robot: &Robot) -> Vec<f64> {
     }
     let mut weights = vec![1.0; robot.space.dimension()];
     for (joint, reach) in robot.joints.iter().zip(reach) {
-        use foliate_components::robot::Motion;
+        use foliate_components::robot::JointType;
         let Source::Coordinates { v, .. } = joint.source else { continue };
         match joint.motion {
-            Motion::Revolute { .. } => weights[v] = reach,
-            Motion::Prismatic { .. } => {}
-            Motion::Planar => weights[v + 2] = reach,
-            Motion::FreeFlyer => weights[v + 3..v + 6].fill(reach),
+            JointType::Revolute { .. } => weights[v] = reach,
+            JointType::Prismatic { .. } => {}
+            JointType::Planar => weights[v + 2] = reach,
+            JointType::FreeFlyer => weights[v + 3..v + 6].fill(reach),
         }
     }
     weights
@@ -171,9 +171,9 @@ fn coordinate_weights(robot: &Robot) -> Vec<f64> {
 pub fn bounded_roots(robot: &Robot) -> Result<(), String> {
     for joint in &robot.joints {
         let axes: &[&str] = match joint.motion {
-            Motion::Planar => &["x", "y"],
-            Motion::FreeFlyer => &["x", "y", "z"],
-            Motion::Revolute { .. } | Motion::Prismatic { .. } => continue,
+            JointType::Planar => &["x", "y"],
+            JointType::FreeFlyer => &["x", "y", "z"],
+            JointType::Revolute { .. } | JointType::Prismatic { .. } => continue,
         };
         for (axis, (low, high)) in axes.iter().zip(joint.lower.iter().zip(&joint.upper)) {
             if !(low.is_finite() && high.is_finite()) {

@@ -16,7 +16,7 @@ use foliate_components::constraint::{Constraint, Frame, Reference, RelativePose,
 use foliate_components::graph::leaf::{LeafId, LeafIndex, Parameter};
 use foliate_components::graph::{ConstraintId, ConstraintKind, StateId, TransitionId};
 use foliate_components::robot::{JointIndex, Source};
-use foliate_kernels::constrained_motion::{CarriageTemplate, CompileError, ConstraintProgram};
+use foliate_kernels::constrained_motion::{AttachmentTemplate, CompileError, ConstraintProgram};
 use glam::DVec3;
 
 /// Constraints, carriages and arguments while they are collected.
@@ -114,7 +114,7 @@ fn aim(model: &Model, target: ConstraintId, drawn: &Parameter) -> Pose {
 /// The unit normal, pointing out, of the support on which an object lies at `X_CO`; both in the carrier's joint frame.
 fn support_normal(model: &Model, object: usize, on: Option<JointIndex>, X_CO: &Pose) -> DVec3 {
     let object = &model.objects()[object];
-    let (Some(place), Some(root)) = (object.resting_on(on), object.root) else { return DVec3::Z };
+    let (Some(place), Some(root)) = (object.placement_on(on), object.root) else { return DVec3::Z };
     // The carrier stands at the origin.
     let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
     X_WJ[root.at()] = *X_CO;
@@ -184,15 +184,15 @@ impl<'a> Draft<'a> {
             ConstraintKind::Placement { object, on } | ConstraintKind::Preplacement { object, on } => {
                 let object = &model.objects()[object as usize];
                 if drawn {
-                    return Some(hanging_at(on, object.root?, slot));
+                    return Some(held_at(on, object.root?, slot));
                 }
                 let lifted = matches!(kind, ConstraintKind::Preplacement { .. });
                 let lift = if lifted { model.problem.graph.preplacement_distance } else { 0.0 };
-                Some(object.resting_on(on)?.resting.constraint(lift))
+                Some(object.placement_on(on)?.resting.constraint(lift))
             }
             ConstraintKind::Rest { object } => {
                 let root = model.objects()[object as usize].root?;
-                drawn.then(|| hanging_at(None, root, slot))
+                drawn.then(|| held_at(None, root, slot))
             }
             ConstraintKind::JointRest { .. } | ConstraintKind::Given { .. } => {
                 let constraint = model.constraint(target)?;
@@ -204,24 +204,25 @@ impl<'a> Draft<'a> {
     fn compile(self) -> Result<LegProgram, CompileError> {
         let model = self.model;
         let carriers = model.carriers(self.state);
-        let carriage = |&object: &usize| {
+        let rigid_attachment = |&object: &usize| {
             let (root, constraint) = (model.objects()[object].root?, carriers.of[object]?);
             let foliates = model.graph.constraint(constraint).foliates;
             Some(match (model.grasp(constraint), model.graph.constraint(constraint).kind) {
                 (Some(grasp), _) if !foliates => {
                     let (carrier, X_CO) = solid_grasp(grasp);
-                    CarriageTemplate::fixed(root, carrier, X_CO)
+                    AttachmentTemplate::fixed(root, carrier, X_CO)
                 }
-                (Some(grasp), _) => CarriageTemplate::argument(root, grasp.gripper.joint, object),
-                (None, ConstraintKind::Placement { on, .. }) => CarriageTemplate::argument(root, on, object),
-                (None, _) => CarriageTemplate::argument(root, None, object),
+                (Some(grasp), _) => AttachmentTemplate::argument(root, grasp.gripper.joint, object),
+                (None, ConstraintKind::Placement { on, .. }) => AttachmentTemplate::argument(root, on, object),
+                (None, _) => AttachmentTemplate::argument(root, None, object),
             })
         };
-        let carriages: Vec<_> = carriers.order.iter().filter_map(carriage).collect();
+        let rigid_attachments: Vec<_> = carriers.order.iter().filter_map(rigid_attachment).collect();
         let robot = &model.problem.robot;
         let locked = &model.problem.graph.locked;
-        let program = ConstraintProgram::compile(robot, &model.kinematics, &self.constraints, &carriages, locked)?;
-        let idle = idle_coordinates(model, &carriages, &self.involved);
+        let program =
+            ConstraintProgram::compile(robot, &model.kinematics, &self.constraints, &rigid_attachments, locked)?;
+        let idle = idle_coordinates(model, &rigid_attachments, &self.involved);
         let frames = |constraint: &Constraint| match constraint {
             Constraint::RelativePose(pose) if pose.is_rigid() => Some((pose.a, pose.b)),
             _ => None,
@@ -232,7 +233,7 @@ impl<'a> Draft<'a> {
 }
 
 /// An object at the argument in `slot` on a body.
-fn hanging_at(on: Option<JointIndex>, root: JointIndex, slot: usize) -> Constraint {
+fn held_at(on: Option<JointIndex>, root: JointIndex, slot: usize) -> Constraint {
     let carrier = on.map_or_else(|| Frame::world(Pose::identity()), Frame::of_joint);
     Constraint::RelativePose(RelativePose::rigid(carrier, Frame::of_joint(root), Reference::Argument(slot)))
 }
@@ -260,14 +261,21 @@ fn bodies_of(constraint: &Constraint) -> Vec<Option<JointIndex>> {
 }
 
 /// Numbers of the joints on which none of the involved bodies hangs; none where nothing is involved.
-fn idle_coordinates(model: &Model, carriages: &[CarriageTemplate], involved: &[Option<JointIndex>]) -> Vec<usize> {
+fn idle_coordinates(
+    model: &Model,
+    rigid_attachments: &[AttachmentTemplate],
+    involved: &[Option<JointIndex>],
+) -> Vec<usize> {
     if involved.is_empty() {
         return Vec::new();
     }
     let joints = &model.problem.robot.joints;
     let mut moves = vec![false; joints.len()];
-    let above = |joint: &JointIndex| match carriages.iter().find(|carriage| carriage.object == *joint) {
-        Some(carriage) => carriage.carrier,
+    let above = |joint: &JointIndex| match rigid_attachments
+        .iter()
+        .find(|rigid_attachment| rigid_attachment.object == *joint)
+    {
+        Some(rigid_attachment) => rigid_attachment.carrier,
         None => joints[joint.at()].parent,
     };
     for &body in involved {

@@ -1,9 +1,9 @@
 //! Which state a configuration lies in, on which leaf, and whether it may be a start or a goal.
 
 use crate::planning_model::collision_messages;
-use crate::planning_model::graph::attachment_order::hanging;
-use crate::planning_model::graph::lazy_graph::Growth;
-use crate::planning_model::graph::state_keys::Case;
+use crate::planning_model::graph::attachment_order::pose_on_carrier;
+use crate::planning_model::graph::lazy_graph::LazyGraph;
+use crate::planning_model::graph::state_keys::StateKey;
 use crate::planning_model::graph::support_placement::relative_pose_residual;
 use crate::planning_model::model::{Model, PlanningModel};
 use crate::settings::SearchSettings;
@@ -60,7 +60,7 @@ pub fn reach_start(model: &mut PlanningModel, settings: &SearchSettings, q: &[f6
 
 fn reach(model: &mut PlanningModel, settings: &SearchSettings, q: &[f64], is_start: bool) -> Result<Feasible, String> {
     if model.graph.lazy {
-        model.reach(q, settings.membership_tolerance);
+        model.reach(q, settings.classification_tolerance);
     }
     let (root, X_WJ) = in_a_state(model, settings, q)?;
     let mut contacts = model.all_collisions(root.state, &X_WJ, settings.clearance_guard);
@@ -86,12 +86,12 @@ fn in_a_state(model: &PlanningModel, settings: &SearchSettings, q: &[f64]) -> Re
     }
     let mut locked = q.to_vec();
     model.lock(&mut locked);
-    if let Some(index) = (0..q.len()).find(|&i| (locked[i] - q[i]).abs() > settings.membership_tolerance) {
+    if let Some(index) = (0..q.len()).find(|&i| (locked[i] - q[i]).abs() > settings.classification_tolerance) {
         return Err(format!("{} = {} is locked at {}", coordinate(robot, index), q[index], locked[index]));
     }
     let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
     model.kinematics.forward(&locked, &mut X_WJ);
-    let tolerance = settings.membership_tolerance;
+    let tolerance = settings.classification_tolerance;
     let state = state_of(model, &locked, &X_WJ, tolerance)
         .ok_or_else(|| format!("it lies in no state: {}", why_no_state(model, &locked, &X_WJ, tolerance)))?;
     model.rest(state, &mut locked);
@@ -104,8 +104,8 @@ fn in_a_state(model: &PlanningModel, settings: &SearchSettings, q: &[f64]) -> Re
 /// graph only where the state has come into being ([`PlanningModel::reach`]).
 #[must_use]
 pub fn state_of(model: &Model, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> Option<StateId> {
-    if let Some(growth) = model.growth() {
-        return growth.known(&case_of(model, growth, q, X_WJ, tolerance)?);
+    if let Some(lazy_graph) = model.lazy_graph() {
+        return lazy_graph.known(&key_of(model, lazy_graph, q, X_WJ, tolerance)?);
     }
     let count = model.graph.constraints.len() as u32;
     let holds: Vec<bool> = (0..count).map(|c| residual(model, ConstraintId(c), q, X_WJ) <= tolerance).collect();
@@ -114,14 +114,15 @@ pub fn state_of(model: &Model, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> Opti
     order.into_iter().find(|&s| model.graph.state(s).manifold.iter().all(|&c| holds[c.at()]))
 }
 
-fn case_of(model: &Model, growth: &Growth, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> Option<Case> {
-    growth.case_where(&model.problem, |kind| residual_of(model, growth_grasp(growth, kind), kind, q, X_WJ) <= tolerance)
+fn key_of(model: &Model, lazy_graph: &LazyGraph, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> Option<StateKey> {
+    lazy_graph
+        .key_where(&model.problem, |kind| residual_of(model, lazy_grasp(lazy_graph, kind), kind, q, X_WJ) <= tolerance)
 }
 
-fn growth_grasp(growth: &Growth, kind: ConstraintKind) -> Option<&Grasp> {
+fn lazy_grasp(lazy_graph: &LazyGraph, kind: ConstraintKind) -> Option<&Grasp> {
     match kind {
         ConstraintKind::Grasp { gripper, handle } | ConstraintKind::Pregrasp { gripper, handle } => {
-            growth.grasp(gripper, handle)
+            lazy_graph.grasp(gripper, handle)
         }
         _ => None,
     }
@@ -134,15 +135,15 @@ pub(crate) fn state_at(model: &Model, q: &[f64], tolerance: f64) -> Option<State
 }
 
 /// Likewise what its state would be in a lazy graph, whether that has come into being or not.
-pub(crate) fn case_at(model: &Model, q: &[f64], tolerance: f64) -> Option<Case> {
+pub(crate) fn key_at(model: &Model, q: &[f64], tolerance: f64) -> Option<StateKey> {
     let (q, X_WJ) = posed(model, q)?;
-    case_of(model, model.growth()?, &q, &X_WJ, tolerance)
+    key_of(model, model.lazy_graph()?, &q, &X_WJ, tolerance)
 }
 
 /// Whether a configuration lies in a state that may come into being and has not.
 pub(crate) fn is_unreached(model: &Model, q: &[f64], tolerance: f64) -> bool {
-    let Some(growth) = model.growth() else { return false };
-    case_at(model, q, tolerance).is_some_and(|case| growth.known(&case).is_none())
+    let Some(lazy_graph) = model.lazy_graph() else { return false };
+    key_at(model, q, tolerance).is_some_and(|key| lazy_graph.known(&key).is_none())
 }
 
 fn posed(model: &Model, q: &[f64]) -> Option<(Vec<f64>, Vec<Pose>)> {
@@ -171,7 +172,7 @@ fn residual_of(model: &Model, grasp: Option<&Grasp>, kind: ConstraintKind, q: &[
             relative_pose_residual(&relative, X_WJ)
         }
         ConstraintKind::Placement { object, on } | ConstraintKind::Preplacement { object, on } => {
-            let Some(place) = model.objects()[object as usize].resting_on(on) else { return f64::INFINITY };
+            let Some(place) = model.objects()[object as usize].placement_on(on) else { return f64::INFINITY };
             let lifted = matches!(kind, ConstraintKind::Preplacement { .. });
             place.resting.residual(if lifted { model.problem.graph.preplacement_distance } else { 0.0 }, X_WJ)
         }
@@ -195,7 +196,7 @@ pub fn parameters_of(model: &Model, state: StateId, q: &[f64], X_WJ: &[Pose]) ->
 pub fn parameter_of(model: &Model, constraint: ConstraintId, q: &[f64], X_WJ: &[Pose]) -> Parameter {
     let hangs = |carrier| {
         let root = model.object_of(constraint).and_then(|object| model.objects()[object].root);
-        let value = root.map_or_else(Pose::identity, |root| hanging(root, carrier, X_WJ));
+        let value = root.map_or_else(Pose::identity, |root| pose_on_carrier(root, carrier, X_WJ));
         Parameter { constraint, carrier, value }
     };
     match model.graph.constraint(constraint).kind {
@@ -221,9 +222,9 @@ pub fn parameter_of(model: &Model, constraint: ConstraintId, q: &[f64], X_WJ: &[
 /// The constraint that keeps a configuration out of the least demanding state, for messages: of several such, out of the
 /// one that it is nearest to.
 fn why_no_state(model: &Model, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> String {
-    if let Some(growth) = model.growth() {
-        let residual = |kind| residual_of(model, growth_grasp(growth, kind), kind, q, X_WJ);
-        return match growth.worst_when_free(&model.problem, residual) {
+    if let Some(lazy_graph) = model.lazy_graph() {
+        let residual = |kind| residual_of(model, lazy_grasp(lazy_graph, kind), kind, q, X_WJ);
+        return match lazy_graph.worst_when_free(&model.problem, residual) {
             Some((constraint, state, r)) if r > tolerance => {
                 format!("`{constraint}` of state `{state}` is off by {r:.3e}")
             }
@@ -277,8 +278,8 @@ impl PlanningModel {
         if !self.graph.lazy {
             return state_at(self, q, tolerance);
         }
-        let case = case_at(self, q, tolerance)?;
-        let known = self.growth.as_ref().and_then(|growth| growth.known(&case));
-        known.or_else(|| Arc::make_mut(&mut self.0).reach(case))
+        let key = key_at(self, q, tolerance)?;
+        let known = self.lazy_graph.as_ref().and_then(|lazy_graph| lazy_graph.known(&key));
+        known.or_else(|| Arc::make_mut(&mut self.0).reach(key))
     }
 }

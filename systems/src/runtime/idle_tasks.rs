@@ -20,20 +20,20 @@ const YIELD: u32 = 16;
 
 /// What is left for threads that have nothing else to do. Clones share one list.
 #[derive(Clone, Default, Resource)]
-pub struct Errands(Arc<List>);
+pub struct IdleTasks(Arc<List>);
 
-type Errand = Box<dyn FnOnce() + Send>;
+type IdleTask = Box<dyn FnOnce() + Send>;
 
 #[derive(Default)]
 struct List {
-    waiting: Mutex<VecDeque<Errand>>,
+    waiting: Mutex<VecDeque<IdleTask>>,
     /// Errands that wait, to be looked at without a lock.
     count: AtomicUsize,
     /// Threads that watch.
     watching: AtomicUsize,
 }
 
-impl Errands {
+impl IdleTasks {
     /// Whether anybody would do an errand.
     #[must_use]
     pub fn are_done(&self) -> bool {
@@ -41,10 +41,10 @@ impl Errands {
     }
 
     /// Leaves errands instead of those that still wait. A panic in one of them ends with it.
-    pub(crate) fn replace(&self, errands: impl Iterator<Item = Errand>) {
+    pub(crate) fn replace(&self, idle_tasks: impl Iterator<Item = IdleTask>) {
         let mut waiting = self.0.waiting.lock().unwrap_or_else(PoisonError::into_inner);
         waiting.clear();
-        waiting.extend(errands);
+        waiting.extend(idle_tasks);
         self.0.count.store(waiting.len(), Ordering::Relaxed);
     }
 
@@ -60,11 +60,11 @@ impl Errands {
             return false;
         }
         let mut waiting = self.0.waiting.lock().unwrap_or_else(PoisonError::into_inner);
-        let errand = waiting.pop_front();
+        let idle_task = waiting.pop_front();
         self.0.count.store(waiting.len(), Ordering::Relaxed);
         drop(waiting);
-        let Some(errand) = errand else { return false };
-        let _panicked = catch_unwind(AssertUnwindSafe(errand));
+        let Some(idle_task) = idle_task else { return false };
+        let _panicked = catch_unwind(AssertUnwindSafe(idle_task));
         true
     }
 }
@@ -73,7 +73,7 @@ impl Errands {
 pub(crate) struct Watch(Option<Arc<Post>>);
 
 struct Post {
-    errands: Errands,
+    idle_tasks: IdleTasks,
     /// The thread that runs the search.
     own: usize,
     /// Threads that may watch at once: no more than there are cores for, once a thread has found out.
@@ -85,10 +85,10 @@ struct Post {
 
 impl Watch {
     /// Outside of a pool, in a pool of one and on a single core nobody watches.
-    pub(crate) fn begin(errands: &Errands) -> Self {
+    pub(crate) fn begin(idle_tasks: &IdleTasks) -> Self {
         let threads = rayon::current_num_threads();
         let post = |own| Post {
-            errands: errands.clone(),
+            idle_tasks: idle_tasks.clone(),
             own,
             most: AtomicUsize::new(threads - 1),
             watches: (0..threads).map(|_| AtomicBool::new(false)).collect(),
@@ -100,7 +100,7 @@ impl Watch {
     /// Calls back who has left.
     pub(crate) fn call(&self) {
         let Some(post) = &self.0 else { return };
-        if post.errands.0.watching.load(Ordering::Relaxed) < post.most.load(Ordering::Relaxed) {
+        if post.idle_tasks.0.watching.load(Ordering::Relaxed) < post.most.load(Ordering::Relaxed) {
             let post = Arc::clone(post);
             rayon::spawn_broadcast(move |context| post.keep(context.index()));
         }
@@ -111,7 +111,7 @@ impl Drop for Watch {
     fn drop(&mut self) {
         if let Some(post) = &self.0 {
             post.is_over.store(true, Ordering::Relaxed);
-            post.errands.replace(std::iter::empty());
+            post.idle_tasks.replace(std::iter::empty());
         }
     }
 }
@@ -125,11 +125,11 @@ impl Post {
         }
         // To ask for the cores takes longer than a search may wait.
         let most = self.most.fetch_min(cores() - 1, Ordering::Relaxed).min(cores() - 1);
-        let watching = &self.errands.0.watching;
+        let watching = &self.idle_tasks.0.watching;
         if watching.fetch_add(1, Ordering::Relaxed) < most {
             let mut in_vain = 0;
             while in_vain < PATIENCE && !self.is_over.load(Ordering::Relaxed) {
-                let found = rayon::yield_now() == Some(rayon::Yield::Executed) || self.errands.do_one();
+                let found = rayon::yield_now() == Some(rayon::Yield::Executed) || self.idle_tasks.do_one();
                 in_vain = if found { 0 } else { in_vain + 1 };
                 rest(in_vain);
             }
@@ -165,15 +165,15 @@ fn cores() -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::{Errands, Watch, wait_for};
+    use super::{IdleTasks, Watch, wait_for};
     use crate::runtime::idle_tasks::cores;
     use std::sync::Arc;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     #[test]
     fn errands_are_done_one_by_one_and_a_panic_ends_with_its_own() {
-        let (errands, done) = (Errands::default(), Arc::new(AtomicUsize::new(0)));
-        let errand = |number: usize| {
+        let (idle_tasks, done) = (IdleTasks::default(), Arc::new(AtomicUsize::new(0)));
+        let idle_task = |number: usize| {
             let done = Arc::clone(&done);
             let work = move || {
                 assert_ne!(number, 1, "an errand that fails");
@@ -181,22 +181,22 @@ mod tests {
             };
             Box::new(work) as Box<dyn FnOnce() + Send>
         };
-        errands.replace([errand(50)].into_iter());
-        errands.replace([errand(1), errand(2), errand(3)].into_iter());
-        assert!(errands.do_one() && errands.do_one());
+        idle_tasks.replace([idle_task(50)].into_iter());
+        idle_tasks.replace([idle_task(1), idle_task(2), idle_task(3)].into_iter());
+        assert!(idle_tasks.do_one() && idle_tasks.do_one());
         assert_eq!(done.load(Ordering::Relaxed), 2);
-        assert!(errands.do_one() && !errands.do_one());
+        assert!(idle_tasks.do_one() && !idle_tasks.do_one());
         assert_eq!(done.load(Ordering::Relaxed), 5);
     }
 
     #[test]
     fn threads_watch_while_they_are_wanted() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build();
-        let errands = Errands::default();
+        let idle_tasks = IdleTasks::default();
         let run = || {
-            let watch = Watch::begin(&errands);
+            let watch = Watch::begin(&idle_tasks);
             (0..3).for_each(|_| watch.call());
-            let watching = || errands.0.watching.load(Ordering::Relaxed);
+            let watching = || idle_tasks.0.watching.load(Ordering::Relaxed);
             while cores() > 1 && watching() == 0 {
                 std::thread::yield_now();
             }

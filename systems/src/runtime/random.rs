@@ -16,7 +16,7 @@ pub enum Purpose {
     /// Which idle coordinates keep still.
     Still = 4,
     /// Choosing leaves to extend and to aim at.
-    Aim = 6,
+    Heuristic = 6,
     /// Choosing among seeds that are near a grasp.
     Seed = 9,
     /// Configurations for goals that name only object poses.
@@ -24,7 +24,7 @@ pub enum Purpose {
     /// Where trees grow that are to be joined on a leaf.
     Join = 7,
     /// How far from the near node what is planted starts to be looked for.
-    Plant = 8,
+    LazyExtension = 8,
 }
 
 /// The stream of a candidate in a step. ChaCha's streams are provably independent; setting one up costs about 0.2 µs.

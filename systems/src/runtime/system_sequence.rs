@@ -9,7 +9,7 @@ use bevy_ecs::system::{BoxedSystem, RunSystemError};
 /// bevy orders the systems of a schedule anew in every world, a fifth of a millisecond for 25 of them, which is a tenth of a
 /// short solve. Where the order is written down there is nothing to find. What stands in here is one node of a schedule: other
 /// systems go before it or behind it.
-pub struct InOrder {
+pub struct SystemSequence {
     systems: Vec<BoxedSystem>,
     is_initialized: bool,
 }
@@ -41,12 +41,12 @@ tuples_of_systems!(A MA, B MB, C MC, D MD, E ME, F MF, G MG);
 tuples_of_systems!(A MA, B MB, C MC, D MD, E ME, F MF, G MG, H MH);
 
 /// The systems of a tuple, from the first to the last, as one.
-pub fn in_order<M>(systems: impl Systems<M>) -> impl FnMut(&mut World) -> Result {
-    let mut order = InOrder::of(systems);
+pub fn system_sequence<M>(systems: impl Systems<M>) -> impl FnMut(&mut World) -> Result {
+    let mut order = SystemSequence::of(systems);
     move |world: &mut World| order.run(world)
 }
 
-impl InOrder {
+impl SystemSequence {
     /// The systems of a tuple, from the first to the last.
     #[must_use]
     pub fn of<M>(systems: impl Systems<M>) -> Self {
@@ -74,7 +74,7 @@ impl InOrder {
 
 #[cfg(test)]
 mod tests {
-    use super::{InOrder, in_order};
+    use super::{SystemSequence, system_sequence};
     use bevy_ecs::prelude::{Res, ResMut, Resource, Schedule, World};
 
     #[derive(Default, Resource)]
@@ -93,7 +93,7 @@ mod tests {
         world.init_resource::<Said>();
         let double = |mut said: ResMut<'_, Said>| said.0 = said.0.repeat(2);
         let mut schedule = Schedule::default();
-        schedule.add_systems(in_order((say("a"), double, say("b"))));
+        schedule.add_systems(system_sequence((say("a"), double, say("b"))));
         schedule.run(&mut world);
         assert_eq!(world.resource::<Said>().0, "aab");
         schedule.run(&mut world);
@@ -105,7 +105,7 @@ mod tests {
         let mut world = World::new();
         world.init_resource::<Said>();
         let needs = |_: Res<'_, Missing>| {};
-        let mut order = InOrder::of((say("a"), needs, say("b")));
+        let mut order = SystemSequence::of((say("a"), needs, say("b")));
         assert!(order.run(&mut world).is_err());
         assert_eq!(world.resource::<Said>().0, "a");
     }

@@ -4,8 +4,8 @@ use crate::schedulers::mrrt;
 use crate::schedulers::sequence::scheduler;
 use crate::search::scheduler::Scheduler;
 
-/// Name of the shipped scheduler that is used where none is asked for: the best over all shipped scenes (ARCHITECTURE.md,
-/// Evidence).
+/// Name of the shipped scheduler that is used where none is asked for: the best over all shipped scenes
+/// (docs/decisions/0005).
 pub const DEFAULT: &str = "sequence";
 
 /// The scheduler called [`DEFAULT`].

@@ -4,7 +4,7 @@
 //! the segment has them, and at the end everything is where the last knot has it. Whoever proves the path again from its
 //! file finds the same motion, and so no pair closer than is said here.
 
-use crate::planning_model::graph::attachment_order::hanging;
+use crate::planning_model::graph::attachment_order::pose_on_carrier;
 use crate::planning_model::model::Model;
 use crate::planning_model::state_classification::parameter_of;
 use foliate_components::Pose;
@@ -12,7 +12,7 @@ use foliate_components::coverage::PairCounts;
 use foliate_components::path::{ManipulationPath, Segment};
 use foliate_components::robot::{LinkIndex, ShapeIndex};
 use foliate_kernels::collision::{CollisionScratch, MinimumClearance, MinimumSettings, minimum_clearance_along};
-use foliate_kernels::kinematics::Carriage;
+use foliate_kernels::kinematics::RigidAttachment;
 use std::collections::HashSet;
 
 /// The least clearance along a path: of all tested pairs of shapes, moving or not, the distance less the margin that holds.
@@ -52,8 +52,8 @@ pub fn path_clearance(model: &Model, path: &ManipulationPath) -> Option<PathClea
     let mut least = PathClearance { lower: f64::INFINITY, nearest: None };
     // Where a motion begins and anywhere along it each row of a relative pose is off by no more than the largest residual:
     // three rows make a vector, and the difference of two is looked for.
-    let tied_within = 4.0 * path.certificate.max_residual;
-    let minimum = MinimumSettings { tied_within, ..MinimumSettings::default() };
+    let rigid_within = 4.0 * path.certificate.max_residual;
+    let minimum = MinimumSettings { rigid_within, ..MinimumSettings::default() };
     for (number, segment) in path.segments.iter().enumerate() {
         let below = least.nearest.map_or(minimum.below, |nearest| nearest.clearance);
         let minimum = MinimumSettings { below, ..minimum };
@@ -90,9 +90,9 @@ fn along(
     minimum: &MinimumSettings,
     scratch: &mut CollisionScratch,
 ) -> MinimumClearance {
-    let carriages = carriages(model, segment);
-    let pairs = model.pairs_with_margins(segment.transition, segment.state, &carriages);
-    minimum_clearance_along(&model.collision, &model.kinematics, &carriages, knots, &pairs, minimum, scratch)
+    let rigid_attachments = rigid_attachments(model, segment);
+    let pairs = model.pairs_with_margins(segment.transition, segment.state, &rigid_attachments);
+    minimum_clearance_along(&model.collision, &model.kinematics, &rigid_attachments, knots, &pairs, minimum, scratch)
 }
 
 /// A knot, with objects where it has them.
@@ -103,24 +103,24 @@ fn as_written(
     minimum: &MinimumSettings,
     scratch: &mut CollisionScratch,
 ) -> MinimumClearance {
-    let pairs = model.pairs_with_margins(segment.transition, segment.state, &carriages(model, segment));
+    let pairs = model.pairs_with_margins(segment.transition, segment.state, &rigid_attachments(model, segment));
     minimum_clearance_along(&model.collision, &model.kinematics, &[], knot, &pairs, minimum, scratch)
 }
 
 /// What carries each object along a segment, and how it hangs there where the first knot has it.
-fn carriages(model: &Model, segment: &Segment) -> Vec<Carriage> {
+fn rigid_attachments(model: &Model, segment: &Segment) -> Vec<RigidAttachment> {
     let q = &segment.knots[0];
     let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
     model.kinematics.forward(q, &mut X_WJ);
     let foliation = &model.graph.state(segment.state).foliation;
     let parameters: Vec<_> = foliation.iter().map(|&c| (c, parameter_of(model, c, q, &X_WJ))).collect();
-    let mut carriages = model.carriages(segment.state, |constraint| {
+    let mut rigid_attachments = model.rigid_attachments(segment.state, |constraint| {
         parameters.iter().find(|(c, _)| *c == constraint).map(|(_, parameter)| parameter)
     });
-    for carriage in &mut carriages {
-        carriage.X_CO = hanging(carriage.object, carriage.carrier, &X_WJ);
+    for rigid_attachment in &mut rigid_attachments {
+        rigid_attachment.X_CO = pose_on_carrier(rigid_attachment.object, rigid_attachment.carrier, &X_WJ);
     }
-    carriages
+    rigid_attachments
 }
 
 /// Which pairs of shapes were tested for a path, and which were left out.

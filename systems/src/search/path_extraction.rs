@@ -95,7 +95,7 @@ fn segment(model: &PlanningModel, leaves: &LeafIndex, motion: &Motion, forward: 
     }
     let leaf = leaves.leaf(motion.leaf);
     let transition = in_direction(model, motion.transition, forward);
-    let (attachments, constraints) = (model.attachments(leaf, leaves), model.demands(leaf, leaves));
+    let (attachments, constraints) = (model.attachments(leaf, leaves), model.path_constraints(leaf, leaves));
     Segment { transition, state: leaf.state, attachments, constraints, knots }
 }
 
@@ -115,7 +115,7 @@ fn passed_through(
         transition: before.transition,
         state: leaf.state,
         attachments: model.attachments(leaf, leaves),
-        constraints: model.demands(leaf, leaves),
+        constraints: model.path_constraints(leaf, leaves),
         knots: vec![knot.clone(), knot.clone()],
     })
 }

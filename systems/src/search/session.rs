@@ -4,13 +4,13 @@ use crate::events::{EventSink, StopSignal};
 use crate::exploration::roots::{Ending, Roots};
 use crate::exploration::{memory, writer};
 use crate::goals::sampler::GoalSampler;
-use crate::goals::systems::plant;
+use crate::goals::systems::add_feasible_root;
 use crate::planning_model::model::PlanningModel;
-use crate::runtime::idle_tasks::{Errands, Watch};
+use crate::runtime::idle_tasks::{IdleTasks, Watch};
 use crate::schedule::StepCounter;
 use crate::search::path_extraction::{extract_path, reached_backwards};
 use crate::search::scheduler::Scheduler;
-use crate::search::world::{empty_world, plant_roots, roots_in};
+use crate::search::world::{add_roots, empty_world, roots_in};
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Resource, Schedule, World};
 use foliate_components::graph::leaf::LeafIndex;
@@ -40,7 +40,7 @@ impl Search {
         events: EventSink,
     ) -> Self {
         let mut world = empty_world(model, settings, stop, events);
-        let ending = plant_roots(&mut world).err();
+        let ending = add_roots(&mut world).err();
         let schedule = scheduler.schedule(&mut world);
         Self { world, schedule, ending }
     }
@@ -52,8 +52,8 @@ impl Search {
         let model = beside.resource::<PlanningModel>();
         let mut world = empty_world(model, settings, beside.resource::<StopSignal>().clone(), events);
         let (start, goals) = roots_in(beside);
-        let start = start.map(|root| plant(&mut world, root));
-        let goals = goals.into_iter().map(|root| plant(&mut world, root)).collect();
+        let start = start.map(|root| add_feasible_root(&mut world, root));
+        let goals = goals.into_iter().map(|root| add_feasible_root(&mut world, root)).collect();
         world.insert_resource(Roots { start, goals });
         world.insert_resource(beside.resource::<GoalSampler>().clone());
         let schedule = scheduler.schedule(&mut world);
@@ -86,7 +86,7 @@ impl Search {
     /// Call it inside `rayon::ThreadPool::install` of a pool that the host owns; the answer does not depend on its size. The
     /// pool's other threads do not sleep meanwhile, as far as there are cores for them: see [`crate::runtime::idle_tasks`].
     pub fn run(&mut self) -> SearchOutcome {
-        let watch = Watch::begin(self.world.resource::<Errands>());
+        let watch = Watch::begin(self.world.resource::<IdleTasks>());
         loop {
             watch.call();
             if let Some(outcome) = self.step() {

@@ -3,23 +3,23 @@
 //! It names every resource that a system of the crate may read, and therefore depends on all modules that define one.
 
 use crate::events::{EventSink, StopSignal};
-use crate::exploration::edges::{Connections, Passages};
+use crate::exploration::edges::{Connections, UnvalidatedEdges};
 use crate::exploration::entities::{NewNodes, TransitionWeights};
-use crate::exploration::explored::Families;
+use crate::exploration::explored::SearchSides;
 use crate::exploration::memory::Compiled;
 use crate::exploration::neighbours::index::Neighbours;
 use crate::exploration::reached_leaves::ReachedLeaves;
 use crate::exploration::roots::{Ending, Roots};
 use crate::exploration::writer;
 use crate::goals::sampler::GoalSampler;
-use crate::goals::systems::plant;
+use crate::goals::systems::add_feasible_root;
 use crate::planning_model::model::PlanningModel;
 use crate::planning_model::state_classification;
 use crate::planning_model::state_classification::Feasible;
-use crate::runtime::idle_tasks::Errands;
+use crate::runtime::idle_tasks::IdleTasks;
 use crate::schedule::StepCounter;
 use crate::settings::SearchSettings;
-use crate::step::connection::speculative_checks::Foreseen;
+use crate::step::connection::speculative_checks::SpeculativeChecks;
 use bevy_ecs::prelude::{Mut, World};
 use foliate_components::candidate::CandidateArena;
 use foliate_components::graph::leaf::LeafIndex;
@@ -44,13 +44,13 @@ pub(crate) fn empty_world(
     world.init_resource::<LeafIndex>();
     world.init_resource::<NewNodes>();
     world.init_resource::<Connections>();
-    world.init_resource::<Passages>();
+    world.init_resource::<UnvalidatedEdges>();
     world.init_resource::<Compiled>();
-    world.init_resource::<Errands>();
-    world.init_resource::<Foreseen>();
+    world.init_resource::<IdleTasks>();
+    world.init_resource::<SpeculativeChecks>();
     world.init_resource::<ReachedLeaves>();
-    world.init_resource::<Families>();
-    world.init_resource::<crate::heuristic::leaf_heuristic::Aims>();
+    world.init_resource::<SearchSides>();
+    world.init_resource::<crate::heuristic::leaf_heuristic::LeafHeuristic>();
     world.init_resource::<TransitionWeights>();
     world.init_resource::<StepCounter>();
     world.init_resource::<Roots>();
@@ -77,7 +77,7 @@ pub(crate) fn roots_in(world: &World) -> (Option<Feasible>, Vec<Feasible>) {
 
 /// Makes start and goals the roots of trees. A goal that leaves something free and of which no configuration was found yet
 /// is looked for again during the search.
-pub(crate) fn plant_roots(world: &mut World) -> Result<(), SearchOutcome> {
+pub(crate) fn add_roots(world: &mut World) -> Result<(), SearchOutcome> {
     let settings = world.resource::<SearchSettings>().clone();
     let found = world.resource_scope(|world, mut model: Mut<'_, PlanningModel>| {
         find_roots(&mut model, &settings, world.resource::<StopSignal>())
@@ -86,8 +86,8 @@ pub(crate) fn plant_roots(world: &mut World) -> Result<(), SearchOutcome> {
     if let Some(why) = found.hopeless {
         return Err(SearchOutcome::InfeasibleGoal(why));
     }
-    let start = plant(world, found.start);
-    let goals = found.goals.into_iter().map(|goal| plant(world, goal)).collect();
+    let start = add_feasible_root(world, found.start);
+    let goals = found.goals.into_iter().map(|goal| add_feasible_root(world, goal)).collect();
     world.insert_resource(Roots { start: Some(start), goals });
     Ok(())
 }

@@ -1,9 +1,9 @@
 //! Set Commit, and the end of Connect: what was certified becomes nodes and edges, by `exploration::writer`. Serial, in candidate
 //! order.
 
-use crate::exploration::edges::{Connection, Connections, Obstacle, Passage, Passages};
+use crate::exploration::edges::{Connection, Connections, Obstacle, UnvalidatedEdge, UnvalidatedEdges};
 use crate::exploration::entities::{EntityTable, NewNodes};
-use crate::exploration::explored::Families;
+use crate::exploration::explored::SearchSides;
 use crate::exploration::memory::Compiled;
 use crate::exploration::writer::{add_edge, add_node, count_in, intern_leaf};
 use crate::planning_model::model::PlanningModel;
@@ -26,8 +26,8 @@ pub fn commit_extensions(world: &mut World) {
             let legs = std::mem::take(&mut arena.legs[index]);
             count(world, &candidate, !legs.is_empty(), arena.complete[index]);
             if let (Some(near), Some(transition), false) = (candidate.near, candidate.transition, legs.is_empty()) {
-                if candidate.plants {
-                    new_nodes.extend(plant(world, (near, transition, candidate.drawn), legs));
+                if candidate.extends_lazily {
+                    new_nodes.extend(extend_lazily(world, (near, transition, candidate.drawn), legs));
                 } else {
                     new_nodes.push(add_extension(world, near, transition, legs));
                 }
@@ -51,27 +51,27 @@ pub fn commit_connections(world: &mut World) {
         let roadmap = world.resource::<Roadmap>();
         let state = roadmap.node(from).state;
         let apart = roadmap.component_of(from) != roadmap.component_of(to);
-        let passage = verdict.as_ref().and_then(|_| world.resource_mut::<Passages>().take(from, to));
-        if passage.is_none() {
+        let unvalidated_edge = verdict.as_ref().and_then(|_| world.resource_mut::<UnvalidatedEdges>().take(from, to));
+        if unvalidated_edge.is_none() {
             count_in(world, state, |s| s.connections_tried += 1);
         }
-        match (verdict, passage) {
-            (Some(Ok(motions)), passage) if apart => {
+        match (verdict, unvalidated_edge) {
+            (Some(Ok(motions)), unvalidated_edge) if apart => {
                 let Some(along) = motions.first().map(|motion| motion.transition) else { continue };
                 add_edge(world, from, to, along, motions);
-                if passage.is_none() {
+                if unvalidated_edge.is_none() {
                     count_in(world, state, |s| s.connections_made += 1);
                 }
             }
-            (Some(Err(obstacle)), Some(passage)) => count_obstacle(world, &passage, obstacle),
+            (Some(Err(obstacle)), Some(unvalidated_edge)) => count_obstacle(world, &unvalidated_edge, obstacle),
             _ => {}
         }
     }
 }
 
 /// What was planted has not reached the target after all.
-fn count_obstacle(world: &mut World, passage: &Passage, obstacle: Obstacle) {
-    let entity = world.resource::<EntityTable>().transitions[passage.transition.at()];
+fn count_obstacle(world: &mut World, unvalidated_edge: &UnvalidatedEdge, obstacle: Obstacle) {
+    let entity = world.resource::<EntityTable>().transitions[unvalidated_edge.transition.at()];
     if let Some(mut statistics) = world.get_mut::<TransitionStatistics>(entity) {
         statistics.reached = statistics.reached.saturating_sub(1);
         statistics.count_rejection(Rejection::MotionBlocked(obstacle.leg as u8), obstacle.blocked_by);
@@ -106,7 +106,7 @@ pub(crate) fn count(world: &mut World, candidate: &Candidate, kept: bool, comple
 /// Makes the end of the leg that was left out the root of a tree of its own, of the family of `near`, and what the legs behind
 /// it lead to that of another; what they are on the way is a passage. Where no leg moves the two hang together at once.
 /// Returns the node that they lead to.
-fn plant(
+fn extend_lazily(
     world: &mut World,
     (near, transition, drawn): (NodeId, TransitionId, Option<LeafId>),
     mut legs: Vec<PlannedLeg>,
@@ -123,26 +123,26 @@ fn plant(
         let roadmap = world.resource::<Roadmap>();
         (roadmap.configuration_size(), roadmap.node(near).component)
     };
-    let family = world.resource::<Families>().born_for(born);
+    let search_side = world.resource::<SearchSides>().side_root(born);
     let leaf = intern_leaf(world, Leaf { state: first.state, parameters });
-    let from = add_planted(world, &first.knots[first.knots.len() - size..], leaf, family);
+    let from = add_detached_root(world, &first.knots[first.knots.len() - size..], leaf, search_side);
     if behind.iter().all(|leg| leg.knots.len() <= size) {
         return Some(add_extension(world, from, transition, behind));
     }
     let (motions, end) = intern_legs(world, transition, behind);
     let (q, leaf) = end?;
-    let to = add_planted(world, &q, leaf, family);
-    world.resource_mut::<Passages>().add(to, Passage { from, transition, drawn, motions });
+    let to = add_detached_root(world, &q, leaf, search_side);
+    world.resource_mut::<UnvalidatedEdges>().add(to, UnvalidatedEdge { from, transition, drawn, motions });
     Some(to)
 }
 
 /// Adds the root of a tree of a family.
-fn add_planted(world: &mut World, q: &[f64], leaf: LeafId, family: ComponentId) -> NodeId {
+fn add_detached_root(world: &mut World, q: &[f64], leaf: LeafId, search_side: ComponentId) -> NodeId {
     let trees = world.resource::<Roadmap>().trees() as u32;
-    let mut families = world.resource_mut::<Families>();
-    let known = families.of.len() as u32;
-    families.of.extend((known..trees).map(ComponentId));
-    families.of.push(family);
+    let mut search_sides = world.resource_mut::<SearchSides>();
+    let known = search_sides.of.len() as u32;
+    search_sides.of.extend((known..trees).map(ComponentId));
+    search_sides.of.push(search_side);
     add_node(world, q, leaf, None)
 }
 

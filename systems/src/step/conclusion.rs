@@ -1,7 +1,7 @@
 //! Set Conclude: is it over, and what does the host hear?
 
 use crate::events::{EventSink, Feedback, MOST_STATES, MOST_TRANSITIONS, SearchEvent, StopSignal, TransitionFeedback};
-use crate::exploration::edges::Passages;
+use crate::exploration::edges::UnvalidatedEdges;
 use crate::exploration::memory;
 use crate::exploration::memory::Compiled;
 use crate::exploration::roots::{Ending, Roots};
@@ -26,7 +26,7 @@ pub fn conclude(
     stop: Res<'_, StopSignal>,
     roots: Res<'_, Roots>,
     roadmap: Res<'_, Roadmap>,
-    passages: Res<'_, Passages>,
+    unvalidated_edges: Res<'_, UnvalidatedEdges>,
     goals: Res<'_, GoalSampler>,
     compiled: Res<'_, Compiled>,
     joins: Option<Res<'_, LeafGraph>>,
@@ -44,7 +44,7 @@ pub fn conclude(
     } else if solved {
         Some(SearchOutcome::Solved)
     } else if roadmap.nodes().len() >= settings.max_nodes
-        || memory::taken(&model, &roadmap, &passages, &compiled, joins.as_deref()) >= settings.max_bytes
+        || memory::taken(&model, &roadmap, &unvalidated_edges, &compiled, joins.as_deref()) >= settings.max_bytes
     {
         Some(SearchOutcome::MemoryLimit)
     } else if let Some(why) = no_goal(&roots, &goals, &model, &settings) {

@@ -39,8 +39,11 @@ pub fn draw_leaves(
     let mut pool: Vec<_> = candidates.iter_mut().filter_map(|c| crossed(&c).map(|t| (c, t))).collect();
     pool.par_iter_mut().with_min_len(2 * LEAST_SHARED).for_each(|(candidate, transition)| {
         let Some(near) = candidate.near else { return };
-        if let Some(aim) = candidate.aim.filter(|&aim| has_added(&model, explored.leaves.leaf(aim).state, transition)) {
-            candidate.drawn = Some(aim);
+        if let Some(target_leaf) = candidate
+            .target_leaf
+            .filter(|&target_leaf| has_added(&model, explored.leaves.leaf(target_leaf).state, transition))
+        {
+            candidate.drawn = Some(target_leaf);
             return;
         }
         let mut rng = stream(settings.seed, Purpose::Rendezvous, step.step, candidate.index);
@@ -48,7 +51,7 @@ pub fn draw_leaves(
             model: &model,
             explored: &explored,
             source: explored.leaves.leaf(explored.roadmap.node(near).leaf),
-            tree: explored.families.family_of(&explored.roadmap, near),
+            tree: explored.search_sides.side_of(&explored.roadmap, near),
             level: settings.level,
         };
         let u = rng.random();

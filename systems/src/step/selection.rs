@@ -5,7 +5,7 @@ use crate::exploration::explored::Explored;
 use crate::exploration::neighbours::index::Neighbours;
 use crate::exploration::neighbours::nearest_of_each::{Question, Region};
 pub use crate::exploration::reached_leaves::ReachedLeaves;
-use crate::heuristic::leaf_heuristic::Aims;
+use crate::heuristic::leaf_heuristic::LeafHeuristic;
 use crate::planning_model::model::PlanningModel;
 use crate::runtime::parallel::LEAST_SHARED;
 use crate::runtime::random::{Purpose, draw, stream};
@@ -50,7 +50,7 @@ pub fn select_nodes(
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
     let trees: Vec<ComponentId> = explored.trees().collect();
-    let families = &*explored.families;
+    let search_sides = &*explored.search_sides;
     let (reached, roadmap) = (&*explored.reached, &*explored.roadmap);
     let region_of = |candidate: &Candidate| {
         if let (Some(leaf), Some(tree)) = (candidate.leaf, candidate.component) {
@@ -83,12 +83,12 @@ pub fn select_nodes(
             None => candidate.reject(Rejection::NoNode),
         }
     }
-    neighbours.answer(&model, roadmap, &mut questions, |born| families.family(roadmap, born));
+    neighbours.answer(&model, roadmap, &mut questions, |born| search_sides.search_side(roadmap, born));
     for Question { asker, nearest, .. } in questions {
         match nearest {
             Some(node) => {
                 pool[asker].near = Some(node);
-                pool[asker].component = Some(families.family_of(roadmap, node));
+                pool[asker].component = Some(search_sides.side_of(roadmap, node));
             }
             None => pool[asker].reject(Rejection::NoNode),
         }
@@ -102,7 +102,7 @@ pub fn select_transitions(
     step: Res<'_, StepCounter>,
     explored: Explored<'_>,
     weights: Res<'_, TransitionWeights>,
-    mut aims: ResMut<'_, Aims>,
+    mut heuristic: ResMut<'_, LeafHeuristic>,
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
     let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive() && c.transition.is_none()).collect();
@@ -113,9 +113,10 @@ pub fn select_transitions(
         let mut rng = stream(settings.seed, Purpose::Select, step.step, candidate.index | 1 << 31);
         let row = explored.roadmap.node(near);
         let from = explored.leaves.leaf(row.leaf);
-        let aim = candidate.aim.map(|aim| explored.leaves.leaf(aim));
+        let target_leaf = candidate.target_leaf.map(|target_leaf| explored.leaves.leaf(target_leaf));
         let weigh = |(id, transition): (TransitionId, &Transition)| {
-            let preference = aim.map_or(1.0, |aim| aims.preference(&model.graph, from, transition, aim));
+            let preference = target_leaf
+                .map_or(1.0, |target_leaf| heuristic.preference(&model.graph, from, transition, target_leaf));
             (id, weights.0[id.at()] * preference)
         };
         let choices: Vec<_> = model.graph.leaving(row.state).map(weigh).collect();
@@ -125,6 +126,6 @@ pub fn select_transitions(
         }
     });
     for near in pool.iter().filter_map(|candidate| candidate.near) {
-        aims.count_try(explored.roadmap.node(near).leaf);
+        heuristic.count_try(explored.roadmap.node(near).leaf);
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Where every object is eliminated the straight motion in the free coordinates is on the leaf already and two knots are
 //! enough. Where implicit rows remain (two hands on one object) the motion is projected to knots so close that the
-//! residual between them stays below the path tolerance (DESIGN §5.4).
+//! residual between them stays below the path tolerance.
 
 use crate::events::StopSignal;
 use crate::planning_model::leg_program::LegProgram;

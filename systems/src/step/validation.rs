@@ -17,7 +17,7 @@ use foliate_components::robot::ShapeIndex;
 use foliate_kernels::collision::{
     CertificateSettings, CollisionScratch, Contact, PairSet, PolylineVerdict, certify_polyline,
 };
-use foliate_kernels::kinematics::Carriage;
+use foliate_kernels::kinematics::RigidAttachment;
 use foliate_kernels::lanes::Level;
 use std::cmp::Reverse;
 
@@ -91,13 +91,13 @@ fn certify_candidate(
         return false;
     }
     let whole = candidate.is_alive();
-    if whole && candidate.plants {
+    if whole && candidate.extends_lazily {
         return true;
     }
     for index in 0..legs.len() {
         let leg = &mut legs[index];
-        let carriages = model.carriages_of_leg(leg, leaves);
-        let free = certify_leg(model, settings, transition, &carriages, leg, candidate, &mut scratch.collision);
+        let rigid_attachments = model.attachments_of_leg(leg, leaves);
+        let free = certify_leg(model, settings, transition, &rigid_attachments, leg, candidate, &mut scratch.collision);
         if !free {
             let kept = if moves(model, leg) { index + 1 } else { index };
             legs.truncate(kept);
@@ -133,9 +133,9 @@ fn keep_margins(
     while let Some(last) = legs.len().checked_sub(1) {
         let states: Vec<StateId> = legs.iter().map(|leg| leg.state).collect();
         let blocked = legs.iter_mut().position(|leg| {
-            let carriages = model.carriages_of_leg(leg, leaves);
-            let pairs = model.pairs_on_the_way(transition, &states, &carriages);
-            certified_prefix(model, settings, &pairs, &carriages, leg, &mut scratch.collision).is_some()
+            let rigid_attachments = model.attachments_of_leg(leg, leaves);
+            let pairs = model.pairs_on_the_way(transition, &states, &rigid_attachments);
+            certified_prefix(model, settings, &pairs, &rigid_attachments, leg, &mut scratch.collision).is_some()
         });
         if let Some(index) = blocked {
             let kept = if moves(model, &legs[index]) { index + 1 } else { index };
@@ -160,13 +160,15 @@ fn certify_leg(
     model: &PlanningModel,
     settings: &SearchSettings,
     transition: TransitionId,
-    carriages: &[Carriage],
+    rigid_attachments: &[RigidAttachment],
     leg: &mut PlannedLeg,
     candidate: &mut Candidate,
     scratch: &mut CollisionScratch,
 ) -> bool {
-    let pairs = model.pairs(transition, leg.state, carriages);
-    let Some(blocked_by) = certified_prefix(model, settings, pairs, carriages, leg, scratch) else { return true };
+    let pairs = model.pairs(transition, leg.state, rigid_attachments);
+    let Some(blocked_by) = certified_prefix(model, settings, pairs, rigid_attachments, leg, scratch) else {
+        return true;
+    };
     candidate.rejected = Some(Rejection::MotionBlocked(leg.leg as u8));
     candidate.blocked_by = blocked_by.map(|c| model.pair_shapes(c.pair));
     false
@@ -177,14 +179,15 @@ fn certified_prefix(
     model: &PlanningModel,
     settings: &SearchSettings,
     pairs: &PairSet,
-    carriages: &[Carriage],
+    rigid_attachments: &[RigidAttachment],
     leg: &mut PlannedLeg,
     scratch: &mut CollisionScratch,
 ) -> Option<Option<Contact>> {
     let size = model.problem.robot.space.size();
     let certificate = certificate_settings(settings, false);
     let knots = &leg.knots;
-    match certify_polyline(&model.collision, &model.kinematics, carriages, knots, pairs, &certificate, scratch) {
+    match certify_polyline(&model.collision, &model.kinematics, rigid_attachments, knots, pairs, &certificate, scratch)
+    {
         PolylineVerdict::Free { min_clearance_lower_bound } => {
             leg.clearance = min_clearance_lower_bound;
             None
@@ -193,14 +196,14 @@ fn certified_prefix(
             // The proof holds for the prefix; how much more clearance it has is not known of a motion that ends in front of
             // something.
             leg.clearance = settings.clearance_guard;
-            cut(model, carriages, leg, piece * size, t);
+            cut(model, rigid_attachments, leg, piece * size, t);
             Some(blocked_by)
         }
     }
 }
 
 /// Cuts a leg's knots at parameter `t` of the piece that starts at `start`.
-fn cut(model: &PlanningModel, carriages: &[Carriage], leg: &mut PlannedLeg, start: usize, t: f64) {
+fn cut(model: &PlanningModel, rigid_attachments: &[RigidAttachment], leg: &mut PlannedLeg, start: usize, t: f64) {
     let space = &model.problem.robot.space;
     let size = space.size();
     if model.interior_program(leg.state).is_ok_and(|interior| interior.program.rows() > 0) {
@@ -218,8 +221,8 @@ fn cut(model: &PlanningModel, carriages: &[Carriage], leg: &mut PlannedLeg, star
     }
     let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
     model.kinematics.forward(&end, &mut X_WJ);
-    model.kinematics.carry(&end, carriages, &mut X_WJ);
-    model.kinematics.write_back(carriages, &X_WJ, &mut end);
+    model.kinematics.carry(&end, rigid_attachments, &mut X_WJ);
+    model.kinematics.write_back(rigid_attachments, &X_WJ, &mut end);
     leg.knots.extend_from_slice(&end);
 }
 
@@ -234,13 +237,14 @@ pub fn certify_whole(
     model: &PlanningModel,
     settings: &SearchSettings,
     (transition, state): (TransitionId, StateId),
-    carriages: &[Carriage],
+    rigid_attachments: &[RigidAttachment],
     knots: &[f64],
     scratch: &mut CollisionScratch,
 ) -> Result<f64, Option<(ShapeIndex, ShapeIndex)>> {
-    let pairs = model.pairs(transition, state, carriages);
+    let pairs = model.pairs(transition, state, rigid_attachments);
     let certificate = certificate_settings(settings, true);
-    match certify_polyline(&model.collision, &model.kinematics, carriages, knots, pairs, &certificate, scratch) {
+    match certify_polyline(&model.collision, &model.kinematics, rigid_attachments, knots, pairs, &certificate, scratch)
+    {
         PolylineVerdict::Free { min_clearance_lower_bound } => Ok(min_clearance_lower_bound),
         PolylineVerdict::FreeUntil { blocked_by, .. } => Err(blocked_by.map(|c| model.pair_shapes(c.pair))),
     }
@@ -255,7 +259,7 @@ fn certificate_settings(settings: &SearchSettings, all_or_nothing: bool) -> Cert
         prefix_resolution: settings.prefix_resolution,
         // Steer keeps rows within the path tolerance all along, and the start holds to within twice that of projections,
         // each of three rows of a vector.
-        tied_within: settings.path_tolerance + 4.0 * settings.projection_tolerance,
+        rigid_within: settings.path_tolerance + 4.0 * settings.projection_tolerance,
         ..CertificateSettings::default()
     }
 }

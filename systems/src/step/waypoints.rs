@@ -152,7 +152,7 @@ fn judge(model: &PlanningModel, settings: &SearchSettings, batch: &mut Batch, co
         scene: &model.collision,
         kinematics: &model.kinematics,
         // Objects are where the waypoints have them.
-        carriages: &[],
+        rigid_attachments: &[],
         pairs: model.waypoint_pairs(transition),
         guard: settings.clearance_guard,
     };

@@ -6,8 +6,8 @@ use super::solve::Answer;
 use foliate::components::Pose;
 use foliate::components::path::{Attachment, Segment};
 use foliate::components::robot::{JointIndex, LinkIndex, PartKind, Robot, RootJoint};
-use foliate::kernels::collision::{Ask, Solid, clearance};
-use foliate::kernels::kinematics::{Carriage, Kinematics};
+use foliate::kernels::collision::{DistanceQuery, Solid, clearance};
+use foliate::kernels::kinematics::{Kinematics, RigidAttachment};
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};
 
@@ -39,7 +39,7 @@ pub fn sampled(answer: &Answer) -> Result<(), String> {
                 let X_WJ = places.at(&ends[0], &ends[1], t);
                 for (pair, hint) in pairs.iter().zip(&mut hints) {
                     let (a, b) = pair.shapes;
-                    let ask = Ask {
+                    let ask = DistanceQuery {
                         needed: pair.least,
                         floor: pair.least,
                         ground: pair.least,
@@ -122,7 +122,7 @@ fn pairs(answer: &Answer) -> Result<Vec<Pair>, String> {
 pub struct Places<'r> {
     robot: &'r Robot,
     kinematics: &'r Kinematics,
-    carriages: Vec<Carriage>,
+    rigid_attachments: Vec<RigidAttachment>,
 }
 
 impl<'r> Places<'r> {
@@ -131,7 +131,7 @@ impl<'r> Places<'r> {
         let mut X_WJ = vec![Pose::IDENTITY; kinematics.bodies()];
         kinematics.forward(first, &mut X_WJ);
         let pose = |joint: Option<JointIndex>| joint.map_or(Pose::IDENTITY, |j| X_WJ[j.at()]);
-        let mut carriages: Vec<Carriage> = Vec::new();
+        let mut rigid_attachments: Vec<RigidAttachment> = Vec::new();
         for attachment in &segment.attachments {
             let joint = |link: LinkIndex| robot.links[link.at()].joint;
             let (object, carrier) = match *attachment {
@@ -143,11 +143,15 @@ impl<'r> Places<'r> {
                 Attachment::Grasp { .. } => continue,
             };
             let part = &robot.parts[robot.joints[object.at()].part.at()];
-            if part.root == RootJoint::FreeFlyer && !carriages.iter().any(|c| c.object == object) {
-                carriages.push(Carriage { object, carrier, X_CO: pose(carrier).inverse() * pose(Some(object)) });
+            if part.root == RootJoint::FreeFlyer && !rigid_attachments.iter().any(|c| c.object == object) {
+                rigid_attachments.push(RigidAttachment {
+                    object,
+                    carrier,
+                    X_CO: pose(carrier).inverse() * pose(Some(object)),
+                });
             }
         }
-        Self { robot, kinematics, carriages: in_order(robot, carriages) }
+        Self { robot, kinematics, rigid_attachments: in_order(robot, rigid_attachments) }
     }
 
     pub fn at(&self, a: &[f64], b: &[f64], t: f64) -> Vec<Pose> {
@@ -155,17 +159,18 @@ impl<'r> Places<'r> {
         self.robot.space.interpolate(a, b, t, &mut q);
         let mut X_WJ = vec![Pose::IDENTITY; self.kinematics.bodies()];
         self.kinematics.forward(&q, &mut X_WJ);
-        self.kinematics.carry(&q, &self.carriages, &mut X_WJ);
+        self.kinematics.carry(&q, &self.rigid_attachments, &mut X_WJ);
         X_WJ
     }
 }
 
 /// What carries comes before what it carries.
-fn in_order(robot: &Robot, mut waiting: Vec<Carriage>) -> Vec<Carriage> {
-    let mut sorted: Vec<Carriage> = Vec::new();
+fn in_order(robot: &Robot, mut waiting: Vec<RigidAttachment>) -> Vec<RigidAttachment> {
+    let mut sorted: Vec<RigidAttachment> = Vec::new();
     while !waiting.is_empty() {
         let part = |joint: JointIndex| robot.joints[joint.at()].part;
-        let ready = |c: &Carriage| c.carrier.is_none_or(|on| !waiting.iter().any(|w| part(w.object) == part(on)));
+        let ready =
+            |c: &RigidAttachment| c.carrier.is_none_or(|on| !waiting.iter().any(|w| part(w.object) == part(on)));
         let next = waiting.iter().position(ready).unwrap_or(0);
         sorted.push(waiting.remove(next));
     }

@@ -9,7 +9,7 @@ use foliate::components::Pose;
 use foliate::components::pose::pose_to_array;
 use foliate::components::robot::Robot;
 use foliate::components::robot::shape::Geometry;
-use foliate::kernels::collision::{Ask, Solid, clearance};
+use foliate::kernels::collision::{DistanceQuery, Solid, clearance};
 use foliate::kernels::kinematics::Kinematics;
 use glam::{DQuat, DVec3};
 
@@ -27,7 +27,7 @@ impl Post {
     /// Whether no shape is that near where the bodies are there.
     fn is_free(&self, robot: &Robot, X_WJ: &[Pose], least: f64) -> bool {
         let post = self.solid();
-        let ask = Ask { needed: least, floor: least, ground: least, absolute: 1e-9, relative: 0.0 };
+        let ask = DistanceQuery { needed: least, floor: least, ground: least, absolute: 1e-9, relative: 0.0 };
         (0..robot.shapes.len()).all(|shape| {
             let (solid, place) = (Solid::of(&robot.shapes[shape].geometry), in_world(robot, shape, X_WJ));
             clearance(&post, &self.pose, &solid, &place, ask, &mut DVec3::ZERO.clone()) >= least
@@ -105,7 +105,7 @@ fn at_distance(draw: &mut Draw, solid: &Solid, X_WS: &Pose, distance: f64) -> Op
     let way = direction(draw);
     let mut point = X_WS.translation + way * 2.0;
     for _ in 0..200 {
-        let ask = Ask { needed: 10.0, floor: 10.0, ground: 10.0, absolute: 1e-9, relative: 0.0 };
+        let ask = DistanceQuery { needed: 10.0, floor: 10.0, ground: 10.0, absolute: 1e-9, relative: 0.0 };
         let free = clearance(&probe, &Pose::from_translation(point), solid, X_WS, ask, &mut DVec3::ZERO.clone());
         if free - distance.max(0.0) < 1e-6 {
             return Some(point - way * (-distance).max(0.0));

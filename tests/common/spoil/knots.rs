@@ -6,7 +6,7 @@ use crate::every_answer::solve::Answer;
 use crate::random_scene::draw::Draw;
 use foliate::components::Pose;
 use foliate::components::path::Segment;
-use foliate::kernels::collision::{Ask, Solid, clearance};
+use foliate::kernels::collision::{DistanceQuery, Solid, clearance};
 use foliate::kernels::kinematics::Kinematics;
 use foliate::path_file::PathFile;
 use foliate::scene::coordinate_names;
@@ -77,7 +77,7 @@ fn look(answer: &Answer, segment: &Segment, knots: &[Vec<f64>], most: f64, mut s
     let Ok(pairs) = pairs_of(answer) else { return };
     let solids: Vec<Solid> = robot.shapes.iter().map(|shape| Solid::of(&shape.geometry)).collect();
     let places = Places::new(robot, &kinematics, segment);
-    let ask = Ask { needed: most, floor: most, ground: most, absolute: 1e-9, relative: 0.0 };
+    let ask = DistanceQuery { needed: most, floor: most, ground: most, absolute: 1e-9, relative: 0.0 };
     for ends in knots.windows(2) {
         for step in 0..=60 {
             let X_WJ: Vec<Pose> = places.at(&ends[0], &ends[1], f64::from(step) / 60.0);

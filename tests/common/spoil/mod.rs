@@ -11,7 +11,7 @@ use crate::random_scene::{Kind as Problem, RandomScene};
 use foliate::check::Kind;
 use foliate::components::Pose;
 use foliate::components::pose::pose_to_array;
-use foliate::kernels::collision::{Ask, Solid, clearance};
+use foliate::kernels::collision::{DistanceQuery, Solid, clearance};
 use foliate::kernels::kinematics::Kinematics;
 use foliate::path_file::{PartEntry, PathFile};
 use glam::DVec3;
@@ -145,7 +145,7 @@ fn meets(answer: &Answer, post: &posts::Post) -> Option<String> {
     let robot = &answer.model.problem.robot;
     let kinematics = Kinematics::new(robot);
     let solids: Vec<Solid> = robot.shapes.iter().map(|shape| Solid::of(&shape.geometry)).collect();
-    let ask = Ask { needed: 1e-4, floor: 1e-4, ground: 1e-4, absolute: 1e-9, relative: 0.0 };
+    let ask = DistanceQuery { needed: 1e-4, floor: 1e-4, ground: 1e-4, absolute: 1e-9, relative: 0.0 };
     for segment in &answer.path.segments {
         let places = Places::new(robot, &kinematics, segment);
         for ends in segment.knots.windows(2) {

@@ -6,7 +6,7 @@ use crate::{Result, scenes};
 use foliate_components::Pose;
 use foliate_components::pose::pose_to_array;
 use foliate_components::robot::shape::{Geometry, Mesh};
-use foliate_kernels::collision::{Ask, Solid, clearance};
+use foliate_kernels::collision::{DistanceQuery, Solid, clearance};
 use glam::{DQuat, DVec3};
 use rand::RngExt;
 use rand::SeedableRng;
@@ -38,7 +38,14 @@ pub(crate) fn measure(size: usize) -> Result<Figure> {
             return Ok(figure);
         };
         for ([(a, X_WA), (b, X_WB)], (distance, collide)) in pairs.iter().zip(theirs) {
-            let ours = clearance(&Solid::of(a), X_WA, &Solid::of(b), X_WB, Ask::exact(1e9), &mut DVec3::ZERO.clone());
+            let ours = clearance(
+                &Solid::of(a),
+                X_WA,
+                &Solid::of(b),
+                X_WB,
+                DistanceQuery::exact(1e9),
+                &mut DVec3::ZERO.clone(),
+            );
             if collide {
                 overlaps += 1;
                 disagreements += u64::from(ours > AGREE);

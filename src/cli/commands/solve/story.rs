@@ -1,7 +1,7 @@
 //! A path in plain words: which state is entered, who picks up what, where it is put down, what is opened how far.
 
 use foliate::components::path::{Attachment, ManipulationPath, Segment};
-use foliate::components::robot::{GripperIndex, HandleIndex, JointIndex, Motion, Robot, Source};
+use foliate::components::robot::{GripperIndex, HandleIndex, JointIndex, JointType, Robot, Source};
 use foliate::systems::planning_model::Model;
 use std::fmt::Write;
 
@@ -88,7 +88,7 @@ fn held(robot: &Robot, object: JointIndex, handle: HandleIndex, knot: &[f64]) ->
 }
 
 fn floats(robot: &Robot, object: JointIndex) -> bool {
-    matches!(robot.joints[object.at()].motion, Motion::FreeFlyer)
+    matches!(robot.joints[object.at()].motion, JointType::FreeFlyer)
 }
 
 fn part_name(robot: &Robot, object: JointIndex) -> &str {

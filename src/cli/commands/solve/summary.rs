@@ -5,7 +5,7 @@ use crate::cli::commands::solve::{coverage, story};
 use foliate::components::outcome::{Rejection, SearchOutcome};
 use foliate::components::robot::ShapeIndex;
 use foliate::scene::Scene;
-use foliate::systems::schedulers::portfolio::WorldCount;
+use foliate::systems::schedulers::portfolio::MemberCount;
 use foliate::systems::search::path_clearance::PathClearance;
 use foliate::{FunnelRow, Solution};
 use std::fmt::Write;
@@ -57,7 +57,7 @@ pub(crate) fn text(loaded: &Loaded<'_>, solution: &Solution) -> String {
         graph.transitions.len()
     );
     for world in &report.worlds {
-        let WorldCount { scheduler, answers, counter } = world;
+        let MemberCount { scheduler, answers, counter } = world;
         let what = if *answers { ", answers" } else { "" };
         let (steps, candidates) = (counter.step, counter.candidates);
         let _ = writeln!(out, "    world of {scheduler}: {steps} steps, {candidates} candidates{what}");

@@ -4,7 +4,7 @@ use crate::cli::commands::solve::arguments::SearchArguments;
 use crate::cli::commands::solve::coverage;
 use crate::cli::commands::solve::summary::{Loaded, name};
 use foliate::components::outcome::SearchOutcome;
-use foliate::systems::schedulers::portfolio::WorldCount;
+use foliate::systems::schedulers::portfolio::MemberCount;
 use foliate::{FunnelRow, GoalReport, Solution, StateRow};
 use serde_json::{Value, json};
 
@@ -73,7 +73,7 @@ pub(crate) fn json(loaded: &Loaded<'_>, search: &SearchArguments, solution: &Sol
     })
 }
 
-fn world_json(world: &WorldCount) -> Value {
+fn world_json(world: &MemberCount) -> Value {
     json!({
         "scheduler": world.scheduler,
         "answers": world.answers,

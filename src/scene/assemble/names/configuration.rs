@@ -3,7 +3,7 @@
 use crate::scene::reading::error::{SceneError, did_you_mean, quoted};
 use crate::scene::reading::keys::{Item, Keys};
 use foliate_components::pose::{pose_from_array, pose_to_array};
-use foliate_components::robot::{Joint, JointIndex, Motion, Part, Robot, Source};
+use foliate_components::robot::{Joint, JointIndex, JointType, Part, Robot, Source};
 use std::collections::{HashMap, HashSet};
 
 /// Names of the coordinates in order: `part/joint`, for a free-flyer root `part/x` … `part/qw`, for a planar root
@@ -41,11 +41,11 @@ pub(crate) fn refuse_twins(robot: &Robot, items: &[Item<'_>]) -> Result<(), Scen
     Ok(())
 }
 
-fn axes(motion: Motion) -> &'static [&'static str] {
+fn axes(motion: JointType) -> &'static [&'static str] {
     match motion {
-        Motion::Revolute { .. } | Motion::Prismatic { .. } => &[],
-        Motion::Planar => &["x", "y", "theta"],
-        Motion::FreeFlyer => &["x", "y", "z", "qx", "qy", "qz", "qw"],
+        JointType::Revolute { .. } | JointType::Prismatic { .. } => &[],
+        JointType::Planar => &["x", "y", "theta"],
+        JointType::FreeFlyer => &["x", "y", "z", "qx", "qy", "qz", "qw"],
     }
 }
 
@@ -211,7 +211,7 @@ impl Reader<'_> {
             return Err(item.error(format!("the root of `{}` does not move", part.name)));
         };
         match joint.motion {
-            Motion::Planar => q[i..i + 3].copy_from_slice(&item.array::<3>("x y theta")?),
+            JointType::Planar => q[i..i + 3].copy_from_slice(&item.array::<3>("x y theta")?),
             _ => q[i..i + 7].copy_from_slice(&pose_to_array(&item.pose()?)),
         }
         let size = joint.motion.configuration_size();
@@ -223,7 +223,7 @@ impl Reader<'_> {
     fn normalise(&self, item: &Item<'_>, q: &mut [f64]) -> Result<(), SceneError> {
         for joint in &self.robot.joints {
             let Source::Coordinates { q: i, .. } = joint.source else { continue };
-            if joint.motion != Motion::FreeFlyer {
+            if joint.motion != JointType::FreeFlyer {
                 continue;
             }
             let mut numbers = [0.0; 7];

@@ -1,4 +1,4 @@
-//! Clearance: exact distances, verdicts of configurations, certificates of motions (DESIGN §5.5).
+//! Clearance: exact distances, verdicts of configurations, certificates of motions.
 //!
 //! A [`CollisionScene`] holds what never changes; a [`PairSet`] what matters on one leaf. [`first_collision`] judges one
 //! configuration, [`first_collisions`] many, [`certify_motion`] a straight motion over the continuum and [`certify_polyline`]
@@ -25,7 +25,7 @@ pub use crate::collision::continuous::minimum::{minimum_clearance_along, minimum
 pub use crate::collision::continuous::minimum_settings::{MinimumClearance, MinimumSettings, Nearest};
 pub use crate::collision::continuous::polyline::{PolylineVerdict, certify_polyline};
 pub use crate::collision::continuous::straight::{MotionVerdict, certify_motion};
-pub use crate::collision::convex::gjk::Ask;
+pub use crate::collision::convex::gjk::DistanceQuery;
 pub use crate::collision::discrete::many::{Verdicts, first_collisions, open_to_bounds};
 pub use crate::collision::discrete::one::{all_collisions, first_collision, min_clearance, rigid_collisions};
 pub use crate::collision::distance::query::clearance;
@@ -35,5 +35,5 @@ pub use crate::collision::scene::adjacent::{adjacent_links, adjacent_links_while
 pub use crate::collision::scene::collision_scene::{CollisionScene, Pair, PairId};
 pub use crate::collision::scene::pair_filter::PairRule;
 pub use crate::collision::scene::pair_query::{Contact, contained, pair_clearance, surely_colliding};
-pub use crate::collision::scene::pair_set::{PairSet, Tie};
+pub use crate::collision::scene::pair_set::{PairSet, RigidPair};
 pub use crate::collision::solids::solid::Solid;

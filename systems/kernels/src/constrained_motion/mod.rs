@@ -27,4 +27,4 @@ pub use crate::constrained_motion::path::settings::{MotionEnd, MotionJob, Motion
 pub use crate::constrained_motion::program::constraint_program::{ConstraintProgram, Deviation};
 pub use crate::constrained_motion::program::error::CompileError;
 pub use crate::constrained_motion::program::scratch::Scratch;
-pub use crate::constrained_motion::rows::rigid_attachment::{CarriageTemplate, Relation};
+pub use crate::constrained_motion::rows::rigid_attachment::{AttachmentTemplate, Relation};

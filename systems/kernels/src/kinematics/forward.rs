@@ -2,12 +2,12 @@
 
 use foliate_components::Pose;
 use foliate_components::robot::configuration::quaternion;
-use foliate_components::robot::{JointIndex, Motion, Robot, Source};
+use foliate_components::robot::{JointIndex, JointType, Robot, Source};
 use glam::{DQuat, DVec3};
 
-/// An object that follows a carrier rigidly: an eliminated variable (`hpp-notes` card C's explicit relative pose).
+/// An object that follows a carrier rigidly: an eliminated variable (HPP's explicit relative pose).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Carriage {
+pub struct RigidAttachment {
     /// Free-flyer root joint of the object.
     pub object: JointIndex,
     /// Body that carries it; `None` where that is the world.
@@ -41,7 +41,7 @@ impl Placement {
 struct Step {
     parent: Option<JointIndex>,
     X_PJ: Pose,
-    motion: Motion,
+    motion: JointType,
     /// First coordinate of the joint itself, or of the joint that it follows.
     q: usize,
     multiplier: f64,
@@ -112,17 +112,17 @@ impl Kinematics {
         }
     }
 
-    /// Moves carried objects to where their carriers take them, in any order of `carriages`. Bodies that hang on an
+    /// Moves carried objects to where their carriers take them, in any order of `rigid_attachments`. Bodies that hang on an
     /// object's root by joints of their own follow. Objects that carry each other in a circle end anywhere.
     ///
     /// # Panics
     /// If a slice is too short.
-    pub fn carry(&self, q: &[f64], carriages: &[Carriage], X_WJ: &mut [Pose]) {
-        for carriage in std::iter::repeat_n(carriages, self.passes(carriages)).flatten() {
-            let object = carriage.object.at();
-            X_WJ[object] = match carriage.carrier {
-                Some(carrier) => X_WJ[carrier.at()] * carriage.X_CO,
-                None => carriage.X_CO,
+    pub fn carry(&self, q: &[f64], rigid_attachments: &[RigidAttachment], X_WJ: &mut [Pose]) {
+        for rigid_attachment in std::iter::repeat_n(rigid_attachments, self.passes(rigid_attachments)).flatten() {
+            let object = rigid_attachment.object.at();
+            X_WJ[object] = match rigid_attachment.carrier {
+                Some(carrier) => X_WJ[carrier.at()] * rigid_attachment.X_CO,
+                None => rigid_attachment.X_CO,
             };
             // An articulated object's own joints stand directly behind its root.
             for index in object + 1..self.steps.len() {
@@ -135,12 +135,12 @@ impl Kinematics {
 
     /// How often to go through carriages: in dependency order, which is the rule, once is enough; otherwise each pass
     /// settles at least one more.
-    pub(crate) fn passes(&self, carriages: &[Carriage]) -> usize {
-        if self.carriers_come_first(carriages) { 1 } else { carriages.len() }
+    pub(crate) fn passes(&self, rigid_attachments: &[RigidAttachment]) -> usize {
+        if self.carriers_come_first(rigid_attachments) { 1 } else { rigid_attachments.len() }
     }
 
     /// Whether no carrier is part of an object that is carried later.
-    fn carriers_come_first(&self, carriages: &[Carriage]) -> bool {
+    fn carriers_come_first(&self, rigid_attachments: &[RigidAttachment]) -> bool {
         let root = |body: JointIndex| {
             let mut body = body;
             while let Some(parent) = self.steps[body.at()].parent {
@@ -148,22 +148,22 @@ impl Kinematics {
             }
             body
         };
-        let late = |(index, carriage): (usize, &Carriage)| {
-            let Some(carrier) = carriage.carrier.map(root) else { return false };
-            carriages[index + 1..].iter().any(|later| later.object == carrier)
+        let late = |(index, rigid_attachment): (usize, &RigidAttachment)| {
+            let Some(carrier) = rigid_attachment.carrier.map(root) else { return false };
+            rigid_attachments[index + 1..].iter().any(|later| later.object == carrier)
         };
-        !carriages.iter().enumerate().any(late)
+        !rigid_attachments.iter().enumerate().any(late)
     }
 
     /// Writes the poses of carried objects back into a configuration.
     ///
     /// # Panics
     /// If a slice is too short.
-    pub fn write_back(&self, carriages: &[Carriage], X_WJ: &[Pose], q: &mut [f64]) {
-        for carriage in carriages {
-            let step = &self.steps[carriage.object.at()];
+    pub fn write_back(&self, rigid_attachments: &[RigidAttachment], X_WJ: &[Pose], q: &mut [f64]) {
+        for rigid_attachment in rigid_attachments {
+            let step = &self.steps[rigid_attachment.object.at()];
             // Object roots hang in the world: their coordinates are their pose in the frame of the root joint.
-            let X_JB = step.X_PJ.inverse() * X_WJ[carriage.object.at()];
+            let X_JB = step.X_PJ.inverse() * X_WJ[rigid_attachment.object.at()];
             let old = quaternion(q, step.q);
             let turn = X_JB.rotation.normalize();
             let turn = if turn.dot(old) < 0.0 { -turn } else { turn };
@@ -179,12 +179,12 @@ impl Step {
     fn moved(&self, q: &[f64]) -> Pose {
         let value = |i: usize| self.multiplier * q[self.q + i] + self.offset;
         match self.motion {
-            Motion::Revolute { axis } => Pose::from_rotation(DQuat::from_axis_angle(axis, value(0))),
-            Motion::Prismatic { axis } => Pose::from_translation(axis * value(0)),
-            Motion::Planar => {
+            JointType::Revolute { axis } => Pose::from_rotation(DQuat::from_axis_angle(axis, value(0))),
+            JointType::Prismatic { axis } => Pose::from_translation(axis * value(0)),
+            JointType::Planar => {
                 Pose::from_parts(DVec3::new(q[self.q], q[self.q + 1], 0.0), DQuat::from_rotation_z(q[self.q + 2]))
             }
-            Motion::FreeFlyer => {
+            JointType::FreeFlyer => {
                 Pose::from_parts(DVec3::new(q[self.q], q[self.q + 1], q[self.q + 2]), quaternion(q, self.q))
             }
         }

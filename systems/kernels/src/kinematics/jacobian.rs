@@ -9,7 +9,7 @@
 //! are the joints between it and that foot, not the root.
 
 use foliate_components::Pose;
-use foliate_components::robot::{JointIndex, Motion, Robot, Source};
+use foliate_components::robot::{JointIndex, JointType, Robot, Source};
 use glam::DVec3;
 
 /// The robot's tree with carried objects hung on their carriers.
@@ -69,7 +69,7 @@ impl<'a> AttachmentTree<'a> {
     /// If the robot has no such joint.
     pub fn stand_on(&mut self, foot: JointIndex) -> Option<JointIndex> {
         let root = self.line(foot).last()?;
-        let free = self.robot.joints[root.at()].motion == Motion::FreeFlyer;
+        let free = self.robot.joints[root.at()].motion == JointType::FreeFlyer;
         let stands = free && root != foot && self.standing.is_none() && !self.line(foot).any(|j| self.is_carried(j));
         if !stands {
             return None;
@@ -173,14 +173,14 @@ impl<'a> AttachmentTree<'a> {
             });
         };
         match joint.motion {
-            Motion::Revolute { axis } => push(0, turn(axis)),
-            Motion::Prismatic { axis } => push(0, slide(axis)),
-            Motion::Planar => {
+            JointType::Revolute { axis } => push(0, turn(axis)),
+            JointType::Prismatic { axis } => push(0, slide(axis)),
+            JointType::Planar => {
                 push(0, slide(DVec3::X));
                 push(1, slide(DVec3::Y));
                 push(2, turn(DVec3::Z));
             }
-            Motion::FreeFlyer => {
+            JointType::FreeFlyer => {
                 for (k, axis) in DVec3::AXES.into_iter().enumerate() {
                     push(k, slide(axis));
                     push(k + 3, turn(axis));

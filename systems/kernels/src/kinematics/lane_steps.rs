@@ -8,7 +8,7 @@
 use crate::lanes::geometry::{Rotation, Transform, Vector3};
 use crate::lanes::trigonometry::sin_cos;
 use crate::lanes::vector::Lanes;
-use foliate_components::robot::{Joint, Motion, Robot, Source};
+use foliate_components::robot::{Joint, JointType, Robot, Source};
 use glam::{DMat3, DVec3};
 
 /// Rotations that differ from one with entries 0 and ±1 by no more than this are taken for it: URDF files write π/2 with ten
@@ -89,10 +89,10 @@ impl LaneStep {
         };
         let coordinate = Coordinate { q, multiplier, offset };
         let moving = match joint.motion {
-            Motion::Revolute { axis } => Moving::turn(coordinate, axis),
-            Motion::Prismatic { axis } => Moving::Slide(coordinate, axis),
-            Motion::Planar => Moving::Planar(q),
-            Motion::FreeFlyer => Moving::FreeFlyer(q),
+            JointType::Revolute { axis } => Moving::turn(coordinate, axis),
+            JointType::Prismatic { axis } => Moving::Slide(coordinate, axis),
+            JointType::Planar => Moving::Planar(q),
+            JointType::FreeFlyer => Moving::FreeFlyer(q),
         };
         let X_PJ = joint.parent_from_joint;
         let mounting = Mounting::of(DMat3::from_quat(X_PJ.rotation));

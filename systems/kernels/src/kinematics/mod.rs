@@ -7,7 +7,7 @@ pub(crate) mod lane_jacobian;
 pub(crate) mod lane_steps;
 pub(crate) mod weighted_points;
 
-pub use crate::kinematics::forward::{Carriage, Kinematics, Placement};
+pub use crate::kinematics::forward::{Kinematics, Placement, RigidAttachment};
 pub use crate::kinematics::jacobian::{AttachmentTree, Column, Standing, geometric_jacobian};
 pub use crate::kinematics::lane_forward::LaneKinematics;
 pub(crate) use crate::kinematics::lane_jacobian::LaneColumn;

@@ -11,7 +11,7 @@ use foliate_components::Pose;
 use foliate_components::robot::model::{JointKind, JointModel, LinkModel, Model};
 use foliate_components::robot::shape::{Geometry, Mesh};
 use foliate_components::robot::{DisabledPair, PartKind, PartPlacement, Robot, RootJoint, ShapeIndex};
-use foliate_kernels::collision::{Ask, CollisionScene, PairId, PairRule, pair_clearance};
+use foliate_kernels::collision::{CollisionScene, DistanceQuery, PairId, PairRule, pair_clearance};
 use foliate_kernels::kinematics::Kinematics;
 use glam::{DQuat, DVec3};
 use rand::{Rng, RngExt, SeedableRng};
@@ -291,7 +291,7 @@ pub fn always_colliding(robot: &Robot) -> Vec<DisabledPair> {
         kinematics.forward(&q, &mut X_WJ);
         for (index, hit) in hits.iter_mut().enumerate() {
             let id = PairId(index as u32);
-            let ask = Ask::exact(1e-3);
+            let ask = DistanceQuery::exact(1e-3);
             let mut hint = DVec3::ZERO;
             *hit += i32::from(pair_clearance(&scene, id, &X_WJ, ask, &mut hint) < 1e-3);
         }

@@ -11,7 +11,7 @@ use foliate_components::pose::exp_so3;
 use foliate_components::robot::model::{Inertial, Model};
 use foliate_components::robot::{LinkIndex, PartIndex, PartKind, PartPlacement, Robot, RootJoint, Source};
 use foliate_components::samples::models;
-use foliate_kernels::kinematics::{Carriage, Kinematics};
+use foliate_kernels::kinematics::{Kinematics, RigidAttachment};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -53,19 +53,19 @@ pub fn world() -> Robot {
 }
 
 /// The block in the arm's hand, the lid's box on the block.
-pub fn held(robot: &Robot) -> Vec<Carriage> {
+pub fn held(robot: &Robot) -> Vec<RigidAttachment> {
     let X_CO = Pose::from_parts(DVec3::new(0.1, 0.02, 0.2), exp_so3(DVec3::new(1.0, 0.5, -0.3)));
     let root = |part: &str| robot.joint(&format!("{part}/root_joint")).unwrap();
     vec![
-        Carriage { object: root("block"), carrier: robot.joint("arm/w2"), X_CO },
-        Carriage { object: root("lid"), carrier: Some(root("block")), X_CO },
+        RigidAttachment { object: root("block"), carrier: robot.joint("arm/w2"), X_CO },
+        RigidAttachment { object: root("lid"), carrier: Some(root("block")), X_CO },
     ]
 }
 
-pub fn poses(kinematics: &Kinematics, carriages: &[Carriage], q: &[f64]) -> Vec<Pose> {
+pub fn poses(kinematics: &Kinematics, rigid_attachments: &[RigidAttachment], q: &[f64]) -> Vec<Pose> {
     let mut X_WJ = vec![Pose::identity(); kinematics.bodies()];
     kinematics.forward(q, &mut X_WJ);
-    kinematics.carry(q, carriages, &mut X_WJ);
+    kinematics.carry(q, rigid_attachments, &mut X_WJ);
     X_WJ
 }
 

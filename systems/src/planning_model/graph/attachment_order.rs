@@ -9,7 +9,7 @@ use foliate_components::Pose;
 use foliate_components::constraint::{Frame, Grasp, Mask, MaskError};
 use foliate_components::graph::{ConstraintGraph, ConstraintId, ConstraintKind};
 use foliate_components::problem::{ObjectOptions, Problem};
-use foliate_components::robot::{GripperIndex, HandleIndex, JointIndex, Motion, PartIndex, Robot, RootJoint};
+use foliate_components::robot::{GripperIndex, HandleIndex, JointIndex, JointType, PartIndex, Robot, RootJoint};
 use glam::DQuat;
 
 /// The carriers of a state's objects.
@@ -182,9 +182,9 @@ fn seen_from(problem: &Problem, frame: Frame, root: JointIndex) -> Option<Frame>
         let locked = problem.graph.locked.iter().find(|&&(locked, _)| locked == joint).map(|&(_, value)| value);
         let value = locked.or_else(|| record.is_immovable().then(|| record.lower[0]))?;
         let moved = match record.motion {
-            Motion::Revolute { axis } => Pose::from_rotation(DQuat::from_axis_angle(axis, value)),
-            Motion::Prismatic { axis } => Pose::from_translation(axis * value),
-            Motion::Planar | Motion::FreeFlyer => return None,
+            JointType::Revolute { axis } => Pose::from_rotation(DQuat::from_axis_angle(axis, value)),
+            JointType::Prismatic { axis } => Pose::from_translation(axis * value),
+            JointType::Planar | JointType::FreeFlyer => return None,
         };
         pose = record.parent_from_joint * moved * pose;
         joint = record.parent?;
@@ -206,7 +206,7 @@ pub fn solid_grasp(grasp: &Grasp) -> (Option<JointIndex>, Pose) {
 
 /// The pose of an object's root in its carrier, from the poses of all bodies.
 #[must_use]
-pub fn hanging(object: JointIndex, carrier: Option<JointIndex>, X_WJ: &[Pose]) -> Pose {
+pub fn pose_on_carrier(object: JointIndex, carrier: Option<JointIndex>, X_WJ: &[Pose]) -> Pose {
     match carrier {
         Some(carrier) => X_WJ[carrier.at()].inverse() * X_WJ[object.at()],
         None => X_WJ[object.at()],

@@ -17,7 +17,7 @@
 
 use crate::planning_model::graph::attachment_order::Chain;
 use crate::planning_model::graph::checks::{GraphError, MOST_SETS, MOST_STATES, check};
-use crate::planning_model::graph::state_keys::{Case, Cases, Documents, Grasps, grasp_sets, handles};
+use crate::planning_model::graph::state_keys::{Documents, Grasps, StateKey, StateKeys, grasp_sets, handles};
 use crate::planning_model::graph::transitions::{Change, led_to, leg, loop_transition, reverse_of};
 use foliate_components::graph::{
     ConstraintGraph, ConstraintId, ConstraintKind, GraphConstraint, Leg, State, StateId, Transition, TransitionKind,
@@ -35,7 +35,8 @@ pub fn build_constraint_graph(problem: &Problem) -> Result<ConstraintGraph, Grap
     let documents = Documents::new(problem)?;
     let mut graph = ConstraintGraph::new(problem.graph.objects.clone());
     let mut census = Census::default();
-    let mut builder = Builder { cases: Cases::new(problem, &documents), graph: &mut graph, census: &mut census };
+    let mut builder =
+        Builder { state_keys: StateKeys::new(problem, &documents), graph: &mut graph, census: &mut census };
     let too_many = || GraphError::TooManyStates {
         grippers: problem.graph.grippers.len(),
         handles: handles(&problem.graph).count(),
@@ -57,14 +58,14 @@ pub fn build_constraint_graph(problem: &Problem) -> Result<ConstraintGraph, Grap
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Census {
     pub constraint_ids: HashMap<ConstraintKind, ConstraintId>,
-    pub state_ids: HashMap<Arc<Case>, StateId>,
+    pub state_ids: HashMap<Arc<StateKey>, StateId>,
     /// By state.
-    pub cases: Vec<Arc<Case>>,
+    pub state_keys: Vec<Arc<StateKey>>,
 }
 
 /// Adds to a graph.
 pub(crate) struct Builder<'a> {
-    pub cases: Cases<'a>,
+    pub state_keys: StateKeys<'a>,
     pub graph: &'a mut ConstraintGraph,
     pub census: &'a mut Census,
 }
@@ -73,49 +74,49 @@ impl Builder<'_> {
     /// P1 Algorithm 1, MAKESTATE, for each of the problem's own states and each way to lie; `None` where the graph gets too
     /// large to be whole.
     fn make_states(&mut self, grasps: &Grasps) -> Option<()> {
-        let ways = self.cases.ways_to_lie(grasps, |_, _| true, MOST_STATES)?;
-        for written in 0..self.cases.options.states.len().max(1) {
+        let ways = self.state_keys.ways_to_lie(grasps, |_, _| true, MOST_STATES)?;
+        for written in 0..self.state_keys.options.states.len().max(1) {
             for lying in &ways {
                 if self.graph.states.len() >= MOST_STATES {
                     return None;
                 }
-                self.make_state(Case { written, grasps: grasps.clone(), lying: lying.clone() });
+                self.make_state(StateKey { written, grasps: grasps.clone(), lying: lying.clone() });
             }
         }
         Some(())
     }
 
-    fn make_state(&mut self, case: Case) -> StateId {
-        let kinds = self.cases.manifold(&case);
+    fn make_state(&mut self, key: StateKey) -> StateId {
+        let kinds = self.state_keys.manifold(&key);
         let manifold: Vec<_> = kinds.into_iter().map(|kind| self.constraint(kind)).collect();
         let foliation = manifold.iter().copied().filter(|&c| self.graph.constraint(c).foliates).collect();
         let id = self.graph.add_state(State {
-            name: self.cases.state_name(&case),
-            written: (!self.cases.options.states.is_empty()).then_some(case.written as u32),
-            grasps: case.grasps.clone(),
+            name: self.state_keys.state_name(&key),
+            written: (!self.state_keys.options.states.is_empty()).then_some(key.written as u32),
+            grasps: key.grasps.clone(),
             manifold,
             foliation,
-            priority: case.grasps.len() as u32,
+            priority: key.grasps.len() as u32,
         });
-        let case = Arc::new(case);
-        self.census.state_ids.insert(Arc::clone(&case), id);
-        self.census.cases.push(case);
+        let key = Arc::new(key);
+        self.census.state_ids.insert(Arc::clone(&key), id);
+        self.census.state_keys.push(key);
         id
     }
 
     /// The state of a case. In a lazy graph it comes into being, if it is allowed.
-    pub fn state(&mut self, case: Case) -> Option<StateId> {
-        if let Some(&id) = self.census.state_ids.get(&case) {
+    pub fn state(&mut self, key: StateKey) -> Option<StateId> {
+        if let Some(&id) = self.census.state_ids.get(&key) {
             return Some(id);
         }
-        (self.graph.lazy && self.cases.are_allowed(&case.grasps)).then(|| self.make_state(case))
+        (self.graph.lazy && self.state_keys.are_allowed(&key.grasps)).then(|| self.make_state(key))
     }
 
     fn constraint(&mut self, kind: ConstraintKind) -> ConstraintId {
         if let Some(&id) = self.census.constraint_ids.get(&kind) {
             return id;
         }
-        let (name, foliates) = self.cases.describe(kind);
+        let (name, foliates) = self.state_keys.describe(kind);
         let id = ConstraintId(self.graph.constraints.len() as u32);
         self.graph.constraints.push(GraphConstraint { name, kind, foliates });
         self.census.constraint_ids.insert(kind, id);
@@ -124,63 +125,63 @@ impl Builder<'_> {
 
     /// P1 Algorithm 1, lines 11-16 and MAKETRANSITIONS: all that leaves a state.
     pub fn make_transitions(&mut self, state: StateId) {
-        let here = self.cases.abbreviation(&self.census.cases[state.at()]);
+        let here = self.state_keys.abbreviation(&self.census.state_keys[state.at()]);
         let mut leaving = vec![loop_transition(state, &here)];
         for change in self.changes_at(state) {
             leaving.extend(self.transitions_of(state, &here, change));
         }
-        for written in &self.cases.options.transitions {
+        for written in &self.state_keys.options.transitions {
             leaving.extend(self.written_transitions(state, &here, written));
         }
-        // Loops explore the leaf that a tree is on; one in eight extensions is enough (measured, see ARCHITECTURE).
+        // Loops explore the leaf that a tree is on; one in eight extensions is enough.
         let others: f64 = leaving[1..].iter().map(|t| t.weight).sum();
         leaving[0].weight = if others > 0.0 { others / 7.0 } else { 1.0 };
         self.graph.add_leaving(state, leaving);
     }
 
-    fn case(&self, state: StateId) -> Arc<Case> {
-        Arc::clone(&self.census.cases[state.at()])
+    fn key(&self, state: StateId) -> Arc<StateKey> {
+        Arc::clone(&self.census.state_keys[state.at()])
     }
 
     /// Every grasp that can be made or released from a state, with every way to lie of what is let go.
     fn changes_at(&mut self, state: StateId) -> Vec<Change> {
-        let (cases, case) = (self.cases, self.case(state));
-        let held = cases.held(&case.grasps);
+        let (state_keys, key) = (self.state_keys, self.key(state));
+        let held = state_keys.held(&key.grasps);
         let mut changes = Vec::new();
-        for &gripper in &cases.options.grippers {
-            if let Some(&(_, handle)) = case.grasps.iter().find(|&&(g, _)| g == gripper) {
-                let fewer: Grasps = case.grasps.iter().copied().filter(|&(g, _)| g != gripper).collect();
-                let without = self.states_with((&case, &held), &fewer);
+        for &gripper in &state_keys.options.grippers {
+            if let Some(&(_, handle)) = key.grasps.iter().find(|&&(g, _)| g == gripper) {
+                let fewer: Grasps = key.grasps.iter().copied().filter(|&(g, _)| g != gripper).collect();
+                let without = self.states_with((&key, &held), &fewer);
                 changes.extend(without.into_iter().map(|without| Change { gripper, handle, without, with: state }));
                 continue;
             }
-            for handle in handles(cases.options) {
-                let more = cases.sorted_with(&case.grasps, gripper, handle);
-                if !cases.are_allowed(&more) {
+            for handle in handles(state_keys.options) {
+                let more = state_keys.sorted_with(&key.grasps, gripper, handle);
+                if !state_keys.are_allowed(&more) {
                     continue;
                 }
-                let with = self.states_with((&case, &held), &more);
+                let with = self.states_with((&key, &held), &more);
                 changes.extend(with.into_iter().map(|with| Change { gripper, handle, without: state, with }));
             }
         }
         changes
     }
 
-    /// The states with other grasps in which what lies in `case` and lies still, lies where it did; with what is held in it.
-    fn states_with(&mut self, (case, before): (&Case, &Chain<'_>), grasps: &Grasps) -> Vec<StateId> {
-        let lies_there = |object: usize, body| before.is_carried(object) || case.lying[object] == body;
-        let ways = self.cases.ways_to_lie(grasps, lies_there, MOST_STATES).unwrap_or_default();
-        let case = |lying| Case { written: case.written, grasps: grasps.clone(), lying };
-        ways.into_iter().filter_map(|lying| self.state(case(lying))).collect()
+    /// The states with other grasps in which what lies in `key` and lies still, lies where it did; with what is held in it.
+    fn states_with(&mut self, (key, before): (&StateKey, &Chain<'_>), grasps: &Grasps) -> Vec<StateId> {
+        let lies_there = |object: usize, body| before.is_carried(object) || key.lying[object] == body;
+        let ways = self.state_keys.ways_to_lie(grasps, lies_there, MOST_STATES).unwrap_or_default();
+        let key = |lying| StateKey { written: key.written, grasps: grasps.clone(), lying };
+        ways.into_iter().filter_map(|lying| self.state(key(lying))).collect()
     }
 
     /// The regular transition of a change as seen from `from`, and its crossed twin where the target's foliation adds rows.
     fn transitions_of(&mut self, from: StateId, here: &str, change: Change) -> Vec<Transition> {
         let grasping = from == change.without;
         let (to, sign) = if grasping { (change.with, '>') } else { (change.without, '<') };
-        let robot = self.cases.robot;
+        let robot = self.state_keys.robot;
         let (gripper, handle) = (&robot.grippers[change.gripper.at()].name, &robot.handles[change.handle.at()].name);
-        let name = match self.cases.lying_name(&self.case(change.without), Some(&self.case(change.with))) {
+        let name = match self.state_keys.lying_name(&self.key(change.without), Some(&self.key(change.with))) {
             lying if lying.is_empty() || grasping => format!("{gripper} {sign} {handle} | {here}"),
             lying => format!("{gripper} {sign} {handle}, {} | {here}", lying.join(", ")),
         };
@@ -190,11 +191,11 @@ impl Builder<'_> {
 
     /// A transition of the problem's own with the grasps of a state, and its crossed twin.
     fn written_transitions(&mut self, from: StateId, here: &str, written: &WrittenTransition) -> Vec<Transition> {
-        let case = self.case(from);
-        if case.written != written.from as usize {
+        let key = self.key(from);
+        if key.written != written.from as usize {
             return Vec::new();
         }
-        let mut at = |number: u32| self.state(Case { written: number as usize, ..Case::clone(&case) });
+        let mut at = |number: u32| self.state(StateKey { written: number as usize, ..StateKey::clone(&key) });
         let (Some(to), Some(within)) =
             (at(written.to), written.legs.iter().map(|leg| at(leg.within)).collect::<Option<Vec<_>>>())
         else {
@@ -277,7 +278,7 @@ impl Builder<'_> {
     fn grasping_legs(&mut self, name: &str, change: Change) -> Vec<Leg> {
         let Change { gripper, handle, without, with } = change;
         let mut legs = Vec::new();
-        if self.cases.has_pregrasp(gripper, handle) {
+        if self.state_keys.has_pregrasp(gripper, handle) {
             let target = vec![self.constraint(ConstraintKind::Pregrasp { gripper, handle })];
             legs.push(leg(name, "01", without, target, false));
         }
@@ -303,7 +304,7 @@ impl Builder<'_> {
             legs.push(leg(name, "32", with, lost, !legs.is_empty()));
         }
         // Where another hand keeps the object, this one only backs off: random motion belongs to the loop of that state.
-        if self.cases.has_pregrasp(gripper, handle) {
+        if self.state_keys.has_pregrasp(gripper, handle) {
             let target = vec![self.constraint(ConstraintKind::Pregrasp { gripper, handle })];
             legs.push(leg(name, "21", without, target, true));
         } else if stays {
@@ -314,7 +315,7 @@ impl Builder<'_> {
 
     /// The pre-placements of those of the constraints that are placements.
     fn lifted(&mut self, constraints: &[ConstraintId]) -> Vec<ConstraintId> {
-        if self.cases.options.preplacement_distance <= 0.0 {
+        if self.state_keys.options.preplacement_distance <= 0.0 {
             return Vec::new();
         }
         let placed = constraints.iter().filter_map(|&c| match self.graph.constraint(c).kind {

@@ -7,7 +7,7 @@
 
 use crate::planning_model::graph::checks::{GraphError, check};
 use crate::planning_model::graph::enumeration::{Builder, Census};
-use crate::planning_model::graph::state_keys::{Case, Cases, Documents, grasp_sets, handles};
+use crate::planning_model::graph::state_keys::{Documents, StateKey, StateKeys, grasp_sets, handles};
 use foliate_components::constraint::Grasp;
 use foliate_components::graph::{ConstraintGraph, ConstraintKind, StateId};
 use foliate_components::problem::Problem;
@@ -22,12 +22,12 @@ const MOST_READINGS: usize = 20_000;
 
 /// What a lazy graph grows from.
 #[derive(Clone, Debug)]
-pub(crate) struct Growth {
+pub(crate) struct LazyGraph {
     documents: Arc<Documents>,
     census: Census,
 }
 
-impl Growth {
+impl LazyGraph {
     /// A graph without states, and what it grows from.
     ///
     /// # Errors
@@ -53,13 +53,13 @@ impl Growth {
     }
 
     /// The state of a case, where it has come into being.
-    pub fn known(&self, case: &Case) -> Option<StateId> {
-        self.census.state_ids.get(case).copied()
+    pub fn known(&self, key: &StateKey) -> Option<StateId> {
+        self.census.state_ids.get(key).copied()
     }
 
     /// Makes a state come into being; `None` where it is not allowed.
-    pub fn reach(&mut self, problem: &Problem, graph: &mut ConstraintGraph, case: Case) -> Option<StateId> {
-        self.builder(problem, graph, |builder| builder.state(case))
+    pub fn reach(&mut self, problem: &Problem, graph: &mut ConstraintGraph, key: StateKey) -> Option<StateId> {
+        self.builder(problem, graph, |builder| builder.state(key))
     }
 
     /// Gives a state its transitions, and existence to its neighbours.
@@ -79,13 +79,13 @@ impl Growth {
         graph: &mut ConstraintGraph,
         build: impl FnOnce(&mut Builder<'_>) -> R,
     ) -> R {
-        let cases = Cases::new(problem, &self.documents);
-        build(&mut Builder { cases, graph, census: &mut self.census })
+        let state_keys = StateKeys::new(problem, &self.documents);
+        build(&mut Builder { state_keys, graph, census: &mut self.census })
     }
 
     /// The case with most grasps of which everything `holds`; among equals the first in the order of the whole graph.
-    pub fn case_where(&self, problem: &Problem, holds: impl Fn(ConstraintKind) -> bool) -> Option<Case> {
-        let cases = Cases::new(problem, &self.documents);
+    pub fn key_where(&self, problem: &Problem, holds: impl Fn(ConstraintKind) -> bool) -> Option<StateKey> {
+        let state_keys = StateKeys::new(problem, &self.documents);
         let grasped = |gripper, handle| holds(ConstraintKind::Grasp { gripper, handle });
         let pairs: Vec<_> = (problem.graph.grippers.iter())
             .flat_map(|&g| handles(&problem.graph).map(move |h| (g, h)))
@@ -94,14 +94,14 @@ impl Growth {
         let mut sets = grasp_sets(&problem.graph, |g, h| pairs.contains(&(g, h)), MOST_READINGS)?;
         // Stable: among sets of one size the order stays.
         sets.sort_by_key(|grasps| std::cmp::Reverse(grasps.len()));
-        let lies = |object: usize, body: Option<JointIndex>| holds(cases.resting_constraint(object, body));
+        let lies = |object: usize, body: Option<JointIndex>| holds(state_keys.resting_constraint(object, body));
         for grasps in sets {
-            let ways = cases.ways_to_lie(&grasps, lies, MOST_READINGS)?;
+            let ways = state_keys.ways_to_lie(&grasps, lies, MOST_READINGS)?;
             for written in 0..problem.graph.states.len().max(1) {
                 for lying in &ways {
-                    let case = Case { written, grasps: grasps.clone(), lying: lying.clone() };
-                    if cases.manifold(&case).into_iter().all(&holds) {
-                        return Some(case);
+                    let key = StateKey { written, grasps: grasps.clone(), lying: lying.clone() };
+                    if state_keys.manifold(&key).into_iter().all(&holds) {
+                        return Some(key);
                     }
                 }
             }
@@ -116,15 +116,15 @@ impl Growth {
         problem: &Problem,
         residual: impl Fn(ConstraintKind) -> f64,
     ) -> Option<(String, String, f64)> {
-        let cases = Cases::new(problem, &self.documents);
+        let state_keys = StateKeys::new(problem, &self.documents);
         let nearest = |(object, bodies): (usize, &Vec<Option<JointIndex>>)| {
-            let apart = |&body: &Option<JointIndex>| residual(cases.resting_constraint(object, body));
+            let apart = |&body: &Option<JointIndex>| residual(state_keys.resting_constraint(object, body));
             bodies.iter().copied().min_by(|a, b| apart(a).total_cmp(&apart(b))).flatten()
         };
         let lying = self.documents.bodies.iter().enumerate().map(nearest).collect();
-        let case = Case { written: 0, grasps: Vec::new(), lying };
-        let all = cases.manifold(&case).into_iter().map(|kind| (kind, residual(kind)));
+        let key = StateKey { written: 0, grasps: Vec::new(), lying };
+        let all = state_keys.manifold(&key).into_iter().map(|kind| (kind, residual(kind)));
         let (kind, worst) = all.max_by(|a, b| a.1.total_cmp(&b.1))?;
-        Some((cases.describe(kind).0, cases.state_name(&case), worst))
+        Some((state_keys.describe(kind).0, state_keys.state_name(&key), worst))
     }
 }

@@ -18,7 +18,7 @@ pub(crate) type Lying = Vec<Option<JointIndex>>;
 
 /// What tells states apart.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct Case {
+pub(crate) struct StateKey {
     /// Number of the problem's own state; 0 where there are none.
     pub written: usize,
     pub grasps: Grasps,
@@ -108,13 +108,13 @@ fn rules_allow(options: &GraphOptions, grasps: &Grasps) -> bool {
 
 /// A problem and its documents, to be asked.
 #[derive(Clone, Copy)]
-pub(crate) struct Cases<'a> {
+pub(crate) struct StateKeys<'a> {
     pub robot: &'a Robot,
     pub options: &'a GraphOptions,
     pub documents: &'a Documents,
 }
 
-impl<'a> Cases<'a> {
+impl<'a> StateKeys<'a> {
     pub fn new(problem: &'a Problem, documents: &'a Documents) -> Self {
         Self { robot: &problem.robot, options: &problem.graph, documents }
     }
@@ -172,21 +172,21 @@ impl<'a> Cases<'a> {
     }
 
     /// What holds everywhere in a state, each constraint once.
-    pub fn manifold(&self, case: &Case) -> Vec<ConstraintKind> {
-        let held = self.held(&case.grasps);
+    pub fn manifold(&self, key: &StateKey) -> Vec<ConstraintKind> {
+        let held = self.held(&key.grasps);
         let mut manifold = Vec::new();
         for object in 0..self.options.objects.len() {
             if self.root(object).is_some() && !held.is_carried(object) {
-                manifold.push(self.resting_constraint(object, case.lying[object]));
+                manifold.push(self.resting_constraint(object, key.lying[object]));
             }
         }
-        manifold.extend(case.grasps.iter().map(|&(gripper, handle)| ConstraintKind::Grasp { gripper, handle }));
+        manifold.extend(key.grasps.iter().map(|&(gripper, handle)| ConstraintKind::Grasp { gripper, handle }));
         for joint in 0..self.options.resting_joints.len() {
-            if !self.is_let_go(joint, &case.grasps) {
+            if !self.is_let_go(joint, &key.grasps) {
                 manifold.push(ConstraintKind::JointRest { joint: joint as u32 });
             }
         }
-        let own = self.options.states.get(case.written).map_or(&[][..], |state| &state.constraints);
+        let own = self.options.states.get(key.written).map_or(&[][..], |state| &state.constraints);
         for &constraint in self.options.everywhere.iter().chain(own) {
             let given = ConstraintKind::Given { constraint };
             if !manifold.contains(&given) {
@@ -282,43 +282,42 @@ impl<'a> Cases<'a> {
         }
     }
 
-    pub fn state_name(&self, case: &Case) -> String {
+    pub fn state_name(&self, key: &StateKey) -> String {
         let grasp = |&(g, h): &(GripperIndex, HandleIndex)| {
             format!("{} grasps {}", self.robot.grippers[g.at()].name, self.robot.handles[h.at()].name)
         };
-        let written = self.options.states.get(case.written).map(|state| state.name.clone());
-        let mut words: Vec<String> = written.into_iter().chain(case.grasps.iter().map(grasp)).collect();
+        let written = self.options.states.get(key.written).map(|state| state.name.clone());
+        let mut words: Vec<String> = written.into_iter().chain(key.grasps.iter().map(grasp)).collect();
         if words.is_empty() {
             words.push("free".into());
         }
-        words.extend(self.lying_name(case, None));
+        words.extend(self.lying_name(key, None));
         words.join(" : ")
     }
 
     /// `lid on box` for every object that lies on a body which moves, and not in the other case.
-    pub fn lying_name(&self, case: &Case, other: Option<&Case>) -> Vec<String> {
+    pub fn lying_name(&self, key: &StateKey, other: Option<&StateKey>) -> Vec<String> {
         let lies = |object: usize| {
-            let body =
-                case.lying[object].filter(|_| other.is_none_or(|other| other.lying[object] != case.lying[object]));
+            let body = key.lying[object].filter(|_| other.is_none_or(|other| other.lying[object] != key.lying[object]));
             body.map(|body| format!("{} on {}", self.object_name(object), self.body_name(body)))
         };
-        (0..case.lying.len()).filter_map(lies).collect()
+        (0..key.lying.len()).filter_map(lies).collect()
     }
 
     /// HPP's short names: `0-1:1-0` for gripper 0 on handle 1 and gripper 1 on handle 0, `f` for free.
-    pub fn abbreviation(&self, case: &Case) -> String {
+    pub fn abbreviation(&self, key: &StateKey) -> String {
         let short = |&(gripper, handle): &(GripperIndex, HandleIndex)| {
             let g = self.options.grippers.iter().position(|&x| x == gripper).unwrap_or_default();
             let h = handles(self.options).position(|x| x == handle).unwrap_or_default();
             format!("{g}-{h}")
         };
-        let grasps = case.grasps.iter().map(short).collect::<Vec<_>>().join(":");
-        let written = self.options.states.get(case.written).map(|state| state.name.clone());
+        let grasps = key.grasps.iter().map(short).collect::<Vec<_>>().join(":");
+        let written = self.options.states.get(key.written).map(|state| state.name.clone());
         let mut words: Vec<String> = written.into_iter().chain((!grasps.is_empty()).then_some(grasps)).collect();
         if words.is_empty() {
             words.push("f".into());
         }
-        words.extend(self.lying_name(case, None));
+        words.extend(self.lying_name(key, None));
         words.join(" : ")
     }
 }

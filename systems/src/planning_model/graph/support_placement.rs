@@ -12,7 +12,7 @@ use glam::DVec3;
 
 /// What an object may rest on.
 #[derive(Clone, Debug)]
-pub enum Resting {
+pub enum SupportPlacement {
     /// Its surfaces on supports.
     Surfaces(Placement),
     /// A frame of it on a plane: rows z, rx, ry are zero; x, y, rz are the leaf's.
@@ -26,7 +26,7 @@ pub enum Resting {
 
 /// What an object may rest on, on one body.
 #[derive(Clone, Debug)]
-pub struct RestingPlace {
+pub struct PlacementOnSupport {
     /// The body; `None` for what is fixed in the world.
     pub on: Option<JointIndex>,
     /// The supports on it; empty for a plane.
@@ -34,7 +34,7 @@ pub struct RestingPlace {
     /// What a plane is the top of, where the problem says so: the object touches it.
     pub touches: Option<LinkIndex>,
     /// How the object rests there.
-    pub resting: Resting,
+    pub resting: SupportPlacement,
 }
 
 /// The bodies that may carry an object, with their supports: what is fixed in the world first, others in the order in
@@ -67,7 +67,7 @@ pub fn carrying_bodies(
     bodies
 }
 
-impl RestingPlace {
+impl PlacementOnSupport {
     /// Reads an object's documents; empty where it has neither surfaces nor a plane.
     ///
     /// # Errors
@@ -76,19 +76,19 @@ impl RestingPlace {
         if let Some(plane) = &object.plane {
             let root = robot.parts[object.part.at()].root_link;
             let frame = Frame::on_link(robot, root, &plane.object_from_frame);
-            let resting = Resting::Plane { plane: Frame::world(plane.world_from_plane), frame };
+            let resting = SupportPlacement::Plane { plane: Frame::world(plane.world_from_plane), frame };
             return Ok(vec![Self { on: None, supports: Vec::new(), touches: plane.on, resting }]);
         }
         let place = |(on, supports): (Option<JointIndex>, Vec<SurfaceIndex>)| {
             let placement = Placement::new(robot, &object.surfaces, &supports, options.placement_margin);
             let placement = placement.map_err(|e| e.to_string())?;
-            Ok(Self { on, supports, touches: None, resting: Resting::Surfaces(placement) })
+            Ok(Self { on, supports, touches: None, resting: SupportPlacement::Surfaces(placement) })
         };
         carrying_bodies(robot, options, object).into_iter().map(place).collect()
     }
 }
 
-impl Resting {
+impl SupportPlacement {
     /// The constraint to rest, or to be lifted by `lift` metres along the support's normal.
     #[must_use]
     pub fn constraint(&self, lift: f64) -> Constraint {

@@ -3,7 +3,7 @@
 use crate::events::{EventSink, SearchEvent, StopSignal};
 use crate::exploration::roots::Ending;
 use crate::schedule::StepCounter;
-use crate::schedulers::portfolio::members::{WorldCounts, Worlds};
+use crate::schedulers::portfolio::members::{MemberCounts, PortfolioMembers};
 use crate::search::session::{AnswerIn, Search};
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Res, ResMut, World};
@@ -15,13 +15,13 @@ use foliate_components::outcome::SearchOutcome;
 pub fn conclude(
     settings: Res<'_, SearchSettings>,
     stop: Res<'_, StopSignal>,
-    worlds: Res<'_, Worlds>,
+    portfolio_members: Res<'_, PortfolioMembers>,
     mut counter: ResMut<'_, StepCounter>,
     mut ending: ResMut<'_, Ending>,
 ) {
-    *counter = worlds.counts().iter().map(|count| count.counter).sum();
-    let nodes: usize = worlds.searches().map(|search| search.roadmap().nodes().len()).sum();
-    let bytes: u64 = worlds.searches().map(Search::bytes).sum();
+    *counter = portfolio_members.counts().iter().map(|count| count.counter).sum();
+    let nodes: usize = portfolio_members.searches().map(|search| search.roadmap().nodes().len()).sum();
+    let bytes: u64 = portfolio_members.searches().map(Search::bytes).sum();
     // A world that was stopped in the middle of a step might have been the one to answer.
     ending.0 = if stop.token.is_cancelled() {
         Some(SearchOutcome::Cancelled)
@@ -29,14 +29,14 @@ pub fn conclude(
         Some(SearchOutcome::MemoryLimit)
     } else if stop.is_raised() {
         Some(SearchOutcome::Timeout)
-    } else if worlds.winner().is_some() {
+    } else if portfolio_members.winner().is_some() {
         Some(SearchOutcome::Solved)
     } else if nodes >= settings.max_nodes || bytes >= settings.max_bytes {
         Some(SearchOutcome::MemoryLimit)
     } else if settings.max_steps > 0 && counter.step >= settings.max_steps {
         Some(SearchOutcome::StepLimit)
-    } else if worlds.running.iter().all(|running| running.has_ended()) {
-        worlds.searches().next().and_then(|first| first.ending().cloned())
+    } else if portfolio_members.running.iter().all(|running| running.has_ended()) {
+        portfolio_members.searches().next().and_then(|first| first.ending().cloned())
     } else {
         None
     };
@@ -47,15 +47,15 @@ pub fn conclude(
 pub fn report_progress(
     counter: Res<'_, StepCounter>,
     ending: Res<'_, Ending>,
-    mut worlds: ResMut<'_, Worlds>,
+    mut portfolio_members: ResMut<'_, PortfolioMembers>,
     mut events: ResMut<'_, EventSink>,
 ) {
     if !events.is_open() {
         return;
     }
-    let leader = worlds.leader();
+    let leader = portfolio_members.leader();
     let mut progress = [0; 3];
-    for (number, running) in worlds.deciding().iter_mut().enumerate() {
+    for (number, running) in portfolio_members.deciding().iter_mut().enumerate() {
         let is_told = |event: &SearchEvent| match event {
             SearchEvent::Rejected { .. } => true,
             SearchEvent::Feedback(_) => number == leader,
@@ -77,13 +77,15 @@ pub fn report_progress(
 /// Once the portfolio has ended, hands over the world that answers: the winner's, or the first where there is none.
 pub fn answer(world: &mut World) {
     let Some(ending) = world.resource::<Ending>().0.clone() else { return };
-    let Some(mut worlds) = world.remove_resource::<Worlds>().filter(|worlds| !worlds.running.is_empty()) else {
+    let Some(mut portfolio_members) =
+        world.remove_resource::<PortfolioMembers>().filter(|portfolio_members| !portfolio_members.running.is_empty())
+    else {
         return;
     };
-    let counts = worlds.counts();
-    let mut answer = worlds.running.swap_remove(worlds.leader()).search.into_world();
+    let counts = portfolio_members.counts();
+    let mut answer = portfolio_members.running.swap_remove(portfolio_members.leader()).search.into_world();
     answer.insert_resource(Ending(Some(ending)));
-    answer.insert_resource(WorldCounts(counts));
+    answer.insert_resource(MemberCounts(counts));
     answer.insert_resource(std::mem::take(&mut *world.resource_mut::<EventSink>()));
     world.insert_resource(AnswerIn(Box::new(answer)));
 }

@@ -88,7 +88,7 @@ impl Running {
 
 /// What one of the worlds has done.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct WorldCount {
+pub struct MemberCount {
     /// Name of its scheduler.
     pub scheduler: &'static str,
     /// Whether roadmap, statistics and path are its own.
@@ -100,18 +100,18 @@ pub struct WorldCount {
 
 /// What all worlds have done; in the world that answers for them.
 #[derive(Clone, Debug, Default, Resource)]
-pub struct WorldCounts(pub Vec<WorldCount>);
+pub struct MemberCounts(pub Vec<MemberCount>);
 
 /// The worlds of a portfolio.
 #[derive(Resource)]
-pub struct Worlds {
+pub struct PortfolioMembers {
     members: Vec<Member>,
     pub(crate) running: Vec<Running>,
     quantum: u64,
     round: u64,
 }
 
-impl Worlds {
+impl PortfolioMembers {
     /// Worlds for these searches, none of which has entered yet. `quantum` is the work of a turn
     /// ([`StepCounter::work`]).
     #[must_use]
@@ -140,9 +140,9 @@ impl Worlds {
         &mut self.running[..count]
     }
 
-    pub(crate) fn counts(&self) -> Vec<WorldCount> {
+    pub(crate) fn counts(&self) -> Vec<MemberCount> {
         let winner = self.winner();
-        let count = |(number, running): (usize, &Running)| WorldCount {
+        let count = |(number, running): (usize, &Running)| MemberCount {
             scheduler: self.members[number].scheduler.name(),
             answers: number == self.leader(),
             counter: if winner.is_some_and(|w| w < number) { running.before } else { running.search.counter() },
@@ -186,35 +186,40 @@ fn understand_each_other(model: &PlanningModel) -> bool {
 
 /// Lets those members enter whose round has come.
 pub fn enter(world: &mut World) {
-    world.resource_scope(|world, mut worlds: Mut<'_, Worlds>| {
-        while worlds.members.get(worlds.running.len()).is_some_and(|member| member.enters <= worlds.round) {
-            worlds.enter(world);
+    world.resource_scope(|world, mut portfolio_members: Mut<'_, PortfolioMembers>| {
+        while portfolio_members
+            .members
+            .get(portfolio_members.running.len())
+            .is_some_and(|member| member.enters <= portfolio_members.round)
+        {
+            portfolio_members.enter(world);
         }
     });
 }
 
 /// One turn of every world. A turn is cut short once a world in front has solved the problem: that one answers.
-pub fn take_turns(mut worlds: ResMut<'_, Worlds>) {
-    let worlds = &mut *worlds;
+pub fn take_turns(mut portfolio_members: ResMut<'_, PortfolioMembers>) {
+    let portfolio_members = &mut *portfolio_members;
     let first_solved = AtomicUsize::new(usize::MAX);
-    worlds.running.par_iter_mut().enumerate().for_each(|(number, running)| {
-        running.take_turn(worlds.quantum, || first_solved.load(Ordering::Relaxed) < number);
+    portfolio_members.running.par_iter_mut().enumerate().for_each(|(number, running)| {
+        running.take_turn(portfolio_members.quantum, || first_solved.load(Ordering::Relaxed) < number);
         if running.has_solved() {
             first_solved.fetch_min(number, Ordering::Relaxed);
         }
     });
-    worlds.round += 1;
+    portfolio_members.round += 1;
 }
 
 /// Empties the worlds' queues, in order, and hands what was in them on to all others that go on.
-pub fn pass_branches(model: Res<'_, PlanningModel>, mut worlds: ResMut<'_, Worlds>) {
-    let is_over = worlds.winner().is_some();
-    for sender in 0..worlds.running.len() {
-        let branches: Vec<_> = worlds.running[sender].queue.try_iter().collect();
+pub fn pass_branches(model: Res<'_, PlanningModel>, mut portfolio_members: ResMut<'_, PortfolioMembers>) {
+    let is_over = portfolio_members.winner().is_some();
+    for sender in 0..portfolio_members.running.len() {
+        let branches: Vec<_> = portfolio_members.running[sender].queue.try_iter().collect();
         if is_over || !understand_each_other(&model) {
             continue;
         }
-        let others = worlds.running.iter_mut().enumerate().filter(|(number, r)| *number != sender && !r.has_ended());
+        let others =
+            portfolio_members.running.iter_mut().enumerate().filter(|(number, r)| *number != sender && !r.has_ended());
         for (_, other) in others {
             branches.iter().for_each(|branch| roadmap_exchange::adopt(other.search.world_mut(), branch));
         }

@@ -15,6 +15,6 @@ pub(crate) mod rooted;
 pub mod scheduler;
 
 pub use crate::schedulers::portfolio::members::{
-    Member, WorldCount, WorldCounts, Worlds, enter, pass_branches, take_turns,
+    Member, MemberCount, MemberCounts, PortfolioMembers, enter, pass_branches, take_turns,
 };
 pub use crate::schedulers::portfolio::scheduler::Portfolio;

@@ -3,7 +3,7 @@
 use crate::schedule::{SearchSet, empty_schedule};
 use crate::schedulers::mrrt::Mrrt;
 use crate::schedulers::portfolio::conclusion;
-use crate::schedulers::portfolio::members::{Member, Worlds, enter, pass_branches, take_turns};
+use crate::schedulers::portfolio::members::{Member, PortfolioMembers, enter, pass_branches, take_turns};
 use crate::schedulers::sequence::scheduler::Sequence;
 use crate::search::scheduler::Scheduler;
 use bevy_ecs::prelude::{IntoScheduleConfigs, Schedule, World};
@@ -40,7 +40,7 @@ impl Scheduler for Portfolio {
     }
 
     fn schedule(&self, world: &mut World) -> Schedule {
-        world.insert_resource(Worlds::new(self.members.clone(), self.quantum));
+        world.insert_resource(PortfolioMembers::new(self.members.clone(), self.quantum));
         let mut schedule = empty_schedule();
         schedule.add_systems((
             (enter, take_turns).chain().before(SearchSet::Commit),

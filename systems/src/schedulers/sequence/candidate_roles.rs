@@ -15,9 +15,9 @@ const FIRST: u64 = 32;
 
 /// A candidate's number among all candidates of the search, in a pool of `pool`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Turn(u64);
+pub struct CandidateRole(u64);
 
-impl Turn {
+impl CandidateRole {
     /// The turn of a candidate in the step to come.
     #[must_use]
     pub fn of(step: &StepCounter, pool: usize, candidate: &Candidate) -> Self {

@@ -1,6 +1,6 @@
 //! Rounds of joining in one step: a motion that fails may leave another sequence whose motions are all untried.
 
-use crate::runtime::system_sequence::InOrder;
+use crate::runtime::system_sequence::SystemSequence;
 use crate::schedule::StepCounter;
 use crate::schedulers::sequence::joining;
 use crate::step::commit;
@@ -9,17 +9,17 @@ use bevy_ecs::error::Result;
 use bevy_ecs::prelude::{Mut, Resource, World};
 
 /// Rounds in a step at most.
-const ROUNDS: usize = 6;
+const MOST_ITERATIONS: usize = 6;
 
 /// The systems of a round.
 #[derive(Resource)]
-pub struct Rounds(InOrder);
+pub struct ConnectIterations(SystemSequence);
 
-impl Default for Rounds {
+impl Default for ConnectIterations {
     fn default() -> Self {
-        Self(InOrder::of((
+        Self(SystemSequence::of((
             joining::propose_joins,
-            joining::foresee_joins,
+            joining::check_ahead,
             connect::certify_connections,
             joining::learn_from_joins,
             commit::commit_connections,
@@ -31,11 +31,11 @@ impl Default for Rounds {
 ///
 /// # Errors
 /// Where a system finds something missing in the world that it asks for.
-pub fn join_in_rounds(world: &mut World) -> Result {
-    world.resource_scope(|world, mut rounds: Mut<'_, Rounds>| {
-        for _ in 0..ROUNDS {
+pub fn join_iteratively(world: &mut World) -> Result {
+    world.resource_scope(|world, mut connect_iterations: Mut<'_, ConnectIterations>| {
+        for _ in 0..MOST_ITERATIONS {
             let before = world.resource::<StepCounter>().connections;
-            rounds.0.run(world)?;
+            connect_iterations.0.run(world)?;
             if world.resource::<StepCounter>().connections == before {
                 break;
             }

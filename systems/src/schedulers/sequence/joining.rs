@@ -1,19 +1,19 @@
 //! Joins the trees that a sequence of transitions needs to hang together: by a straight motion first, then by two trees
 //! that grow towards one another on the leaf.
 
-use crate::exploration::edges::{Connection, Connections, Passages};
+use crate::exploration::edges::{Connection, Connections, UnvalidatedEdges};
 use crate::exploration::entities::NewNodes;
-use crate::exploration::explored::Families;
+use crate::exploration::explored::SearchSides;
 use crate::exploration::roots::Roots;
 use crate::planning_model::model::PlanningModel;
-use crate::runtime::idle_tasks::Errands;
+use crate::runtime::idle_tasks::IdleTasks;
 use crate::runtime::random::{Purpose, stream};
 use crate::schedule::StepCounter;
-use crate::schedulers::sequence::candidate_roles::Turn;
-use crate::schedulers::sequence::lazy_extension::Plantings;
+use crate::schedulers::sequence::candidate_roles::CandidateRole;
+use crate::schedulers::sequence::lazy_extension::LazyExtensions;
 use crate::schedulers::sequence::leaf_graph::{Join, LeafGraph};
 use crate::settings::SearchSettings;
-use crate::step::connection::speculative_checks::Foreseen;
+use crate::step::connection::speculative_checks::SpeculativeChecks;
 use bevy_ecs::prelude::{Query, Res, ResMut, Resource};
 use foliate_components::candidate::{Candidate, CandidateArena};
 use foliate_components::graph::leaf::LeafIndex;
@@ -54,7 +54,7 @@ pub fn grow_joins(
     settings: Res<'_, SearchSettings>,
     step: Res<'_, StepCounter>,
     roadmap: Res<'_, Roadmap>,
-    families: Res<'_, Families>,
+    search_sides: Res<'_, SearchSides>,
     growing: Res<'_, Growing>,
     mut graph: ResMut<'_, LeafGraph>,
     mut arena: ResMut<'_, CandidateArena>,
@@ -65,10 +65,10 @@ pub fn grow_joins(
     }
     let pool = arena.complete.len();
     let size = arena.configuration_size();
-    let grows = |c: &Candidate| Turn::of(&step, pool, c).grows();
+    let grows = |c: &Candidate| CandidateRole::of(&step, pool, c).grows();
     let mut chosen: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive() && grows(c)).collect();
     chosen.sort_unstable_by_key(|c| c.index);
-    let first = (Turn::of(&step, pool, &Candidate::default()).number() / 4) as usize;
+    let first = (CandidateRole::of(&step, pool, &Candidate::default()).number() / 4) as usize;
     for (turn, candidate) in (first..).zip(&mut chosen) {
         let join = growing.0[turn / 2 % growing.0.len()];
         let (a, b) = graph.ends(join);
@@ -79,16 +79,16 @@ pub fn grow_joins(
         let leaf = graph.leaf(join);
         let q = &mut arena.random[candidate.index as usize * size..][..size];
         let mut rng = stream(settings.seed, Purpose::Join, step.step, candidate.index);
-        aim_between(&model, (roadmap.configuration(a), roadmap.configuration(b)), q, &mut rng);
+        draw_between(&model, (roadmap.configuration(a), roadmap.configuration(b)), q, &mut rng);
         candidate.near = nearest(&model, &roadmap, q, roadmap.nodes_on(leaf), roadmap.component_of(from));
-        candidate.component = candidate.near.map(|near| families.family_of(&roadmap, near));
+        candidate.component = candidate.near.map(|near| search_sides.side_of(&roadmap, near));
         candidate.transition = model.graph.loop_of(roadmap.node(from).state);
         graph.count_failure(join, 1.0 / EFFORT);
     }
 }
 
 /// Moves every other random configuration towards the straight motion between two others, by a random share.
-fn aim_between(model: &PlanningModel, (a, b): (&[f64], &[f64]), q: &mut [f64], rng: &mut impl RngExt) {
+fn draw_between(model: &PlanningModel, (a, b): (&[f64], &[f64]), q: &mut [f64], rng: &mut impl RngExt) {
     let space = &model.problem.robot.space;
     let (along, away, still): (f64, f64, f64) = (rng.random(), 2.0 * rng.random::<f64>(), rng.random());
     let mut middle = vec![0.0; q.len()];
@@ -132,7 +132,7 @@ pub fn propose_joins(
     model: Res<'_, PlanningModel>,
     roadmap: Res<'_, Roadmap>,
     roots: Res<'_, Roots>,
-    passages: Res<'_, Passages>,
+    unvalidated_edges: Res<'_, UnvalidatedEdges>,
     mut new: ResMut<'_, NewNodes>,
     mut growing: ResMut<'_, Growing>,
     mut graph: ResMut<'_, LeafGraph>,
@@ -140,7 +140,7 @@ pub fn propose_joins(
     mut later: ResMut<'_, Next>,
     mut connections: ResMut<'_, Connections>,
 ) {
-    graph.grow(&roadmap, &passages, &model.problem.robot.space, &model.robot_weights);
+    graph.grow(&roadmap, &unvalidated_edges, &model.problem.robot.space, &model.robot_weights);
     connections.0.clear();
     if !graph.take_changes() && tried.0.is_empty() {
         return;
@@ -166,11 +166,12 @@ pub fn propose_joins(
     let (failed, untried): (Vec<_>, Vec<_>) =
         graph.cheapest(&roadmap, &roots).unwrap_or_default().into_iter().partition(|&join| graph.effort(join) > 0.0);
     growing.0 = failed;
-    let (passages, mut long): (Vec<_>, Vec<_>) = untried.into_iter().partition(|&join| graph.is_passage(join));
+    let (unvalidated_edges, mut long): (Vec<_>, Vec<_>) =
+        untried.into_iter().partition(|&join| graph.is_unvalidated(join));
     // What is most likely to fail comes first: then the rest need not be tried. Passages hardly ever do.
     long.sort_by(|&a, &b| graph.cost(b).total_cmp(&graph.cost(a)).then(a.cmp(&b)));
-    let at_once = if long.is_empty() { passages.len() } else { AT_ONCE.min(long.len()) };
-    long.extend(passages);
+    let at_once = if long.is_empty() { unvalidated_edges.len() } else { AT_ONCE.min(long.len()) };
+    long.extend(unvalidated_edges);
     let ahead = long.split_off(at_once);
     for join in long {
         let (from, to) = graph.ends(join);
@@ -183,38 +184,38 @@ pub fn propose_joins(
 /// Leaves the straight motions that come next to threads that have nothing else to do. Most of them are tried whatever
 /// becomes of those before them: the next way shares them.
 #[allow(clippy::too_many_arguments, reason = "a system's parameters are what it reads and writes")]
-pub fn foresee_joins(
+pub fn check_ahead(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
-    errands: Res<'_, Errands>,
+    idle_tasks: Res<'_, IdleTasks>,
     roadmap: Res<'_, Roadmap>,
     leaves: Res<'_, LeafIndex>,
-    passages: Res<'_, Passages>,
+    unvalidated_edges: Res<'_, UnvalidatedEdges>,
     graph: Res<'_, LeafGraph>,
     connections: Res<'_, Connections>,
     next: Res<'_, Next>,
-    mut foreseen: ResMut<'_, Foreseen>,
+    mut speculative_checks: ResMut<'_, SpeculativeChecks>,
 ) {
     let next: Vec<_> = next.0.iter().map(|&join| graph.ends(join)).collect();
     let asked: Vec<_> = connections.0.iter().map(|connection| (connection.from, connection.to)).collect();
-    foreseen.expect((&model, &settings, &errands), (&roadmap, &leaves, &passages), &next, &asked);
+    speculative_checks.expect((&model, &settings, &idle_tasks), (&roadmap, &leaves, &unvalidated_edges), &next, &asked);
 }
 
 /// Remembers which joins were free and which were not.
 pub fn learn_from_joins(
     roadmap: Res<'_, Roadmap>,
-    passages: Res<'_, Passages>,
+    unvalidated_edges: Res<'_, UnvalidatedEdges>,
     connections: Res<'_, Connections>,
     tried: Res<'_, Tried>,
     mut graph: ResMut<'_, LeafGraph>,
-    mut plantings: ResMut<'_, Plantings>,
+    mut lazy_extensions: ResMut<'_, LazyExtensions>,
 ) {
     for (connection, join) in connections.0.iter().zip(&tried.0) {
         // One that was not asked about, because another joined the same trees, says nothing of what was planted.
         if let Connection { from, to, verdict: Some(Err(_)) } = *connection
-            && let Some(passage) = passages.between(from, to)
+            && let Some(unvalidated_edge) = unvalidated_edges.between(from, to)
         {
-            plantings.take_back((roadmap.node(from).leaf, passage.transition, passage.drawn));
+            lazy_extensions.take_back((roadmap.node(from).leaf, unvalidated_edge.transition, unvalidated_edge.drawn));
         }
         if let &Some(join) = join {
             graph.count_tried(join, connection.is_certified());

@@ -3,13 +3,13 @@
 
 use crate::exploration::entities::TransitionWeights;
 use crate::exploration::explored::Explored;
-use crate::heuristic::leaf_heuristic::Aims;
+use crate::heuristic::leaf_heuristic::LeafHeuristic;
 use crate::planning_model::model::PlanningModel;
 use crate::runtime::parallel::each;
 use crate::runtime::random::{Purpose, draw, stream};
 use crate::runtime::scratch_pool::ScratchPool;
 use crate::schedule::StepCounter;
-use crate::schedulers::sequence::candidate_roles::Turn;
+use crate::schedulers::sequence::candidate_roles::CandidateRole;
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Local, Query, Res, ResMut, Resource};
 use foliate_components::Pose;
@@ -38,42 +38,42 @@ pub(crate) type Attempt = (LeafId, TransitionId, Option<LeafId>);
 
 /// What became of the transitions that were tried from each leaf.
 #[derive(Clone, Debug, Default, Resource)]
-pub struct Plantings {
+pub struct LazyExtensions {
     counts: BTreeMap<Attempt, Count>,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Count {
     tries: u32,
-    planted: u32,
+    succeeded: u32,
 }
 
-impl Plantings {
+impl LazyExtensions {
     /// What is left of a transition's weight on a leaf: what stands there already is planted less, and what fails again and
     /// again is tried less, but never never.
     fn freshness(&self, attempt: Attempt) -> f64 {
-        let Count { tries, planted } = self.counts.get(&attempt).copied().unwrap_or_default();
-        1.0 / ((1.0 + f64::from(planted)) * (1.0 + f64::from(tries) / PATIENCE))
+        let Count { tries, succeeded } = self.counts.get(&attempt).copied().unwrap_or_default();
+        1.0 / ((1.0 + f64::from(succeeded)) * (1.0 + f64::from(tries) / PATIENCE))
     }
 
     /// Remembers that what was planted leads nowhere.
     pub(crate) fn take_back(&mut self, attempt: Attempt) {
         if let Some(count) = self.counts.get_mut(&attempt) {
-            count.planted = count.planted.saturating_sub(1);
+            count.succeeded = count.succeeded.saturating_sub(1);
         }
     }
 
     /// Probability that it is planted once more.
-    fn demand(&self, attempt: Attempt) -> f64 {
-        let planted = self.counts.get(&attempt).map_or(0, |count| count.planted);
-        ENOUGH / (ENOUGH + f64::from(planted))
+    fn keeping_probability(&self, attempt: Attempt) -> f64 {
+        let succeeded = self.counts.get(&attempt).map_or(0, |count| count.succeeded);
+        ENOUGH / (ENOUGH + f64::from(succeeded))
     }
 }
 
 /// Leaves out the candidates that have nothing to do so early.
 pub fn rest(step: Res<'_, StepCounter>, arena: Res<'_, CandidateArena>, mut candidates: Query<'_, '_, &mut Candidate>) {
     for mut candidate in candidates.iter_mut().filter(|c| c.is_alive() && c.near.is_none()) {
-        if Turn::of(&step, arena.complete.len(), &candidate).rests() {
+        if CandidateRole::of(&step, arena.complete.len(), &candidate).rests() {
             candidate.reject(Rejection::LeftOut);
         }
     }
@@ -82,44 +82,45 @@ pub fn rest(step: Res<'_, StepCounter>, arena: Res<'_, CandidateArena>, mut cand
 /// Draws for the candidates that have none a transition that leads to another state, by weight, by where it leads to, and by
 /// what came of it so far; where its first leg may be left out, it is.
 #[allow(clippy::too_many_arguments, reason = "a system's parameters are what it reads and writes")]
-pub fn choose_plantings(
+pub fn choose_lazy_extensions(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
     step: Res<'_, StepCounter>,
     explored: Explored<'_>,
     arena: Res<'_, CandidateArena>,
     weights: Res<'_, TransitionWeights>,
-    plantings: Res<'_, Plantings>,
-    mut aims: ResMut<'_, Aims>,
+    lazy_extensions: Res<'_, LazyExtensions>,
+    mut heuristic: ResMut<'_, LeafHeuristic>,
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
     for mut candidate in candidates.iter_mut().filter(|c| c.is_alive() && c.transition.is_none()) {
         let Some(near) = candidate.near else { continue };
-        if Turn::of(&step, arena.complete.len(), &candidate).is_ordinary() {
+        if CandidateRole::of(&step, arena.complete.len(), &candidate).is_ordinary() {
             continue;
         }
         let mut rng = stream(settings.seed, Purpose::Select, step.step, candidate.index | 1 << 31);
         let row = explored.roadmap.node(near);
         let from = explored.leaves.leaf(row.leaf);
-        let aim = candidate.aim.map(|aim| explored.leaves.leaf(aim));
+        let target_leaf = candidate.target_leaf.map(|target_leaf| explored.leaves.leaf(target_leaf));
         let weigh = |(id, transition): (TransitionId, &Transition)| {
-            let drawn = candidate.aim.filter(|_| transition.kind == TransitionKind::Crossed);
-            let preference = aim.map_or(1.0, |aim| aims.preference(&model.graph, from, transition, aim));
-            (id, weights.0[id.at()] * preference * plantings.freshness((row.leaf, id, drawn)))
+            let drawn = candidate.target_leaf.filter(|_| transition.kind == TransitionKind::Crossed);
+            let preference = target_leaf
+                .map_or(1.0, |target_leaf| heuristic.preference(&model.graph, from, transition, target_leaf));
+            (id, weights.0[id.at()] * preference * lazy_extensions.freshness((row.leaf, id, drawn)))
         };
         let leads_on = |&(_, transition): &(TransitionId, &Transition)| transition.kind != TransitionKind::Loop;
         let choices: Vec<_> = model.graph.leaving(row.state).filter(leads_on).map(weigh).collect();
         // Where there are only loops, the ordinary rule draws one.
         if let Some(id) = draw(&choices, rng.random()) {
             let transition = model.graph.transition(id);
-            let drawn = candidate.aim.filter(|_| transition.kind == TransitionKind::Crossed);
-            aims.count_try(row.leaf);
-            if rng.random::<f64>() >= plantings.demand((row.leaf, id, drawn)) {
+            let drawn = candidate.target_leaf.filter(|_| transition.kind == TransitionKind::Crossed);
+            heuristic.count_try(row.leaf);
+            if rng.random::<f64>() >= lazy_extensions.keeping_probability((row.leaf, id, drawn)) {
                 candidate.reject(Rejection::LeftOut);
                 continue;
             }
             candidate.transition = Some(id);
-            candidate.plants = starts_far(transition);
+            candidate.extends_lazily = starts_far(transition);
         }
     }
 }
@@ -140,9 +141,9 @@ pub fn stay_near(
     candidates: Query<'_, '_, &Candidate>,
 ) {
     let size = arena.configuration_size();
-    for candidate in candidates.iter().filter(|c| c.is_alive() && c.plants) {
+    for candidate in candidates.iter().filter(|c| c.is_alive() && c.extends_lazily) {
         let Some(near) = candidate.near else { continue };
-        let mut rng = stream(settings.seed, Purpose::Plant, step.step, candidate.index);
+        let mut rng = stream(settings.seed, Purpose::LazyExtension, step.step, candidate.index);
         let away = rng.random::<f64>().powf(AWAY);
         let q = &mut arena.random[candidate.index as usize * size..][..size];
         let far = q.to_vec();
@@ -162,8 +163,8 @@ pub fn leave_out_first_legs(
 ) {
     let buffers = &*buffers;
     let size = arena.configuration_size();
-    let mut planted = Vec::new();
-    let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive() && c.plants).collect();
+    let mut succeeded = Vec::new();
+    let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive() && c.extends_lazily).collect();
     pool.sort_unstable_by_key(|c| c.index);
     let mut legs = arena.legs.iter_mut().enumerate();
     for candidate in pool {
@@ -171,13 +172,13 @@ pub fn leave_out_first_legs(
         let Some(first) = own.and_then(|(_, legs)| legs.first_mut()) else { continue };
         let before = first.knots.len() - size;
         first.knots.drain(..before);
-        planted.push((candidate, &*first));
+        succeeded.push((candidate, &*first));
     }
     if model.problem.margins.is_empty() {
         return;
     }
     each(
-        &mut planted,
+        &mut succeeded,
         || buffers.borrow(),
         |scratch, (candidate, first)| {
             let (collision, X_WJ) = &mut **scratch;
@@ -204,15 +205,15 @@ fn breaks_margin(
 
 /// Drops what steering cut short of what is to be planted: nothing but the whole joins two leaves.
 pub fn drop_what_was_cut_short(mut arena: ResMut<'_, CandidateArena>, candidates: Query<'_, '_, &Candidate>) {
-    for candidate in candidates.iter().filter(|c| c.plants && !c.is_alive()) {
+    for candidate in candidates.iter().filter(|c| c.extends_lazily && !c.is_alive()) {
         arena.legs[candidate.index as usize].clear();
     }
 }
 
 /// Drops what is not certified to its end of what is to be planted, and remembers what came of each transition.
-pub fn keep_whole_plantings(
+pub fn keep_whole_lazy_extensions(
     roadmap: Res<'_, Roadmap>,
-    mut plantings: ResMut<'_, Plantings>,
+    mut lazy_extensions: ResMut<'_, LazyExtensions>,
     mut arena: ResMut<'_, CandidateArena>,
     candidates: Query<'_, '_, &Candidate>,
 ) {
@@ -220,12 +221,12 @@ pub fn keep_whole_plantings(
     for candidate in &candidates {
         let (Some(near), Some(transition)) = (candidate.near, candidate.transition) else { continue };
         let index = candidate.index as usize;
-        if candidate.plants && !complete[index] {
+        if candidate.extends_lazily && !complete[index] {
             legs[index].clear();
         }
         let attempt = (roadmap.node(near).leaf, transition, candidate.drawn);
-        let count = plantings.counts.entry(attempt).or_default();
+        let count = lazy_extensions.counts.entry(attempt).or_default();
         count.tries += 1;
-        count.planted += u32::from(!legs[index].is_empty());
+        count.succeeded += u32::from(!legs[index].is_empty());
     }
 }

@@ -4,7 +4,7 @@
 //! join them there is an estimate that rises with each failed effort; or where a passage leads from one to the other. The
 //! cheapest way from the start's tree to a goal's is the sequence of transitions to work on.
 
-use crate::exploration::edges::Passages;
+use crate::exploration::edges::UnvalidatedEdges;
 use crate::exploration::roots::Roots;
 use foliate_components::graph::StateId;
 use foliate_components::graph::leaf::LeafId;
@@ -25,7 +25,7 @@ const GROWTH: f64 = 2.0;
 const PRIOR: f64 = 2.0;
 
 /// What a passage is estimated to cost, in motions: it is short, and nearly always free.
-const PASSAGE: f64 = 0.1;
+const UNVALIDATED_COST: f64 = 0.1;
 
 /// A node by which its tree comes upon its leaf: a root, an end of what was planted, the end of an extension along a transition.
 #[derive(Clone, Debug)]
@@ -40,7 +40,7 @@ struct Anchor {
     /// Joins that have failed here.
     failures: u32,
     /// The anchor at the other end of a passage.
-    passage: Option<u32>,
+    unvalidated_edge: Option<u32>,
 }
 
 /// Two anchors of different trees, on one leaf or with a passage between them, by number, the smaller one first.
@@ -68,7 +68,13 @@ pub struct LeafGraph {
 impl LeafGraph {
     /// Takes in the nodes that are new in the roadmap, and the passages to them. `weights` are metres per unit of each
     /// velocity coordinate.
-    pub fn grow(&mut self, roadmap: &Roadmap, passages: &Passages, space: &ConfigurationSpace, weights: &[f64]) {
+    pub fn grow(
+        &mut self,
+        roadmap: &Roadmap,
+        unvalidated_edges: &UnvalidatedEdges,
+        space: &ConfigurationSpace,
+        weights: &[f64],
+    ) {
         for (number, row) in (0u32..).zip(roadmap.nodes()).skip(self.known) {
             let node = NodeId(number);
             // What grows within a leaf comes from an older node of that leaf.
@@ -79,8 +85,8 @@ impl LeafGraph {
             if !grown {
                 self.add(node, row.leaf, roadmap, space, weights);
             }
-            if let Some(passage) = passages.to(node) {
-                self.lead(passage.from, node);
+            if let Some(unvalidated_edge) = unvalidated_edges.to(node) {
+                self.lead(unvalidated_edge.from, node);
             }
         }
         self.has_changed |= self.known < roadmap.nodes().len();
@@ -91,15 +97,15 @@ impl LeafGraph {
     fn lead(&mut self, from: NodeId, to: NodeId) {
         let anchor = |node| self.anchors.binary_search_by_key(&node, |anchor| anchor.node).ok();
         if let (Some(from), Some(to)) = (anchor(from), anchor(to)) {
-            self.anchors[from].passage = Some(to as u32);
-            self.anchors[to].passage = Some(from as u32);
+            self.anchors[from].unvalidated_edge = Some(to as u32);
+            self.anchors[to].unvalidated_edge = Some(from as u32);
         }
     }
 
     /// Whether a join is a passage.
     #[must_use]
-    pub fn is_passage(&self, join: Join) -> bool {
-        self.anchors[join.0 as usize].passage == Some(join.1)
+    pub fn is_unvalidated(&self, join: Join) -> bool {
+        self.anchors[join.0 as usize].unvalidated_edge == Some(join.1)
     }
 
     /// Whether anything was added or has failed since this was last asked, so that another sequence may be the cheapest.
@@ -121,7 +127,15 @@ impl LeafGraph {
             self.straight.resize(state.at() + 1, (0.0, 0.0));
         }
         self.lengths += here.len() as u64;
-        self.anchors.push(Anchor { node, leaf, state, place: here.len(), lengths, failures: 0, passage: None });
+        self.anchors.push(Anchor {
+            node,
+            leaf,
+            state,
+            place: here.len(),
+            lengths,
+            failures: 0,
+            unvalidated_edge: None,
+        });
         here.push((self.anchors.len() - 1) as u32);
     }
 
@@ -165,9 +179,9 @@ impl LeafGraph {
 
     /// Remembers whether a join was free: its straight motion, or what makes it a passage, which is none where it is not.
     pub fn count_tried(&mut self, join: Join, joined: bool) {
-        if self.is_passage(join) {
+        if self.is_unvalidated(join) {
             for anchor in [join.0, join.1] {
-                self.anchors[anchor as usize].passage = None;
+                self.anchors[anchor as usize].unvalidated_edge = None;
             }
             self.has_changed = true;
             return;
@@ -184,8 +198,8 @@ impl LeafGraph {
     /// state counts, so that where hardly any does the trees of one join are grown instead of trying all others.
     #[must_use]
     pub fn cost(&self, join: Join) -> f64 {
-        if self.is_passage(join) {
-            return PASSAGE;
+        if self.is_unvalidated(join) {
+            return UNVALIDATED_COST;
         }
         let (a, b) = (&self.anchors[join.0 as usize], &self.anchors[join.1 as usize]);
         let length = if a.place < b.place { b.lengths[a.place] } else { a.lengths[b.place] };
@@ -219,8 +233,8 @@ impl LeafGraph {
                 continue;
             }
             for &anchor in &members[tree.at()] {
-                let Anchor { leaf, passage, .. } = &self.anchors[anchor as usize];
-                for &other in self.by_leaf[leaf.at()].iter().chain(passage) {
+                let Anchor { leaf, unvalidated_edge, .. } = &self.anchors[anchor as usize];
+                for &other in self.by_leaf[leaf.at()].iter().chain(unvalidated_edge) {
                     let next = trees[other as usize];
                     if best[next.at()] <= cost {
                         continue;

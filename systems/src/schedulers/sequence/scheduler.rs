@@ -7,7 +7,7 @@ use crate::search::scheduler::Scheduler;
 use crate::step::projection::project;
 
 use crate::planning_model::model::PlanningModel;
-use crate::runtime::system_sequence::in_order;
+use crate::runtime::system_sequence::system_sequence;
 use crate::schedule::{SearchSet, empty_schedule};
 use crate::schedulers::sequence::{joining, leaf_graph};
 use crate::step::{commit, conclusion, rendezvous, sampling, selection, steering, validation, waypoints};
@@ -30,33 +30,40 @@ impl Scheduler for Sequence {
             return Mrrt.schedule(world);
         }
         world.init_resource::<leaf_graph::LeafGraph>();
-        world.init_resource::<lazy_extension::Plantings>();
+        world.init_resource::<lazy_extension::LazyExtensions>();
         world.init_resource::<joining::Growing>();
         world.init_resource::<joining::Tried>();
         world.init_resource::<joining::Next>();
-        world.init_resource::<connect_iterations::Rounds>();
+        world.init_resource::<connect_iterations::ConnectIterations>();
         let mut schedule = empty_schedule();
         schedule.add_systems((
-            in_order((sampling::reset_candidates, sampling::sample_configurations)).in_set(SearchSet::Sample),
-            in_order((
+            system_sequence((sampling::reset_candidates, sampling::sample_configurations)).in_set(SearchSet::Sample),
+            system_sequence((
                 joining::grow_joins,
                 lazy_extension::rest,
                 selection::gather_weights,
                 systems::measure_leaves,
                 systems::choose_leaves,
                 selection::select_nodes,
-                lazy_extension::choose_plantings,
+                lazy_extension::choose_lazy_extensions,
                 selection::select_transitions,
             ))
             .in_set(SearchSet::Select),
-            in_order((rendezvous::draw_leaves, lazy_extension::stay_near)).in_set(SearchSet::Rendezvous),
-            in_order((project::project_waypoints, lazy_extension::leave_out_first_legs)).in_set(SearchSet::Project),
-            in_order((waypoints::check_waypoints, steering::steer_legs, lazy_extension::drop_what_was_cut_short))
-                .in_set(SearchSet::Steer),
-            in_order((validation::certify_legs, lazy_extension::keep_whole_plantings)).in_set(SearchSet::Validate),
-            in_order((commit::commit_extensions, crate::goals::systems::draw_more_goals)).in_set(SearchSet::Commit),
-            connect_iterations::join_in_rounds.in_set(SearchSet::Connect),
-            in_order((
+            system_sequence((rendezvous::draw_leaves, lazy_extension::stay_near)).in_set(SearchSet::Rendezvous),
+            system_sequence((project::project_waypoints, lazy_extension::leave_out_first_legs))
+                .in_set(SearchSet::Project),
+            system_sequence((
+                waypoints::check_waypoints,
+                steering::steer_legs,
+                lazy_extension::drop_what_was_cut_short,
+            ))
+            .in_set(SearchSet::Steer),
+            system_sequence((validation::certify_legs, lazy_extension::keep_whole_lazy_extensions))
+                .in_set(SearchSet::Validate),
+            system_sequence((commit::commit_extensions, crate::goals::systems::draw_more_goals))
+                .in_set(SearchSet::Commit),
+            connect_iterations::join_iteratively.in_set(SearchSet::Connect),
+            system_sequence((
                 conclusion::conclude,
                 conclusion::report_progress,
                 conclusion::report_feedback,

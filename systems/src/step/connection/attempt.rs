@@ -2,7 +2,7 @@
 //!
 //! It holds copies of all that it needs, so that a thread can certify it without the world.
 
-use crate::exploration::edges::{Obstacle, Passages, Verdict};
+use crate::exploration::edges::{Obstacle, UnvalidatedEdges, Verdict};
 use crate::planning_model::model::PlanningModel;
 use crate::settings::SearchSettings;
 use crate::step::{steering, validation};
@@ -12,7 +12,7 @@ use foliate_components::graph::{StateId, TransitionId};
 use foliate_components::roadmap::{Motion, NodeId, Roadmap};
 use foliate_kernels::collision::CollisionScratch;
 use foliate_kernels::constrained_motion::MotionScratch;
-use foliate_kernels::kinematics::Carriage;
+use foliate_kernels::kinematics::RigidAttachment;
 
 /// Buffers of one thread.
 pub(crate) type ConnectionScratch = (CollisionScratch, MotionScratch);
@@ -22,7 +22,7 @@ pub(crate) enum Attempt {
     /// The straight motion between two nodes of one leaf.
     Straight(Straight),
     /// The motions of a passage.
-    Passage(Vec<(Motion, StateId, Vec<Carriage>)>),
+    UnvalidatedEdge(Vec<(Motion, StateId, Vec<RigidAttachment>)>),
 }
 
 /// A motion to be steered and certified within a leaf.
@@ -30,7 +30,7 @@ pub(crate) struct Straight {
     transition: TransitionId,
     state: StateId,
     leaf: LeafId,
-    carriages: Vec<Carriage>,
+    rigid_attachments: Vec<RigidAttachment>,
     /// Right-hand sides of the rows that are left on the leaf.
     arguments: Vec<Pose>,
     ends: (Vec<f64>, Vec<f64>),
@@ -40,15 +40,15 @@ impl Attempt {
     /// `None` where there is no passage, nor any motion within the leaf.
     pub(crate) fn new(
         model: &PlanningModel,
-        (roadmap, leaves, passages): (&Roadmap, &LeafIndex, &Passages),
+        (roadmap, leaves, unvalidated_edges): (&Roadmap, &LeafIndex, &UnvalidatedEdges),
         (from, to): (NodeId, NodeId),
     ) -> Option<Self> {
-        if let Some(passage) = passages.between(from, to) {
-            let with_carriages = |motion: &Motion| {
+        if let Some(unvalidated_edge) = unvalidated_edges.between(from, to) {
+            let with_attachments = |motion: &Motion| {
                 let leaf = leaves.leaf(motion.leaf);
-                (motion.clone(), leaf.state, model.carriages_of_leaf(leaf, leaves))
+                (motion.clone(), leaf.state, model.attachments_of_leaf(leaf, leaves))
             };
-            return Some(Self::Passage(passage.motions.iter().map(with_carriages).collect()));
+            return Some(Self::UnvalidatedEdge(unvalidated_edge.motions.iter().map(with_attachments).collect()));
         }
         let row = roadmap.node(from);
         let leaf = leaves.leaf(row.leaf);
@@ -56,7 +56,7 @@ impl Attempt {
             transition: model.graph.loop_of(row.state)?,
             state: row.state,
             leaf: row.leaf,
-            carriages: model.carriages_of_leaf(leaf, leaves),
+            rigid_attachments: model.attachments_of_leaf(leaf, leaves),
             arguments: steering::arguments_on(model, leaf, leaves)?,
             ends: (roadmap.configuration(from).to_vec(), roadmap.configuration(to).to_vec()),
         }))
@@ -74,13 +74,20 @@ impl Attempt {
             Self::Straight(straight) => {
                 straight.certify(model, settings, (collision, motion)).map(|motion| vec![motion])
             }
-            Self::Passage(motions) => motions
+            Self::UnvalidatedEdge(motions) => motions
                 .iter()
-                .map(|(motion, state, carriages)| {
+                .map(|(motion, state, rigid_attachments)| {
                     let (transition, knots) = (motion.transition, &motion.knots);
-                    validation::certify_whole(model, settings, (transition, *state), carriages, knots, collision)
-                        .map(|clearance| Motion { clearance, ..motion.clone() })
-                        .map_err(|blocked_by| Obstacle { leg: motion.leg, blocked_by })
+                    validation::certify_whole(
+                        model,
+                        settings,
+                        (transition, *state),
+                        rigid_attachments,
+                        knots,
+                        collision,
+                    )
+                    .map(|clearance| Motion { clearance, ..motion.clone() })
+                    .map_err(|blocked_by| Obstacle { leg: motion.leg, blocked_by })
                 })
                 .collect(),
         }
@@ -98,10 +105,10 @@ impl Straight {
         let obstacle = |blocked_by| Obstacle { leg: 0, blocked_by };
         let steered = steering::steer_whole(model, settings, self.state, &self.arguments, ends, motion)
             .ok_or_else(|| obstacle(None))?;
-        let (carriages, knots) = (&self.carriages, steered.knots);
+        let (rigid_attachments, knots) = (&self.rigid_attachments, steered.knots);
         let along = (self.transition, self.state);
-        let clearance =
-            validation::certify_whole(model, settings, along, carriages, &knots, collision).map_err(obstacle)?;
+        let clearance = validation::certify_whole(model, settings, along, rigid_attachments, &knots, collision)
+            .map_err(obstacle)?;
         let residual = steered.residual;
         Ok(Motion { transition: self.transition, leg: 0, leaf: self.leaf, knots, clearance, residual })
     }

@@ -1,16 +1,16 @@
 //! The systems of set Connect: propose connections of new nodes, and certify them in parallel.
 
 use crate::events::StopSignal;
-use crate::exploration::edges::{Connection, Connections, Passages};
+use crate::exploration::edges::{Connection, Connections, UnvalidatedEdges};
 use crate::exploration::entities::NewNodes;
 use crate::exploration::neighbours::index::Neighbours;
 use crate::planning_model::model::PlanningModel;
-use crate::runtime::idle_tasks::Errands;
+use crate::runtime::idle_tasks::IdleTasks;
 use crate::runtime::parallel::each;
 use crate::runtime::scratch_pool::ScratchPool;
 use crate::settings::SearchSettings;
 use crate::step::connection::attempt::{Attempt, ConnectionScratch};
-use crate::step::connection::speculative_checks::{Foreseen, Prospect};
+use crate::step::connection::speculative_checks::{SpeculativeCheck, SpeculativeChecks};
 use bevy_ecs::prelude::{Local, Res, ResMut};
 use foliate_components::graph::leaf::LeafIndex;
 use foliate_components::roadmap::Roadmap;
@@ -41,9 +41,9 @@ pub fn certify_connections(
     stop: Res<'_, StopSignal>,
     roadmap: Res<'_, Roadmap>,
     leaves: Res<'_, LeafIndex>,
-    passages: Res<'_, Passages>,
-    foreseen: Res<'_, Foreseen>,
-    errands: Res<'_, Errands>,
+    unvalidated_edges: Res<'_, UnvalidatedEdges>,
+    speculative_checks: Res<'_, SpeculativeChecks>,
+    idle_tasks: Res<'_, IdleTasks>,
     mut connections: ResMut<'_, Connections>,
     buffers: Local<'_, ScratchPool<ConnectionScratch>>,
 ) {
@@ -52,7 +52,7 @@ pub fn certify_connections(
     // In order: what stands in front makes what is behind needless. What another thread is at already comes last, so that
     // nobody waits for it who could do something else.
     let mut proposals: Vec<_> = connections.0.iter_mut().enumerate().collect();
-    proposals.sort_by_key(|(_, c)| foreseen.of(c.from, c.to).is_some_and(Prospect::is_under_way));
+    proposals.sort_by_key(|(_, c)| speculative_checks.of(c.from, c.to).is_some_and(SpeculativeCheck::is_under_way));
     let left = AtomicUsize::new(proposals.len());
     each(
         &mut proposals,
@@ -60,13 +60,13 @@ pub fn certify_connections(
         |scratch, (index, connection)| {
             let index = *index;
             if left.fetch_sub(1, Ordering::Relaxed) == 1 {
-                foreseen.release(&errands);
+                speculative_checks.release(&idle_tasks);
             }
             if !stop.is_raised() && !bridges.is_needless(index) {
                 let ends = (connection.from, connection.to);
-                connection.verdict = match foreseen.of(ends.0, ends.1) {
-                    Some(prospect) => Some(prospect.certify(scratch)),
-                    None => Attempt::new(&model, (&roadmap, &leaves, &passages), ends)
+                connection.verdict = match speculative_checks.of(ends.0, ends.1) {
+                    Some(speculation) => Some(speculation.certify(scratch)),
+                    None => Attempt::new(&model, (&roadmap, &leaves, &unvalidated_edges), ends)
                         .map(|attempt| attempt.certify(&model, &settings, scratch)),
                 };
                 if connection.is_certified() {

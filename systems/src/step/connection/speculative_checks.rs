@@ -3,9 +3,9 @@
 //! What a motion between two nodes is does not depend on when it is asked for, so an answer that is there already is the
 //! answer. Which motions are foreseen, and how far a thread came with them, decides only who does the work.
 
-use crate::exploration::edges::{Passages, Verdict};
+use crate::exploration::edges::{UnvalidatedEdges, Verdict};
 use crate::planning_model::model::PlanningModel;
-use crate::runtime::idle_tasks::Errands;
+use crate::runtime::idle_tasks::IdleTasks;
 use crate::runtime::scratch_pool::ScratchPool;
 use crate::settings::SearchSettings;
 use crate::step::connection::attempt::{Attempt, ConnectionScratch};
@@ -17,13 +17,13 @@ use std::sync::{Arc, OnceLock};
 
 /// See the module.
 #[derive(Default, Resource)]
-pub struct Foreseen {
-    prospects: Vec<(NodeId, NodeId, Arc<Prospect>)>,
+pub struct SpeculativeChecks {
+    speculations: Vec<(NodeId, NodeId, Arc<SpeculativeCheck>)>,
     buffers: Arc<ScratchPool<ConnectionScratch>>,
 }
 
 /// A motion that may be asked for.
-pub(crate) struct Prospect {
+pub(crate) struct SpeculativeCheck {
     attempt: Attempt,
     model: PlanningModel,
     settings: SearchSettings,
@@ -35,7 +35,7 @@ pub(crate) struct Prospect {
 }
 
 /// Gives a prospect up where nothing came of it.
-struct Taken<'a>(&'a Prospect);
+struct Taken<'a>(&'a SpeculativeCheck);
 
 impl Drop for Taken<'_> {
     fn drop(&mut self) {
@@ -43,7 +43,7 @@ impl Drop for Taken<'_> {
     }
 }
 
-impl Prospect {
+impl SpeculativeCheck {
     /// Certifies it, unless somebody has begun to.
     fn certify_ahead(&self, buffers: &ScratchPool<ConnectionScratch>) {
         if !self.is_taken.swap(true, Ordering::AcqRel) {
@@ -75,26 +75,26 @@ impl Prospect {
     }
 }
 
-impl Foreseen {
+impl SpeculativeChecks {
     /// Leaves the motions between these nodes to be certified, most likely first, for whoever has nothing else to do. What was
     /// foreseen before is kept where it is foreseen again or asked for now.
     pub fn expect(
         &mut self,
-        (model, settings, errands): (&PlanningModel, &SearchSettings, &Errands),
-        known: (&Roadmap, &LeafIndex, &Passages),
+        (model, settings, idle_tasks): (&PlanningModel, &SearchSettings, &IdleTasks),
+        known: (&Roadmap, &LeafIndex, &UnvalidatedEdges),
         next: &[(NodeId, NodeId)],
         asked: &[(NodeId, NodeId)],
     ) {
-        self.prospects.retain(|&(from, to, _)| next.contains(&(from, to)) || asked.contains(&(from, to)));
+        self.speculations.retain(|&(from, to, _)| next.contains(&(from, to)) || asked.contains(&(from, to)));
         // A lazy graph grows in place as long as nobody else holds the model.
-        if !errands.are_done() || model.graph.lazy {
+        if !idle_tasks.are_done() || model.graph.lazy {
             return;
         }
         for &(from, to) in next {
             if self.of(from, to).is_none()
                 && let Some(attempt) = Attempt::new(model, known, (from, to))
             {
-                let prospect = Prospect {
+                let speculation = SpeculativeCheck {
                     attempt,
                     model: model.clone(),
                     settings: settings.clone(),
@@ -102,34 +102,36 @@ impl Foreseen {
                     is_lost: AtomicBool::new(false),
                     answer: OnceLock::new(),
                 };
-                self.prospects.push((from, to, Arc::new(prospect)));
+                self.speculations.push((from, to, Arc::new(speculation)));
             }
         }
     }
 
     /// Lets threads that have nothing else to do begin with what is foreseen.
-    pub(crate) fn release(&self, errands: &Errands) {
-        let errand = |(_, _, prospect): &(NodeId, NodeId, Arc<Prospect>)| {
-            let (prospect, buffers) = (Arc::clone(prospect), Arc::clone(&self.buffers));
-            Box::new(move || prospect.certify_ahead(&buffers)) as Box<dyn FnOnce() + Send>
+    pub(crate) fn release(&self, idle_tasks: &IdleTasks) {
+        let idle_task = |(_, _, speculation): &(NodeId, NodeId, Arc<SpeculativeCheck>)| {
+            let (speculation, buffers) = (Arc::clone(speculation), Arc::clone(&self.buffers));
+            Box::new(move || speculation.certify_ahead(&buffers)) as Box<dyn FnOnce() + Send>
         };
-        let open = |(_, _, prospect): &&(NodeId, NodeId, Arc<Prospect>)| !prospect.is_taken.load(Ordering::Relaxed);
-        errands.replace(self.prospects.iter().filter(open).map(errand));
+        let open = |(_, _, speculation): &&(NodeId, NodeId, Arc<SpeculativeCheck>)| {
+            !speculation.is_taken.load(Ordering::Relaxed)
+        };
+        idle_tasks.replace(self.speculations.iter().filter(open).map(idle_task));
     }
 
     /// What was foreseen between two nodes.
-    pub(crate) fn of(&self, from: NodeId, to: NodeId) -> Option<&Prospect> {
-        self.prospects.iter().find(|&&(a, b, _)| (a, b) == (from, to)).map(|(_, _, prospect)| &**prospect)
+    pub(crate) fn of(&self, from: NodeId, to: NodeId) -> Option<&SpeculativeCheck> {
+        self.speculations.iter().find(|&&(a, b, _)| (a, b) == (from, to)).map(|(_, _, speculation)| &**speculation)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Foreseen, Ordering};
+    use super::{Ordering, SpeculativeChecks};
     use crate::events::{EventSink, StopSignal};
-    use crate::exploration::edges::Passages;
+    use crate::exploration::edges::UnvalidatedEdges;
     use crate::planning_model::model::{Model, PlanningModel};
-    use crate::runtime::idle_tasks::Errands;
+    use crate::runtime::idle_tasks::IdleTasks;
     use crate::schedulers::mrrt::Mrrt;
     use crate::search::session::Search;
     use crate::settings::SearchSettings;
@@ -154,38 +156,38 @@ mod tests {
         let on = |node: NodeId| roadmap.nodes_on(roadmap.node(node).leaf);
         let nodes = || (0..roadmap.nodes().len() as u32).map(NodeId);
         let pairs: Vec<_> = nodes().flat_map(|a| on(a).iter().map(move |&b| (a, b))).filter(|(a, b)| a < b).collect();
-        let passages = Passages::default();
-        let known = (roadmap, leaves, &passages);
+        let unvalidated_edges = UnvalidatedEdges::default();
+        let known = (roadmap, leaves, &unvalidated_edges);
         let mut scratch = ConnectionScratch::default();
         let mut direct = |ends| Attempt::new(&model, known, ends).map(|it| it.certify(&model, &settings, &mut scratch));
         let answers: Vec<_> = pairs.iter().filter_map(|&ends| direct(ends)).collect();
         assert_eq!(answers.len(), pairs.len());
         assert!(answers.iter().any(Result::is_ok) && answers.iter().any(Result::is_err), "{} pairs", pairs.len());
 
-        let (mut foreseen, errands) = (Foreseen::default(), Errands::default());
-        foreseen.expect((&model, &settings, &errands), known, &pairs, &[]);
-        assert!(foreseen.prospects.is_empty(), "nobody would do it");
-        errands.pretend();
-        foreseen.expect((&model, &settings, &errands), known, &pairs, &[]);
-        foreseen.release(&errands);
+        let (mut speculative_checks, idle_tasks) = (SpeculativeChecks::default(), IdleTasks::default());
+        speculative_checks.expect((&model, &settings, &idle_tasks), known, &pairs, &[]);
+        assert!(speculative_checks.speculations.is_empty(), "nobody would do it");
+        idle_tasks.pretend();
+        speculative_checks.expect((&model, &settings, &idle_tasks), known, &pairs, &[]);
+        speculative_checks.release(&idle_tasks);
         // One after the other: done ahead, not begun, begun by somebody who gave up.
         let done = pairs.len().div_ceil(3);
-        (0..done).for_each(|_| assert!(errands.do_one()));
+        (0..done).for_each(|_| assert!(idle_tasks.do_one()));
         for (number, (&(from, to), answer)) in pairs.iter().zip(&answers).enumerate() {
-            let prospect = foreseen.of(from, to);
-            assert!(prospect.is_some());
-            let Some(prospect) = prospect else { return };
-            assert_eq!(prospect.answer.get().is_some(), number < done);
+            let speculation = speculative_checks.of(from, to);
+            assert!(speculation.is_some());
+            let Some(speculation) = speculation else { return };
+            assert_eq!(speculation.answer.get().is_some(), number < done);
             if number >= done && number % 2 == 0 {
-                prospect.is_taken.store(true, Ordering::Relaxed);
-                prospect.is_lost.store(true, Ordering::Relaxed);
+                speculation.is_taken.store(true, Ordering::Relaxed);
+                speculation.is_lost.store(true, Ordering::Relaxed);
             }
-            assert_eq!(&prospect.certify(&mut scratch), answer);
-            assert_eq!(&prospect.certify(&mut scratch), answer, "asked for twice");
+            assert_eq!(&speculation.certify(&mut scratch), answer);
+            assert_eq!(&speculation.certify(&mut scratch), answer, "asked for twice");
         }
         // What has been asked for is not begun again, and what is neither foreseen nor asked for any more is forgotten.
-        assert!(errands.do_one());
-        foreseen.expect((&model, &settings, &errands), known, &pairs[..2], &pairs[1..3]);
-        assert_eq!(foreseen.prospects.len(), 3.min(pairs.len()));
+        assert!(idle_tasks.do_one());
+        speculative_checks.expect((&model, &settings, &idle_tasks), known, &pairs[..2], &pairs[1..3]);
+        assert_eq!(speculative_checks.speculations.len(), 3.min(pairs.len()));
     }
 }

@@ -10,7 +10,7 @@ use foliate_components::Pose;
 use foliate_components::candidate::LegParameter;
 use foliate_components::graph::leaf::{Parameter, ParameterId};
 use foliate_components::graph::{ConstraintId, ConstraintKind, Leg, StateId};
-use foliate_kernels::kinematics::Carriage;
+use foliate_kernels::kinematics::RigidAttachment;
 
 impl Context<'_> {
     /// Whether a lane's configuration, which lies in `state`, lies in `next` too: what `next` demands beyond `state` holds
@@ -86,16 +86,16 @@ impl Context<'_> {
         X_WJ: &mut [Pose],
     ) {
         let kinematics = &self.model.kinematics;
-        let all = self.model.carriages(state, |c| parameter_in(self.model, self.leaves, state, parameters, c));
-        let mut moved: Vec<Carriage> = Vec::new();
+        let all = self.model.rigid_attachments(state, |c| parameter_in(self.model, self.leaves, state, parameters, c));
+        let mut moved: Vec<RigidAttachment> = Vec::new();
         let joints = &self.model.problem.robot.joints;
-        for carriage in all {
-            let own = self.model.objects().iter().position(|o| o.root == Some(carriage.object));
-            let rides = |m: &Carriage| {
-                carriage.carrier.is_some_and(|body| joints[body.at()].part == joints[m.object.at()].part)
+        for rigid_attachment in all {
+            let own = self.model.objects().iter().position(|o| o.root == Some(rigid_attachment.object));
+            let rides = |m: &RigidAttachment| {
+                rigid_attachment.carrier.is_some_and(|body| joints[body.at()].part == joints[m.object.at()].part)
             };
             if own.is_some_and(|own| objects.contains(&own)) || moved.iter().any(rides) {
-                moved.push(carriage);
+                moved.push(rigid_attachment);
             }
         }
         kinematics.forward(end, X_WJ);
@@ -116,7 +116,7 @@ impl Context<'_> {
         let mut found = parameter_of(self.model, constraint, q, X_WJ);
         if let ConstraintKind::Placement { object, on } = self.model.graph.constraint(constraint).kind
             && let object = &self.model.objects()[object as usize]
-            && let (Some(root), Some(place)) = (object.root, object.resting_on(on))
+            && let (Some(root), Some(place)) = (object.root, object.placement_on(on))
             && let Some(exact) = place.resting.exact(root, X_WJ)
         {
             (found.carrier, found.value) = exact;

@@ -6,9 +6,9 @@
 
 use crate::collision::broad_phase::bounds::form_along;
 use crate::collision::broad_phase::open_pairs::Open;
-use crate::collision::broad_phase::placed::{SweepScratch, approach, place_solid};
-use crate::collision::samples::motion_samples::Course;
-use crate::collision::scene::bounding::Outer;
+use crate::collision::broad_phase::placed::{BroadPhaseScratch, approach, place_solid};
+use crate::collision::samples::motion_samples::MotionSamples;
+use crate::collision::scene::bounding::BoundingVolume;
 use crate::collision::scene::collision_scene::CollisionScene;
 use crate::collision::scene::pair_set::PairSet;
 use crate::lanes::geometry::{Rotation, Vector3};
@@ -20,8 +20,8 @@ use glam::DVec3;
 pub(crate) struct Along<'a> {
     pub scene: &'a CollisionScene,
     pub pairs: &'a PairSet,
-    pub course: &'a Course,
-    pub scratch: &'a mut SweepScratch,
+    pub motion_samples: &'a MotionSamples,
+    pub scratch: &'a mut BroadPhaseScratch,
     pub guard: f64,
     pub open: Open,
     /// A unit vector from the second solid to the first in the world, in lane `found_in`.
@@ -35,18 +35,18 @@ impl Kernel for Along<'_> {
 
     #[inline(always)]
     fn run<I: Isa>(self, isa: I) -> (u16, f32) {
-        let Along { scene, pairs, course, scratch, guard, open, n, found_in } = self;
+        let Along { scene, pairs, motion_samples, scratch, guard, open, n, found_in } = self;
         let active = pairs.active(open.active);
-        let closer = approach(isa, scene, pairs, course, scratch, active);
+        let closer = approach(isa, scene, pairs, motion_samples, scratch, active);
         let pair = &scene.pairs[open.pair as usize];
         let sides = [pair.first.at(), pair.second.at()];
         for solid in sides {
-            place_solid(isa, scene, course, scratch, solid);
+            place_solid(isa, scene, motion_samples, scratch, solid);
         }
         // The direction stays with the bodies' nearest common ancestor.
         let n = match pairs.ancestor(scene, active) {
-            Some(body) if course.body_moves(Some(body)) => {
-                let rows = &course.poses[body.at()];
+            Some(body) if motion_samples.body_moves(Some(body)) => {
+                let rows = &motion_samples.poses[body.at()];
                 let v = |i: usize| {
                     DVec3::new(rows[i][found_in].into(), rows[i + 1][found_in].into(), rows[i + 2][found_in].into())
                 };
@@ -60,7 +60,7 @@ impl Kernel for Along<'_> {
         let [a, b] = sides.map(|i| &scratch.solids[i]);
         let (at_a, at_b) = (Vector3::<I::F32>::load(isa, &a[..3]), Vector3::load(isa, &b[..3]));
         let (axes_a, axes_b) = (Rotation::load(isa, &a[3..]), Rotation::load(isa, &b[3..]));
-        let [outer_a, outer_b] = sides.map(|i| &scene.solids[i].outer);
+        let [outer_a, outer_b] = sides.map(|i| &scene.solids[i].bounding);
         let gap = n.dot(at_a.minus(at_b))
             - support::<I>(isa, outer_a, &axes_a, n.negated())
             - support::<I>(isa, outer_b, &axes_b, n);
@@ -74,14 +74,14 @@ impl Kernel for Along<'_> {
 
 /// How far a solid, or its hull, reaches along a direction from its centre.
 #[inline(always)]
-fn support<I: Isa>(isa: I, outer: &Outer, axes: &Rotation<I::F32>, n: Vector3<I::F32>) -> I::F32 {
-    if outer.hull.is_empty() {
-        return form_along(isa, &outer.form, axes, n);
+fn support<I: Isa>(isa: I, bounding: &BoundingVolume, axes: &Rotation<I::F32>, n: Vector3<I::F32>) -> I::F32 {
+    if bounding.hull.is_empty() {
+        return form_along(isa, &bounding.form, axes, n);
     }
     let d = axes.turn_back(n);
     let mut most = I::F32::constant(isa, f64::NEG_INFINITY);
-    for p in &outer.hull {
+    for p in &bounding.hull {
         most = most.max(d.x * p[0] + (d.y * p[1] + d.z * p[2]));
     }
-    most + outer.hull_slack
+    most + bounding.hull_slack
 }

@@ -5,10 +5,10 @@
 
 use crate::collision::broad_phase::bounds::{beside_box, between_axes, overlap, reach_along};
 use crate::collision::broad_phase::open_pairs::{ALL, Hits, Open};
-use crate::collision::broad_phase::placed::{SweepScratch, approach, place_axes, place_clusters, place_solid};
+use crate::collision::broad_phase::placed::{BroadPhaseScratch, approach, place_axes, place_clusters, place_solid};
 use crate::collision::samples::interval::POSE;
-use crate::collision::samples::motion_samples::Course;
-use crate::collision::scene::bounding::{Form, Outer};
+use crate::collision::samples::motion_samples::MotionSamples;
+use crate::collision::scene::bounding::{BoundingVolume, Form};
 use crate::collision::scene::collision_scene::CollisionScene;
 use crate::collision::scene::pair_set::PairSet;
 use crate::lanes::geometry::{Rotation, Vector3};
@@ -16,11 +16,11 @@ use crate::lanes::level::Kernel;
 use crate::lanes::vector::{F32Row, Isa, Lanes, Mask};
 
 /// One pass over the open pairs of a block.
-pub(crate) struct Sweep<'a> {
+pub(crate) struct BroadPhase<'a> {
     pub scene: &'a CollisionScene,
     pub pairs: &'a PairSet,
-    pub course: &'a Course,
-    pub scratch: &'a mut SweepScratch,
+    pub motion_samples: &'a MotionSamples,
+    pub scratch: &'a mut BroadPhaseScratch,
     pub guard: f64,
     /// Lanes of the block that are of interest.
     pub lanes: u16,
@@ -32,16 +32,16 @@ pub(crate) struct Sweep<'a> {
     pub hits: Option<&'a mut Hits>,
 }
 
-impl Kernel for Sweep<'_> {
+impl Kernel for BroadPhase<'_> {
     /// What all that is certified keeps, metres.
     type Output = f32;
 
     #[inline(always)]
     fn run<I: Isa>(self, isa: I) -> f32 {
-        let Sweep { scene, pairs, course, scratch, guard, mut lanes, open, rest, mut hits } = self;
+        let BroadPhase { scene, pairs, motion_samples, scratch, guard, mut lanes, open, rest, mut hits } = self;
         scratch.block += 1;
-        let most = place_axes(isa, scene, course, scratch);
-        place_clusters(isa, scene, course, scratch, most);
+        let most = place_axes(isa, scene, motion_samples, scratch);
+        place_clusters(isa, scene, motion_samples, scratch, most);
         let slack = I::F32::load(isa, &scratch.slack);
         let mut least = I::F32::constant(isa, f64::INFINITY);
         let mut at = 0;
@@ -58,9 +58,9 @@ impl Kernel for Sweep<'_> {
             }
             let active = pairs.active(number);
             // What does not move within the block stands in the first lane, and there for all.
-            let is_shared = hits.is_some() && !course.moves_between(active);
+            let is_shared = hits.is_some() && !motion_samples.moves_between(active);
             let group = &scene.groups[active.group as usize];
-            let closer = approach(isa, scene, pairs, course, scratch, active);
+            let closer = approach(isa, scene, pairs, motion_samples, scratch, active);
             let (a, b) = (&scratch.centers[group.first as usize], &scratch.centers[group.second as usize]);
             let apart = Vector3::<I::F32>::load(isa, a).minus(Vector3::load(isa, b));
             let radii =
@@ -87,12 +87,12 @@ impl Kernel for Sweep<'_> {
                 let pair = &scene.pairs[item.pair as usize];
                 let sides = [pair.first.0, pair.second.0];
                 for solid in sides {
-                    place_solid(isa, scene, course, scratch, solid as usize);
+                    place_solid(isa, scene, motion_samples, scratch, solid as usize);
                 }
-                let [a, b] = sides.map(|i| (&scene.solids[i as usize].outer, i as usize));
+                let [a, b] = sides.map(|i| (&scene.solids[i as usize].bounding, i as usize));
                 let keep = I::F32::constant(isa, pairs.margins[item.pair as usize] + guard);
                 let (free, still) =
-                    look::<I>(isa, [a.0, b.0], [&scratch.solids[a.1], &scratch.solids[b.1]], taken, keep, mask);
+                    bound_pair::<I>(isa, [a.0, b.0], [&scratch.solids[a.1], &scratch.solids[b.1]], taken, keep, mask);
                 let open = I::F32::select(still, I::F32::constant(isa, f64::INFINITY), free);
                 least = least.min(open);
                 let mut mask = mask & still.bits() as u16;
@@ -100,7 +100,7 @@ impl Kernel for Sweep<'_> {
                     continue;
                 }
                 if let (Some(hits), Some(inner_a), Some(inner_b)) =
-                    (&mut hits, &scene.solids[a.1].inner, &scene.solids[b.1].inner)
+                    (&mut hits, &scene.solids[a.1].inscribed, &scene.solids[b.1].inscribed)
                     && pairs.margins[item.pair as usize] + guard >= 0.0
                 {
                     let rows = [&scratch.solids[a.1], &scratch.solids[b.1]];
@@ -129,9 +129,9 @@ impl Kernel for Sweep<'_> {
 
 /// Bounds of one pair: what each lane keeps, and in which lanes that is not enough.
 #[inline(always)]
-fn look<I: Isa>(
+fn bound_pair<I: Isa>(
     isa: I,
-    outer: [&Outer; 2],
+    bounding: [&BoundingVolume; 2],
     rows: [&[F32Row; POSE]; 2],
     taken: I::F32,
     keep: I::F32,
@@ -139,25 +139,27 @@ fn look<I: Isa>(
 ) -> (I::F32, <I::F32 as Lanes>::Mask) {
     let (rotation_a, rotation_b) = (Rotation::<I::F32>::load(isa, &rows[0][3..]), Rotation::load(isa, &rows[1][3..]));
     let apart = Vector3::<I::F32>::load(isa, &rows[0][..3]).minus(Vector3::load(isa, &rows[1][..3]));
-    let radii = I::F32::splat(isa, outer[0].ball + outer[1].ball);
+    let radii = I::F32::splat(isa, bounding[0].ball + bounding[1].ball);
     let mut free = apart.dot(apart).sqrt() - radii - taken;
     if ((!keep.le(free)).bits() as u16 & mask) == 0 {
         return (free, !keep.le(free));
     }
-    let boxes = [matches!(outer[0].form, Form::Box(_)), matches!(outer[1].form, Form::Box(_))];
+    let boxes = [matches!(bounding[0].form, Form::Box(_)), matches!(bounding[1].form, Form::Box(_))];
     if boxes[0] {
         let at = rotation_a.turn_back(apart);
-        free = free.max(beside_box(isa, outer[0], &rotation_a, outer[1], &rotation_b, at) - taken);
+        free = free.max(beside_box(isa, bounding[0], &rotation_a, bounding[1], &rotation_b, at) - taken);
     }
     if boxes[1] && ((!keep.le(free)).bits() as u16 & mask) != 0 {
         let at = rotation_b.turn_back(apart);
-        free = free.max(beside_box(isa, outer[1], &rotation_b, outer[0], &rotation_a, at) - taken);
+        free = free.max(beside_box(isa, bounding[1], &rotation_b, bounding[0], &rotation_a, at) - taken);
     }
-    if (outer[0].is_long || !boxes[0] || outer[1].is_long || !boxes[1]) && ((!keep.le(free)).bits() as u16 & mask) != 0
+    if (bounding[0].is_long || !boxes[0] || bounding[1].is_long || !boxes[1])
+        && ((!keep.le(free)).bits() as u16 & mask) != 0
     {
-        let n = between_axes(isa, outer, &rotation_a, &rotation_b, apart);
-        let gap =
-            n.dot(apart) - reach_along(isa, outer[0], &rotation_a, n) - reach_along(isa, outer[1], &rotation_b, n);
+        let n = between_axes(isa, bounding, &rotation_a, &rotation_b, apart);
+        let gap = n.dot(apart)
+            - reach_along(isa, bounding[0], &rotation_a, n)
+            - reach_along(isa, bounding[1], &rotation_b, n);
         free = free.max(gap - taken);
     }
     (free, !keep.le(free))

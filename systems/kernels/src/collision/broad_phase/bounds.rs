@@ -5,8 +5,8 @@
 //! try, and in which order, is decided in `block_of_samples`.
 
 use crate::collision::samples::interval::POSE;
-use crate::collision::scene::bounding::{Form, Outer};
-use crate::collision::scene::inscribed::Inner;
+use crate::collision::scene::bounding::{BoundingVolume, Form};
+use crate::collision::scene::inscribed::InscribedVolume;
 use crate::lanes::geometry::{Rotation, Vector3};
 use crate::lanes::vector::Lanes;
 use crate::lanes::vector::{F32Row, Isa};
@@ -16,9 +16,9 @@ use crate::lanes::vector::{F32Row, Isa};
 #[inline(always)]
 pub(crate) fn beside_box<I: Isa>(
     isa: I,
-    own: &Outer,
+    own: &BoundingVolume,
     axes: &Rotation<I::F32>,
-    other: &Outer,
+    other: &BoundingVolume,
     others: &Rotation<I::F32>,
     at: Vector3<I::F32>,
 ) -> I::F32 {
@@ -54,26 +54,31 @@ pub(crate) fn form_along<I: Isa>(isa: I, form: &Form, axes: &Rotation<I::F32>, n
 
 /// How far a solid reaches along a unit vector, from its centre: the lesser of what its form and its capsule say.
 #[inline(always)]
-pub(crate) fn reach_along<I: Isa>(isa: I, outer: &Outer, axes: &Rotation<I::F32>, n: Vector3<I::F32>) -> I::F32 {
-    let form = form_along(isa, &outer.form, axes, n);
-    if !outer.is_long {
+pub(crate) fn reach_along<I: Isa>(
+    isa: I,
+    bounding: &BoundingVolume,
+    axes: &Rotation<I::F32>,
+    n: Vector3<I::F32>,
+) -> I::F32 {
+    let form = form_along(isa, &bounding.form, axes, n);
+    if !bounding.is_long {
         return form;
     }
-    form.min(n.dot(axes.columns[outer.along]).abs() * outer.half_length + outer.radius)
+    form.min(n.dot(axes.columns[bounding.along]).abs() * bounding.half_length + bounding.radius)
 }
 
 /// A unit vector along which the solids' axes are (nearly) farthest apart, from the second to the first.
 #[inline(always)]
 pub(crate) fn between_axes<I: Isa>(
     isa: I,
-    outer: [&Outer; 2],
+    bounding: [&BoundingVolume; 2],
     a: &Rotation<I::F32>,
     b: &Rotation<I::F32>,
     r: Vector3<I::F32>,
 ) -> Vector3<I::F32> {
-    let (ha, hb) = (outer[0].half_length, outer[1].half_length);
-    let u = a.columns[outer[0].along].scaled(I::F32::splat(isa, ha));
-    let v = b.columns[outer[1].along].scaled(I::F32::splat(isa, hb));
+    let (ha, hb) = (bounding[0].half_length, bounding[1].half_length);
+    let u = a.columns[bounding[0].along].scaled(I::F32::splat(isa, ha));
+    let v = b.columns[bounding[1].along].scaled(I::F32::splat(isa, hb));
     let (s, t) = nearest::<I>(isa, [(u, ha), (v, hb)], r);
     let w = v.scaled_from(t, u.scaled_plus(s, r));
     let length = w.dot(w).max(I::F32::splat(isa, 1e-20)).sqrt();
@@ -97,36 +102,41 @@ fn nearest<I: Isa>(isa: I, [(u, ha), (v, hb)]: [(Vector3<I::F32>, f32); 2], r: V
 
 /// Minus how far two solids overlap at least; positive where what lies inside of them does not say.
 #[inline(always)]
-pub(crate) fn overlap<I: Isa>(isa: I, outer: [&Outer; 2], inner: [&Inner; 2], rows: [&[F32Row; POSE]; 2]) -> I::F32 {
+pub(crate) fn overlap<I: Isa>(
+    isa: I,
+    bounding: [&BoundingVolume; 2],
+    inscribed: [&InscribedVolume; 2],
+    rows: [&[F32Row; POSE]; 2],
+) -> I::F32 {
     let (a, b) = (Rotation::<I::F32>::load(isa, &rows[0][3..]), Rotation::load(isa, &rows[1][3..]));
     let apart = Vector3::<I::F32>::load(isa, &rows[0][..3]).minus(Vector3::load(isa, &rows[1][..3]));
-    let (from_a, from_b) = (off_center::<I>(isa, inner[0], &a), off_center::<I>(isa, inner[1], &b));
+    let (from_a, from_b) = (off_center::<I>(isa, inscribed[0], &a), off_center::<I>(isa, inscribed[1], &b));
     let r = apart.plus(from_a).minus(from_b);
-    let (ha, hb) = (inner[0].half_length, inner[1].half_length);
-    let u = a.columns[inner[0].along].scaled(I::F32::splat(isa, ha));
-    let v = b.columns[inner[1].along].scaled(I::F32::splat(isa, hb));
+    let (ha, hb) = (inscribed[0].half_length, inscribed[1].half_length);
+    let u = a.columns[inscribed[0].along].scaled(I::F32::splat(isa, ha));
+    let v = b.columns[inscribed[1].along].scaled(I::F32::splat(isa, hb));
     let (s, t) = nearest::<I>(isa, [(u, ha), (v, hb)], r);
     // Of the point on either axis: where it is, from the centre of the other's outer bounds.
     let p = u.scaled_plus(s, apart.plus(from_a));
     let q = v.scaled_plus(t, from_b.minus(apart));
     let between = p.minus(v.scaled_plus(t, from_b));
-    let radii = I::F32::splat(isa, inner[0].radius + inner[1].radius);
+    let radii = I::F32::splat(isa, inscribed[0].radius + inscribed[1].radius);
     let mut least = between.dot(between).sqrt() - radii;
-    if inner[0].fills {
-        let beyond = outside::<I>(isa, &outer[0].form, a.turn_back(q));
-        least = least.min(beyond - I::F32::splat(isa, inner[1].radius));
+    if inscribed[0].fills {
+        let beyond = outside::<I>(isa, &bounding[0].form, a.turn_back(q));
+        least = least.min(beyond - I::F32::splat(isa, inscribed[1].radius));
     }
-    if inner[1].fills {
-        let beyond = outside::<I>(isa, &outer[1].form, b.turn_back(p));
-        least = least.min(beyond - I::F32::splat(isa, inner[0].radius));
+    if inscribed[1].fills {
+        let beyond = outside::<I>(isa, &bounding[1].form, b.turn_back(p));
+        least = least.min(beyond - I::F32::splat(isa, inscribed[0].radius));
     }
     least
 }
 
 /// From the centre of the outer bounds to that of the inner ones, in the world.
 #[inline(always)]
-fn off_center<I: Isa>(isa: I, inner: &Inner, axes: &Rotation<I::F32>) -> Vector3<I::F32> {
-    let [x, y, z] = inner.middle;
+fn off_center<I: Isa>(isa: I, inscribed: &InscribedVolume, axes: &Rotation<I::F32>) -> Vector3<I::F32> {
+    let [x, y, z] = inscribed.middle;
     axes.turn(Vector3::new(I::F32::splat(isa, x), I::F32::splat(isa, y), I::F32::splat(isa, z)))
 }
 

@@ -1,17 +1,17 @@
 //! Clusters, joint axes and solids of a block, placed in lanes in the world, and bounds on how far groups approach.
 //!
-//! `SweepScratch` caches these rows, so that each solid and each cluster is computed at most once per block. `approach` sums up
+//! `BroadPhaseScratch` caches these rows, so that each solid and each cluster is computed at most once per block. `approach` sums up
 //! the displacement of each cluster within the interval of each lane, by the same recursion as `samples/motion_bound.rs`.
-//! `SweepScratch` also holds the slack: the rounding error of the bounds in each lane.
+//! `BroadPhaseScratch` also holds the slack: the rounding error of the bounds in each lane.
 
 use crate::collision::samples::interval::POSE;
-use crate::collision::samples::motion_samples::Course;
+use crate::collision::samples::motion_samples::MotionSamples;
 use crate::collision::scene::collision_scene::CollisionScene;
 use crate::collision::scene::pair_set::{ActiveGroup, PairSet};
 use crate::lanes::geometry::{Rotation, Transform, Vector3};
 use crate::lanes::vector::Lanes;
 use crate::lanes::vector::{F32Row, Isa};
-use foliate_components::robot::Motion;
+use foliate_components::robot::JointType;
 use glam::DVec3;
 
 /// Rounding of single-precision bounds, as a share of the largest coordinate.
@@ -19,7 +19,7 @@ const SLACK: f32 = 64.0 / 16_777_216.0;
 
 /// Buffers of the sweep. Rows are valid for one block.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct SweepScratch {
+pub(crate) struct BroadPhaseScratch {
     /// By cluster: centre of its ball in the world.
     pub(crate) centers: Vec<[F32Row; 3]>,
     /// By solid: centre and axes in the world.
@@ -37,7 +37,7 @@ pub(crate) struct SweepScratch {
     pub(crate) slack: F32Row,
 }
 
-impl SweepScratch {
+impl BroadPhaseScratch {
     /// Starts a motion.
     pub(crate) fn begin(&mut self, scene: &CollisionScene, pairs: &PairSet) {
         self.centers.resize(scene.clusters.len().max(self.centers.len()), Default::default());
@@ -54,7 +54,7 @@ impl SweepScratch {
     }
 }
 
-impl SweepScratch {
+impl BroadPhaseScratch {
     /// At most this far do the clusters of a group come closer within the interval of a lane, metres; to be asked after a
     /// sweep over the group.
     pub(crate) fn closer(&self, active: &ActiveGroup, lane: usize) -> f64 {
@@ -67,16 +67,16 @@ impl SweepScratch {
 pub(crate) fn place_clusters<I: Isa>(
     isa: I,
     scene: &CollisionScene,
-    course: &Course,
-    scratch: &mut SweepScratch,
+    motion_samples: &MotionSamples,
+    scratch: &mut BroadPhaseScratch,
     mut most: I::F32,
 ) {
     for index in 0..scene.clusters.len() {
         let (cluster, rows) = (&scene.clusters[index], &mut scratch.centers[index]);
-        if scratch.block == 1 || course.body_moves(cluster.body) {
+        if scratch.block == 1 || motion_samples.body_moves(cluster.body) {
             let center = Vector3::<I::F32>::splat(isa, cluster.ball.center);
             let center = match cluster.body {
-                Some(body) => Transform::load(isa, &course.poses[body.at()]).point(center),
+                Some(body) => Transform::load(isa, &motion_samples.poses[body.at()]).point(center),
                 None => center,
             };
             center.store(rows);
@@ -93,22 +93,22 @@ pub(crate) fn place_clusters<I: Isa>(
 pub(crate) fn place_axes<I: Isa>(
     isa: I,
     scene: &CollisionScene,
-    course: &Course,
-    scratch: &mut SweepScratch,
+    motion_samples: &MotionSamples,
+    scratch: &mut BroadPhaseScratch,
 ) -> I::F32 {
     let mut most = I::F32::constant(isa, 0.0);
     for index in 0..scene.joints.len() {
-        if !course.joint_moves(index as u32) {
+        if !motion_samples.joint_moves(index as u32) {
             continue;
         }
-        let origin = Vector3::<I::F32>::load(isa, &course.poses[index][9..]);
+        let origin = Vector3::<I::F32>::load(isa, &motion_samples.poses[index][9..]);
         most = most.max(origin.x.abs()).max(origin.y.abs()).max(origin.z.abs());
         let axis = match scene.joints[index].motion {
-            Motion::Revolute { axis } => axis,
-            Motion::Planar => DVec3::Z,
-            Motion::Prismatic { .. } | Motion::FreeFlyer => continue,
+            JointType::Revolute { axis } => axis,
+            JointType::Planar => DVec3::Z,
+            JointType::Prismatic { .. } | JointType::FreeFlyer => continue,
         };
-        let rotation = Rotation::<I::F32>::load(isa, &course.poses[index][..9]);
+        let rotation = Rotation::<I::F32>::load(isa, &motion_samples.poses[index][..9]);
         rotation.turn(Vector3::splat(isa, axis)).store(&mut scratch.axes[index]);
     }
     most
@@ -118,13 +118,13 @@ pub(crate) fn place_axes<I: Isa>(
 pub(crate) fn place_solid<I: Isa>(
     isa: I,
     scene: &CollisionScene,
-    course: &Course,
-    scratch: &mut SweepScratch,
+    motion_samples: &MotionSamples,
+    scratch: &mut BroadPhaseScratch,
     index: usize,
 ) {
     let solid = &scene.solids[index];
     let fresh = scratch.fresh_solids[index];
-    if fresh == scratch.block || (fresh > 0 && !course.body_moves(solid.body)) {
+    if fresh == scratch.block || (fresh > 0 && !motion_samples.body_moves(solid.body)) {
         return;
     }
     scratch.fresh_solids[index] = scratch.block;
@@ -133,12 +133,12 @@ pub(crate) fn place_solid<I: Isa>(
     };
     let own = Transform {
         rotation: Rotation {
-            columns: [vector(solid.outer.axes[0]), vector(solid.outer.axes[1]), vector(solid.outer.axes[2])],
+            columns: [vector(solid.bounding.axes[0]), vector(solid.bounding.axes[1]), vector(solid.bounding.axes[2])],
         },
-        translation: vector(solid.outer.center),
+        translation: vector(solid.bounding.center),
     };
     let placed = match solid.body {
-        Some(body) => Transform::load(isa, &course.poses[body.at()]).times(&own),
+        Some(body) => Transform::load(isa, &motion_samples.poses[body.at()]).times(&own),
         None => own,
     };
     let rows = &mut scratch.solids[index];
@@ -152,18 +152,18 @@ pub(crate) fn approach<I: Isa>(
     isa: I,
     scene: &CollisionScene,
     pairs: &PairSet,
-    course: &Course,
-    scratch: &mut SweepScratch,
+    motion_samples: &MotionSamples,
+    scratch: &mut BroadPhaseScratch,
     active: &ActiveGroup,
 ) -> I::F32 {
-    if course.is_still() {
+    if motion_samples.is_still() {
         return I::F32::constant(isa, 0.0);
     }
     let group = &scene.groups[active.group as usize];
     for (cluster, count) in [(group.first as usize, active.apart.0), (group.second as usize, active.apart.1)] {
         if count > 0 && scratch.fresh_clusters[cluster] != scratch.block {
             scratch.fresh_clusters[cluster] = scratch.block;
-            accumulate(isa, scene, pairs, course, scratch, cluster);
+            accumulate(isa, scene, pairs, motion_samples, scratch, cluster);
         }
     }
     let moved = &scratch.moved;
@@ -176,8 +176,8 @@ fn accumulate<I: Isa>(
     isa: I,
     scene: &CollisionScene,
     pairs: &PairSet,
-    course: &Course,
-    scratch: &mut SweepScratch,
+    motion_samples: &MotionSamples,
+    scratch: &mut BroadPhaseScratch,
     cluster: usize,
 ) {
     let chain = pairs.tree.chain_of(scene.clusters[cluster].body);
@@ -189,16 +189,17 @@ fn accumulate<I: Isa>(
     for place in 0..(chain.end - chain.start) as usize {
         let index = chain.start as usize + place;
         let joint = pairs.tree.links[index].joint;
-        if course.joint_moves(joint) {
+        if motion_samples.joint_moves(joint) {
             let joint = joint as usize;
-            let origin = Vector3::<I::F32>::load(isa, &course.poses[joint][9..]);
+            let origin = Vector3::<I::F32>::load(isa, &motion_samples.poses[joint][9..]);
             let out = center.minus(origin);
             let lever = match scene.joints[joint].motion {
-                Motion::FreeFlyer | Motion::Prismatic { .. } => out,
-                Motion::Revolute { .. } | Motion::Planar => out.cross(Vector3::load(isa, &scratch.axes[joint])),
+                JointType::FreeFlyer | JointType::Prismatic { .. } => out,
+                JointType::Revolute { .. } | JointType::Planar => out.cross(Vector3::load(isa, &scratch.axes[joint])),
             };
-            let radius = (lever.dot(lever).sqrt() + ball + moved).min(I::F32::splat(isa, course.reach[index]));
-            let (turn, slide) = (I::F32::load(isa, &course.turns[joint]), I::F32::load(isa, &course.slides[joint]));
+            let radius = (lever.dot(lever).sqrt() + ball + moved).min(I::F32::splat(isa, motion_samples.reach[index]));
+            let (turn, slide) =
+                (I::F32::load(isa, &motion_samples.turns[joint]), I::F32::load(isa, &motion_samples.slides[joint]));
             moved = turn.mul_add(radius, moved) + slide;
         }
         moved.store(&mut scratch.moved[base + place + 1]);

@@ -7,29 +7,29 @@
 //! are asked (`Along`). Intervals that are still open go on to the next round, cut again, with their open pairs alone. Rounds
 //! go from long intervals to short ones, so that a collision anywhere is met after few samples, and nothing right of a known
 //! collision is looked at again. Intervals that cover the motion are the certificate: nothing tunnels at any speed
-//! (DESIGN §5.5; Schwarzer, Saha and Latombe 2005; hpp-notes card L).
+//! (Schwarzer, Saha and Latombe 2005).
 
 use crate::collision::broad_phase::along::Along;
-use crate::collision::broad_phase::block_of_samples::Sweep;
+use crate::collision::broad_phase::block_of_samples::BroadPhase;
 use crate::collision::broad_phase::open_pairs::{ALL, Open, all_lanes};
 use crate::collision::continuous::subdivision::{Parts, reached};
-use crate::collision::narrow_phase::pair_at_sample::{Here, Look, Outcome};
-use crate::collision::narrow_phase::rigid_pairs::{kept_clearance, tie_of};
-use crate::collision::narrow_phase::scratch::{Block, CollisionScratch, ProofScratch, spare};
+use crate::collision::narrow_phase::pair_at_sample::{Here, NarrowPhase, Outcome};
+use crate::collision::narrow_phase::rigid_pairs::{kept_clearance, rigid_pair_of};
+use crate::collision::narrow_phase::scratch::{Block, CertifierScratch, CollisionScratch, spare};
 use crate::collision::narrow_phase::settings::CertificateSettings;
 use crate::collision::samples::interval::{Interval, LANES, Sample};
 use crate::collision::scene::collision_scene::{CollisionScene, PairId};
 use crate::collision::scene::pair_query::{Contact, place_balls, solid_balls};
 use crate::collision::scene::pair_set::{ActiveGroup, PairSet};
-use crate::kinematics::forward::{Carriage, Kinematics};
+use crate::kinematics::forward::{Kinematics, RigidAttachment};
 use glam::DVec3;
 
 /// Lanes in the order in which they are asked exactly: coarse to fine, the outermost last.
 const ORDER: [usize; LANES] = [8, 4, 12, 2, 6, 10, 14, 1, 3, 5, 7, 9, 11, 13, 15, 0];
 
 /// What has been found out about a motion.
-pub(crate) struct Proof<'a> {
-    look: Look<'a>,
+pub(crate) struct AdaptiveCertifier<'a> {
+    narrow_phase: NarrowPhase<'a>,
     knots: &'a [f64],
     /// How close to a collision the end of the valid prefix has to be, in pieces.
     share: f64,
@@ -53,18 +53,18 @@ struct WentTo {
     t: f64,
 }
 
-impl<'a> Proof<'a> {
+impl<'a> AdaptiveCertifier<'a> {
     /// Proves what it can of a polyline of at least one piece.
     pub(crate) fn of(
-        (scene, kinematics, carriages): (&'a CollisionScene, &'a Kinematics, &'a [Carriage]),
+        (scene, kinematics, rigid_attachments): (&'a CollisionScene, &'a Kinematics, &'a [RigidAttachment]),
         knots: &'a [f64],
         pairs: &'a PairSet,
         settings: &'a CertificateSettings,
         scratch: &mut CollisionScratch,
     ) -> Self {
         let pieces = (knots.len() / scene.space.size()).saturating_sub(1) as u32;
-        let mut proof = Self {
-            look: Look { scene, pairs, settings },
+        let mut certifier = Self {
+            narrow_phase: NarrowPhase { scene, pairs, settings },
             knots,
             share: settings.prefix_resolution * f64::from(pieces),
             hit: f64::INFINITY,
@@ -76,15 +76,15 @@ impl<'a> Proof<'a> {
             hints_are_fresh: false,
             went: WentTo::default(),
         };
-        scratch.course.begin((scene, kinematics, carriages), pairs, knots);
-        scratch.sweep.begin(scene, pairs);
-        let mut buffers = std::mem::take(&mut scratch.proof);
-        proof.run(pieces, &mut buffers, scratch);
-        scratch.proof = buffers;
-        proof
+        scratch.motion_samples.begin((scene, kinematics, rigid_attachments), pairs, knots);
+        scratch.broad_phase.begin(scene, pairs);
+        let mut buffers = std::mem::take(&mut scratch.certifier);
+        certifier.run(pieces, &mut buffers, scratch);
+        scratch.certifier = buffers;
+        certifier
     }
 
-    fn run(&mut self, pieces: u32, buffers: &mut ProofScratch, scratch: &mut CollisionScratch) {
+    fn run(&mut self, pieces: u32, buffers: &mut CertifierScratch, scratch: &mut CollisionScratch) {
         buffers.used = [0, 0];
         let block = spare(&mut buffers.rounds[0], &mut buffers.used[0]);
         let mut parts = Parts::default();
@@ -109,21 +109,27 @@ impl<'a> Proof<'a> {
 
     /// Every pair that matters is open everywhere, but for those that are tied together well enough.
     fn open_all(&mut self, block: &mut Block, scratch: &CollisionScratch) {
-        let Look { scene, pairs, settings } = self.look;
+        let NarrowPhase { scene, pairs, settings } = self.narrow_phase;
         let lanes = all_lanes(block.intervals.len());
         for (active, group) in pairs.moving.iter().enumerate() {
-            if settings.start_is_free && !scratch.course.moves_between(group) {
+            if settings.start_is_free && !scratch.motion_samples.moves_between(group) {
                 continue;
             }
             let open = |pair| Open { active: active as u32, pair, lanes };
-            let Some(tie) = tie_of(scene, pairs, &scratch.course, group) else {
+            let Some(rigid_pair) = rigid_pair_of(scene, pairs, &scratch.motion_samples, group) else {
                 block.open.push(open(ALL));
                 continue;
             };
             let of_group = &scene.groups[group.group as usize];
             for pair in of_group.start..of_group.end {
                 let keep = pairs.margins[pair as usize] + settings.clearance_guard;
-                match kept_clearance(scene, PairId(pair), (tie, settings.tied_within), &scratch.course.start, keep) {
+                match kept_clearance(
+                    scene,
+                    PairId(pair),
+                    (rigid_pair, settings.rigid_within),
+                    &scratch.motion_samples.start,
+                    keep,
+                ) {
                     Some(clearance) => self.min_clearance = self.min_clearance.min(clearance),
                     None => block.open.push(open(pair)),
                 }
@@ -132,28 +138,34 @@ impl<'a> Proof<'a> {
     }
 
     fn given_up(&self) -> bool {
-        self.limit <= 0.0 || (self.blocked && self.look.settings.all_or_nothing)
+        self.limit <= 0.0 || (self.blocked && self.narrow_phase.settings.all_or_nothing)
     }
 
     /// Certifies what it can of a block and hands the rest to the next round.
-    fn look_into(&mut self, block: &Block, buffers: &mut ProofScratch, next: usize, scratch: &mut CollisionScratch) {
+    fn look_into(
+        &mut self,
+        block: &Block,
+        buffers: &mut CertifierScratch,
+        next: usize,
+        scratch: &mut CollisionScratch,
+    ) {
         let lanes = self.lanes_of_interest(&block.intervals);
         if lanes == 0 || block.open.is_empty() {
             return;
         }
         self.samples += lanes.count_ones();
-        if self.samples > self.look.settings.max_samples {
+        if self.samples > self.narrow_phase.settings.max_samples {
             self.cut(block.intervals[lanes.trailing_zeros() as usize].left(), None);
             return;
         }
-        let Look { scene, pairs, settings } = self.look;
-        scratch.course.look_at(scene, scratch.level, self.knots, &block.intervals);
+        let NarrowPhase { scene, pairs, settings } = self.narrow_phase;
+        scratch.motion_samples.look_at(scene, scratch.level, self.knots, &block.intervals);
         buffers.rest.clear();
-        let free = scratch.level.run(Sweep {
+        let free = scratch.level.run(BroadPhase {
             scene,
             pairs,
-            course: &scratch.course,
-            scratch: &mut scratch.sweep,
+            motion_samples: &scratch.motion_samples,
+            scratch: &mut scratch.broad_phase,
             guard: settings.clearance_guard,
             lanes,
             open: &block.open,
@@ -184,25 +196,25 @@ impl<'a> Proof<'a> {
     /// Exact queries of what is open in one lane.
     fn ask_exactly(&mut self, block: &Block, lane: usize, rest: &mut Vec<Open>, scratch: &mut CollisionScratch) {
         let interval = block.intervals[lane];
-        let Look { scene, pairs, settings } = self.look;
+        let NarrowPhase { scene, pairs, settings } = self.narrow_phase;
         if !self.hints_are_fresh {
             scratch.forget_hints(scene);
             self.hints_are_fresh = true;
         }
         let sample = interval.sample();
-        let is_fine = scratch.course.is_fine(sample, lane);
+        let is_fine = scratch.motion_samples.is_fine(sample, lane);
         // Doubt is for pieces: a span that is not certified is halved.
         let resolution = if matches!(sample, Sample::Knot { .. }) { 0.0 } else { settings.resolution };
         for open in rest.iter_mut().filter(|open| open.lanes >> lane & 1 == 1) {
             let (id, active) = (PairId(open.pair), pairs.active(open.active));
-            let closer = scratch.sweep.closer(active, lane);
+            let closer = scratch.broad_phase.closer(active, lane);
             let pair = &scene.pairs[id.at()];
-            let X = [pair.first, pair.second].map(|s| scratch.course.pose_in(lane, scene.solids[s.at()].body));
+            let X = [pair.first, pair.second].map(|s| scratch.motion_samples.pose_in(lane, scene.solids[s.at()].body));
             let mut hints = scratch.hints[id.at()];
             let here = Here { X, closer, is_fine, resolution };
             let mut went = self.went;
             let along = |n| self.closer_along(id, active, n, (sample, lane), &mut went, scratch);
-            let (outcome, n) = self.look.at(id, &here, &mut hints, along);
+            let (outcome, n) = self.narrow_phase.at(id, &here, &mut hints, along);
             self.went = went;
             scratch.hints[id.at()] = hints;
             match outcome {
@@ -210,7 +222,7 @@ impl<'a> Proof<'a> {
                     self.min_clearance = self.min_clearance.min(free);
                     open.lanes &= !(1 << lane);
                     let keep = pairs.margins[id.at()] + settings.clearance_guard;
-                    let closer = |lane| scratch.sweep.closer(active, lane);
+                    let closer = |lane| scratch.broad_phase.closer(active, lane);
                     let (lanes, least) = reached(&block.intervals, lane, free - keep, closer);
                     if open.lanes & lanes != 0 {
                         self.min_clearance = self.min_clearance.min(keep + least);
@@ -220,7 +232,7 @@ impl<'a> Proof<'a> {
                 Outcome::Open => {}
                 Outcome::Collides(contact) => {
                     // A pair that does not move collides from the start on.
-                    let moves = scratch.course.moves_between(active);
+                    let moves = scratch.motion_samples.moves_between(active);
                     self.cut(if moves { interval.middle() } else { 0.0 }, Some(contact));
                 }
                 Outcome::Doubtful(contact) => self.cut(interval.left(), Some(contact)),
@@ -233,8 +245,8 @@ impl<'a> Proof<'a> {
                 let (left, free) = scratch.level.run(Along {
                     scene,
                     pairs,
-                    course: &scratch.course,
-                    scratch: &mut scratch.sweep,
+                    motion_samples: &scratch.motion_samples,
+                    scratch: &mut scratch.broad_phase,
                     guard: settings.clearance_guard,
                     open: Open { lanes: others, ..*open },
                     n,
@@ -257,15 +269,15 @@ impl<'a> Proof<'a> {
         went: &mut WentTo,
         scratch: &mut CollisionScratch,
     ) -> f64 {
-        let Look { scene, pairs, .. } = self.look;
+        let NarrowPhase { scene, pairs, .. } = self.narrow_phase;
         let Sample::Inside { piece, t, half_width } = sample else { return f64::INFINITY };
-        let CollisionScratch { course, bound, X_WJ, balls, .. } = scratch;
+        let CollisionScratch { motion_samples, bound, X_WJ, balls, .. } = scratch;
         if went.piece != Some(piece) {
-            let (q, delta) = course.piece(scene, self.knots, piece);
+            let (q, delta) = motion_samples.piece(scene, self.knots, piece);
             bound.begin(scene, pairs, q, delta);
         }
         if went.piece != Some(piece) || went.t != t {
-            course.poses_in(lane, X_WJ);
+            motion_samples.poses_in(lane, X_WJ);
             place_balls(scene, X_WJ, balls);
             bound.look_at(scene, X_WJ, half_width);
             *went = WentTo { piece: Some(piece), t };
@@ -276,8 +288,8 @@ impl<'a> Proof<'a> {
     }
 
     /// Cuts up what is open for the next round.
-    fn hand_on(&mut self, block: &Block, buffers: &mut ProofScratch, next: usize) {
-        let ProofScratch { rounds, used, rest } = buffers;
+    fn hand_on(&mut self, block: &Block, buffers: &mut CertifierScratch, next: usize) {
+        let CertifierScratch { rounds, used, rest } = buffers;
         let mut lanes = rest.iter().fold(0, |lanes, open| lanes | open.lanes);
         for (lane, interval) in block.intervals.iter().enumerate() {
             if lanes >> lane & 1 == 0 {

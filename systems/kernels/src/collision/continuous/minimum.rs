@@ -7,13 +7,13 @@
 //! least value found so far are done there; the others are looked at in halves. Pairs that do not move are asked once.
 
 use crate::collision::continuous::minimum_settings::{MinimumClearance, MinimumSettings, Nearest};
-use crate::collision::convex::gjk::Ask;
-use crate::collision::narrow_phase::rigid_pairs::{kept_clearance, tie_of};
+use crate::collision::convex::gjk::DistanceQuery;
+use crate::collision::narrow_phase::rigid_pairs::{kept_clearance, rigid_pair_of};
 use crate::collision::narrow_phase::scratch::CollisionScratch;
 use crate::collision::scene::collision_scene::{CollisionScene, PairId};
 use crate::collision::scene::pair_query::{exact_clearance, hull_clearance, place_balls, rough_clearance, solid_balls};
 use crate::collision::scene::pair_set::{ActiveGroup, PairSet};
-use crate::kinematics::forward::{Carriage, Kinematics};
+use crate::kinematics::forward::{Kinematics, RigidAttachment};
 use glam::DVec3;
 use std::ops::Range;
 
@@ -27,7 +27,7 @@ pub const ASK_EVERY: u32 = 64;
 const QUERY_SHARE: f64 = 0.1;
 
 /// The least clearance along the straight motions from knot to knot, to within what `settings` say. `knots` are whole
-/// configurations, end to end, at least one; `carriages` must be those of `pairs`. All pairs of the set count, those that keep
+/// configurations, end to end, at least one; `rigid_attachments` must be those of `pairs`. All pairs of the set count, those that keep
 /// their relative pose too, and those that locked joints hold together ([`CollisionScene::fixed_pairs`]).
 ///
 /// Distances to closed meshes are to their surfaces: the caller knows that nothing begins inside one
@@ -41,13 +41,13 @@ const QUERY_SHARE: f64 = 0.1;
 pub fn minimum_clearance_along(
     scene: &CollisionScene,
     kinematics: &Kinematics,
-    carriages: &[Carriage],
+    rigid_attachments: &[RigidAttachment],
     knots: &[f64],
     pairs: &PairSet,
     settings: &MinimumSettings,
     scratch: &mut CollisionScratch,
 ) -> MinimumClearance {
-    minimum_clearance_while(scene, kinematics, carriages, knots, pairs, (settings, &|| true), scratch)
+    minimum_clearance_while(scene, kinematics, rigid_attachments, knots, pairs, (settings, &|| true), scratch)
 }
 
 /// As [`minimum_clearance_along`], as long as the closure says so: it is asked once in [`ASK_EVERY`] distances and parts. What
@@ -60,7 +60,7 @@ pub fn minimum_clearance_along(
 pub fn minimum_clearance_while(
     scene: &CollisionScene,
     kinematics: &Kinematics,
-    carriages: &[Carriage],
+    rigid_attachments: &[RigidAttachment],
     knots: &[f64],
     pairs: &PairSet,
     (settings, go_on): (&MinimumSettings, &dyn Fn() -> bool),
@@ -69,7 +69,7 @@ pub fn minimum_clearance_while(
     if !knots.iter().all(|x| x.is_finite()) {
         return MinimumClearance { lower: f64::NEG_INFINITY, nearest: None, is_cut_short: false, queries: 0 };
     }
-    scratch.course.begin((scene, kinematics, carriages), pairs, knots);
+    scratch.motion_samples.begin((scene, kinematics, rigid_attachments), pairs, knots);
     scratch.forget_hints(scene);
     let mut search = Minimum {
         scene,
@@ -82,10 +82,10 @@ pub fn minimum_clearance_while(
         touches: false,
         patience: Patience { go_on, asked: 0, is_over: false },
     };
-    let moves = |active: &&ActiveGroup| scratch.course.moves_between(active);
+    let moves = |active: &&ActiveGroup| scratch.motion_samples.moves_between(active);
     let moving: Vec<ActiveGroup> = pairs.moving.iter().filter(moves).copied().collect();
     search.at_the_start(scratch);
-    search.along((kinematics, carriages, knots), &moving, scratch);
+    search.along((kinematics, rigid_attachments, knots), &moving, scratch);
     search.found()
 }
 
@@ -111,7 +111,7 @@ struct Patience<'a> {
 }
 
 impl Patience<'_> {
-    fn ask(&mut self) {
+    fn query(&mut self) {
         self.asked = self.asked.wrapping_add(1);
         if self.asked.is_multiple_of(ASK_EVERY) && !(self.go_on)() {
             self.is_over = true;
@@ -174,7 +174,7 @@ impl Minimum<'_> {
     fn at_the_start(&mut self, scratch: &mut CollisionScratch) {
         let mut poses = std::mem::take(&mut scratch.X_WJ);
         poses.clear();
-        poses.extend_from_slice(&scratch.course.start);
+        poses.extend_from_slice(&scratch.motion_samples.start);
         let rough = |id: PairId| rough_clearance(self.scene, id, &poses, f64::MAX) - self.pairs.margin(id);
         let all = (0..self.scene.pairs.len() as u32).map(PairId);
         let nearest = all.map(|id| (rough(id), id)).min_by(|a, b| a.0.total_cmp(&b.0));
@@ -185,7 +185,7 @@ impl Minimum<'_> {
         }
         for active in self.pairs.moving.iter().chain(&self.pairs.constant) {
             let group = &self.scene.groups[active.group as usize];
-            let moves = scratch.course.moves_between(active);
+            let moves = scratch.motion_samples.moves_between(active);
             for pair in group.start..group.end {
                 let bound = self.look_at(PairId(pair), &here, scratch);
                 // What moves is bounded along the way.
@@ -203,7 +203,7 @@ impl Minimum<'_> {
     /// Looks at what moves, from whole pieces to ever shorter parts of them.
     fn along(
         &mut self,
-        (kinematics, carriages, knots): (&Kinematics, &[Carriage], &[f64]),
+        (kinematics, rigid_attachments, knots): (&Kinematics, &[RigidAttachment], &[f64]),
         moving: &[ActiveGroup],
         scratch: &mut CollisionScratch,
     ) {
@@ -217,13 +217,13 @@ impl Minimum<'_> {
             let (mut halves, mut left) = (Vec::new(), Vec::new());
             let mut begun = None;
             for (number, part) in parts.iter().enumerate() {
-                self.patience.ask();
+                self.patience.query();
                 if self.is_over() {
                     let rest = parts[number..].iter().flat_map(|part| &open[part.open.clone()]).chain(&left);
                     self.lower = rest.fold(self.lower, |lower, open| lower.min(open.lower));
                     return;
                 }
-                let (from, delta) = scratch.course.piece(self.scene, knots, part.piece);
+                let (from, delta) = scratch.motion_samples.piece(self.scene, knots, part.piece);
                 if begun != Some(part.piece) {
                     scratch.bound.begin(self.scene, self.pairs, from, delta);
                     begun = Some(part.piece);
@@ -231,7 +231,7 @@ impl Minimum<'_> {
                 self.scene.space.interpolate(from, &knots[(part.piece as usize + 1) * size..][..size], part.t, &mut q);
                 scratch.X_WJ.resize(kinematics.bodies(), foliate_components::Pose::IDENTITY);
                 kinematics.forward(&q, &mut scratch.X_WJ);
-                kinematics.carry(&q, carriages, &mut scratch.X_WJ);
+                kinematics.carry(&q, rigid_attachments, &mut scratch.X_WJ);
                 place_balls(self.scene, &scratch.X_WJ, &mut scratch.balls);
                 scratch.bound.look_at(self.scene, &scratch.X_WJ, part.half);
                 let first = left.len();
@@ -251,15 +251,15 @@ impl Minimum<'_> {
         let mut open = Vec::with_capacity(moving.len());
         for (number, active) in moving.iter().enumerate() {
             let entry = |pair| Open { active: number as u32, pair, lower: f64::NEG_INFINITY };
-            let Some(tie) = tie_of(self.scene, self.pairs, &scratch.course, active) else {
+            let Some(rigid_pair) = rigid_pair_of(self.scene, self.pairs, &scratch.motion_samples, active) else {
                 open.push(entry(None));
                 continue;
             };
             let group = &self.scene.groups[active.group as usize];
             for pair in group.start..group.end {
                 let (id, margin) = (PairId(pair), self.pairs.margin(PairId(pair)));
-                let (within, keep) = (self.settings.tied_within, self.enough() + margin);
-                match kept_clearance(self.scene, id, (tie, within), &scratch.course.start, keep) {
+                let (within, keep) = (self.settings.rigid_within, self.enough() + margin);
+                match kept_clearance(self.scene, id, (rigid_pair, within), &scratch.motion_samples.start, keep) {
                     Some(kept) => self.lower = self.lower.min(kept - margin),
                     None => open.push(entry(Some(pair))),
                 }
@@ -317,14 +317,14 @@ impl Minimum<'_> {
     /// clearance over the part around it.
     fn look_at(&mut self, id: PairId, here: &Here<'_>, scratch: &mut CollisionScratch) -> f64 {
         let (scene, margin) = (self.scene, self.pairs.margin(id));
-        let poses = if here.active.is_some() { &scratch.X_WJ } else { &scratch.course.start };
+        let poses = if here.active.is_some() { &scratch.X_WJ } else { &scratch.motion_samples.start };
         let needed = self.enough() + margin + here.closer;
         let rough = rough_clearance(scene, id, poses, needed);
         if rough >= needed {
             return rough - here.closer - margin;
         }
         self.queries += 1;
-        self.patience.ask();
+        self.patience.query();
         let pair = &scene.pairs[id.at()];
         let X = [pair.first, pair.second]
             .map(|s| scene.solids[s.at()].body.map_or(foliate_components::Pose::IDENTITY, |body| poses[body.at()]));
@@ -332,7 +332,7 @@ impl Minimum<'_> {
         let tolerance = self.tolerance().min(self.settings.absolute) * QUERY_SHARE;
         let share = (self.settings.relative * QUERY_SHARE).min(0.5);
         let floor = (self.best + margin).min(needed);
-        let ask = Ask { needed, floor, ground: floor, absolute: tolerance, relative: share };
+        let query = DistanceQuery { needed, floor, ground: floor, absolute: tolerance, relative: share };
         let along = |n: DVec3, gap: f64| match here.active {
             Some(active) if gap > 0.0 && n != DVec3::ZERO => {
                 gap - scratch.bound.approach_along(scene, self.pairs, active, balls, n)
@@ -343,20 +343,20 @@ impl Minimum<'_> {
         let mut bound = f64::NEG_INFINITY;
         if !scene.is_convex(id) {
             // Hulls of meshes are apart by no more than the meshes are, and cost far less.
-            let apart = hull_clearance(scene, id, X, ask, &mut hints.hulls);
+            let apart = hull_clearance(scene, id, X, query, &mut hints.hulls);
             bound = (apart - here.closer).max(along(hints.hulls, apart));
             if bound - margin >= self.enough() && apart >= floor {
                 return bound - margin;
             }
         }
-        let found = exact_clearance(scene, id, X, ask, &mut hints.solids);
+        let found = exact_clearance(scene, id, X, query, &mut hints.solids);
         bound = bound.max(found - here.closer);
         if scene.is_convex(id) {
             bound = bound.max(along(hints.solids, found));
         }
         if found < floor {
             // News are rare enough to be told exactly.
-            let exact = exact_clearance(scene, id, X, Ask::exact(f64::MAX), &mut hints.solids);
+            let exact = exact_clearance(scene, id, X, DistanceQuery::exact(f64::MAX), &mut hints.solids);
             self.note(id, here.t, exact, exact + EXACT - margin);
         }
         bound - margin

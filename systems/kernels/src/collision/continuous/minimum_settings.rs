@@ -15,14 +15,14 @@ pub struct MinimumSettings {
     pub below: f64,
     /// Distances of shapes that may be asked for. What is proved by then is returned.
     pub max_queries: u64,
-    /// As [`CertificateSettings::tied_within`](crate::collision::narrow_phase::settings::CertificateSettings::tied_within).
-    pub tied_within: f64,
+    /// As [`CertificateSettings::rigid_within`](crate::collision::narrow_phase::settings::CertificateSettings::rigid_within).
+    pub rigid_within: f64,
 }
 
 impl Default for MinimumSettings {
     /// Within a tenth, or a tenth of a millimetre.
     fn default() -> Self {
-        Self { relative: 0.1, absolute: 1e-4, below: f64::MAX, max_queries: 20_000_000, tied_within: f64::INFINITY }
+        Self { relative: 0.1, absolute: 1e-4, below: f64::MAX, max_queries: 20_000_000, rigid_within: f64::INFINITY }
     }
 }
 

@@ -4,13 +4,13 @@
 //! middle of a span of pieces no joint moves farther than its path is long, and the bound of `adaptive_certifier.rs` asks for
 //! no more than that. A straight motion is the polyline of one piece.
 
-use crate::collision::continuous::adaptive_certifier::Proof;
+use crate::collision::continuous::adaptive_certifier::AdaptiveCertifier;
 use crate::collision::narrow_phase::scratch::CollisionScratch;
 use crate::collision::narrow_phase::settings::CertificateSettings;
 use crate::collision::scene::collision_scene::CollisionScene;
 use crate::collision::scene::pair_query::Contact;
 use crate::collision::scene::pair_set::PairSet;
-use crate::kinematics::{Carriage, Kinematics};
+use crate::kinematics::{Kinematics, RigidAttachment};
 
 /// What is proved about a polyline.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,7 +45,7 @@ pub enum PolylineVerdict {
 pub fn certify_polyline(
     scene: &CollisionScene,
     kinematics: &Kinematics,
-    carriages: &[Carriage],
+    rigid_attachments: &[RigidAttachment],
     knots: &[f64],
     pairs: &PairSet,
     settings: &CertificateSettings,
@@ -59,11 +59,11 @@ pub fn certify_polyline(
     if pieces == 0 {
         return PolylineVerdict::Free { min_clearance_lower_bound: f64::INFINITY };
     }
-    let proof = Proof::of((scene, kinematics, carriages), knots, pairs, settings, scratch);
-    if !proof.blocked {
-        return PolylineVerdict::Free { min_clearance_lower_bound: proof.min_clearance };
+    let certifier = AdaptiveCertifier::of((scene, kinematics, rigid_attachments), knots, pairs, settings, scratch);
+    if !certifier.blocked {
+        return PolylineVerdict::Free { min_clearance_lower_bound: certifier.min_clearance };
     }
-    let limit = if settings.all_or_nothing { 0.0 } else { proof.limit.max(0.0) };
+    let limit = if settings.all_or_nothing { 0.0 } else { certifier.limit.max(0.0) };
     let piece = (limit as usize).min(pieces.saturating_sub(1));
-    PolylineVerdict::FreeUntil { piece, t: (limit - piece as f64).clamp(0.0, 1.0), blocked_by: proof.blocked_by }
+    PolylineVerdict::FreeUntil { piece, t: (limit - piece as f64).clamp(0.0, 1.0), blocked_by: certifier.blocked_by }
 }

@@ -8,7 +8,7 @@ use crate::collision::narrow_phase::settings::CertificateSettings;
 use crate::collision::scene::collision_scene::CollisionScene;
 use crate::collision::scene::pair_query::Contact;
 use crate::collision::scene::pair_set::PairSet;
-use crate::kinematics::forward::{Carriage, Kinematics};
+use crate::kinematics::forward::{Kinematics, RigidAttachment};
 
 /// What is proved about a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,7 +30,7 @@ pub enum MotionVerdict {
 }
 
 /// Proves clearance along the straight motion from `q_a` to `q_b` (in the sense of the configuration space: joints
-/// linearly, roots linearly and on the quaternion geodesic), with carried objects following. `carriages` must be those of
+/// linearly, roots linearly and on the quaternion geodesic), with carried objects following. `rigid_attachments` must be those of
 /// `pairs`. For polylines there is [`crate::collision::continuous::polyline::certify_polyline`].
 ///
 /// Containment in closed meshes is not asked along the way: by continuity it cannot begin without touching, so the
@@ -43,7 +43,7 @@ pub enum MotionVerdict {
 pub fn certify_motion(
     scene: &CollisionScene,
     kinematics: &Kinematics,
-    carriages: &[Carriage],
+    rigid_attachments: &[RigidAttachment],
     q_a: &[f64],
     q_b: &[f64],
     pairs: &PairSet,
@@ -55,7 +55,7 @@ pub fn certify_motion(
     knots.clear();
     knots.extend_from_slice(&q_a[..size]);
     knots.extend_from_slice(&q_b[..size]);
-    let found = certify_polyline(scene, kinematics, carriages, &knots, pairs, settings, scratch);
+    let found = certify_polyline(scene, kinematics, rigid_attachments, &knots, pairs, settings, scratch);
     scratch.knots = knots;
     match found {
         PolylineVerdict::Free { min_clearance_lower_bound } => MotionVerdict::Free { min_clearance_lower_bound },

@@ -17,7 +17,7 @@ const MAX_STEPS: usize = 64;
 
 /// How precisely a distance is wanted.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ask {
+pub struct DistanceQuery {
     /// The question is "at least this?": the answer need not be exact above. Metres.
     pub needed: f64,
     /// If it is not at least `needed`, it may be enough to know that it is at least this (for no such shortcut, as large as
@@ -32,7 +32,7 @@ pub struct Ask {
     pub relative: f64,
 }
 
-impl Ask {
+impl DistanceQuery {
     /// Whether bounds of a distance from both sides, metres, say all that is asked.
     #[inline]
     pub(crate) fn is_settled(&self, lower: f64, upper: f64) -> bool {
@@ -85,28 +85,35 @@ impl Relative {
     }
 }
 
-/// A lower bound of the distance of two cores less `radii` that is at least `ask.needed` or nearly exact; at most
+/// A lower bound of the distance of two cores less `radii` that is at least `query.needed` or nearly exact; at most
 /// −`radii` where the cores (may) overlap. `hint` is a separating direction, from B to A in A's frame, that worked before
 /// (zero for none); it is updated.
-pub(crate) fn core_distance(a: &Core, b: &Core, X_AB: &Relative, radii: f64, ask: Ask, hint: &mut DVec3) -> f64 {
+pub(crate) fn core_distance(
+    a: &Core,
+    b: &Core,
+    X_AB: &Relative,
+    radii: f64,
+    query: DistanceQuery,
+    hint: &mut DVec3,
+) -> f64 {
     let farthest_against = |v: DVec3| a.support(-v) - X_AB.point(b.support(X_AB.direction_back(v)));
-    walk(farthest_against, || first_direction(a, b, X_AB), radii, ask, hint)
+    descend(farthest_against, || first_direction(a, b, X_AB), radii, query, hint)
 }
 
 /// As [`core_distance`] for any two convex sets: `farthest_against` gives the point of A − B that lies farthest against a
 /// direction, `first` a direction to begin with and whether it is a point of A − B.
 #[inline(always)]
-pub(crate) fn walk(
+pub(crate) fn descend(
     farthest_against: impl Fn(DVec3) -> DVec3,
     first: impl FnOnce() -> (DVec3, bool),
     radii: f64,
-    ask: Ask,
+    query: DistanceQuery,
     hint: &mut DVec3,
 ) -> f64 {
     // What is returned has lost `ROUNDING` and still has to be at least `needed`.
-    let enough = ask.needed + radii + 2.0 * ROUNDING;
-    let floor = ask.floor + radii + 2.0 * ROUNDING;
-    let ground = ask.ground + radii + 2.0 * ROUNDING;
+    let enough = query.needed + radii + 2.0 * ROUNDING;
+    let floor = query.floor + radii + 2.0 * ROUNDING;
+    let ground = query.ground + radii + 2.0 * ROUNDING;
     let mut lower = 0.0_f64;
     if *hint != DVec3::ZERO {
         // The hint is a unit vector.
@@ -127,7 +134,7 @@ pub(crate) fn walk(
             *hint = n;
         }
         // A point of A − B also bounds the distance from above.
-        let exact = length - lower <= ask.absolute.max(ask.relative * (length - radii));
+        let exact = length - lower <= query.absolute.max(query.relative * (length - radii));
         let settled = exact || (length < enough && lower >= floor) || (length < floor && lower >= ground);
         if lower >= enough || (on_difference && settled) {
             return lower - radii - ROUNDING;

@@ -2,15 +2,15 @@
 //! surely collides.
 
 use crate::collision::broad_phase::along::Along;
-use crate::collision::broad_phase::block_of_samples::Sweep;
+use crate::collision::broad_phase::block_of_samples::BroadPhase;
 use crate::collision::broad_phase::open_pairs::{ALL, Hits, Open, all_lanes};
-use crate::collision::convex::gjk::Ask;
+use crate::collision::convex::gjk::DistanceQuery;
 use crate::collision::narrow_phase::scratch::{CollisionScratch, VerdictScratch};
 use crate::collision::samples::interval::{Interval, LANES};
 use crate::collision::scene::collision_scene::{CollisionScene, PairId};
 use crate::collision::scene::pair_query::{Contact, contained_at, exact_clearance};
 use crate::collision::scene::pair_set::PairSet;
-use crate::kinematics::forward::{Carriage, Kinematics};
+use crate::kinematics::forward::{Kinematics, RigidAttachment};
 use foliate_components::Pose;
 use glam::DVec3;
 
@@ -26,7 +26,7 @@ use glam::DVec3;
 pub fn first_collisions(
     scene: &CollisionScene,
     kinematics: &Kinematics,
-    carriages: &[Carriage],
+    rigid_attachments: &[RigidAttachment],
     configurations: &[f64],
     pairs: &PairSet,
     guard: f64,
@@ -34,7 +34,7 @@ pub fn first_collisions(
     found: &mut Vec<Option<Contact>>,
 ) {
     let mut buffers = std::mem::take(&mut scratch.verdicts);
-    let verdicts = Verdicts { scene, kinematics, carriages, pairs, guard };
+    let verdicts = Verdicts { scene, kinematics, rigid_attachments, pairs, guard };
     for block in configurations.chunks(LANES * scene.space.size()) {
         verdicts.judge(block, Hits::default(), &mut buffers, scratch);
         found.extend_from_slice(&buffers.found);
@@ -53,7 +53,7 @@ pub fn first_collisions(
 pub fn open_to_bounds(
     scene: &CollisionScene,
     kinematics: &Kinematics,
-    carriages: &[Carriage],
+    rigid_attachments: &[RigidAttachment],
     configurations: &[f64],
     pairs: &PairSet,
     guard: f64,
@@ -61,7 +61,12 @@ pub fn open_to_bounds(
 ) -> Vec<(PairId, u16)> {
     assert!(configurations.len() <= LANES * scene.space.size(), "more than sixteen configurations");
     let mut buffers = std::mem::take(&mut scratch.verdicts);
-    Verdicts { scene, kinematics, carriages, pairs, guard }.sweep(configurations, None, &mut buffers, scratch);
+    Verdicts { scene, kinematics, rigid_attachments, pairs, guard }.broad_phase(
+        configurations,
+        None,
+        &mut buffers,
+        scratch,
+    );
     let open = buffers.rest.iter().map(|open| (PairId(open.pair), open.lanes)).collect();
     scratch.verdicts = buffers;
     open
@@ -75,7 +80,7 @@ pub struct Verdicts<'a> {
     /// Where bodies are.
     pub kinematics: &'a Kinematics,
     /// What objects hang on; those that are not named are where their own coordinates say.
-    pub carriages: &'a [Carriage],
+    pub rigid_attachments: &'a [RigidAttachment],
     /// The pairs.
     pub pairs: &'a PairSet,
     /// Metres beyond the margins.
@@ -131,14 +136,14 @@ impl Verdicts<'_> {
         let count = configurations.len() / self.scene.space.size();
         assert!(count <= LANES, "more than sixteen configurations");
         let (mut buffers, mut hits) = (std::mem::take(&mut scratch.verdicts), Hits::default());
-        self.sweep(configurations, Some(&mut hits), &mut buffers, scratch);
+        self.broad_phase(configurations, Some(&mut hits), &mut buffers, scratch);
         scratch.verdicts = buffers;
         if count == 0 { 0 } else { hits.colliding & all_lanes(count) }
     }
 
     /// Leaves in `buffers.found` what collides in up to sixteen configurations, as far as `hits` wants to know.
     fn judge(&self, block: &[f64], mut hits: Hits, buffers: &mut VerdictScratch, scratch: &mut CollisionScratch) {
-        self.sweep(block, Some(&mut hits), buffers, scratch);
+        self.broad_phase(block, Some(&mut hits), buffers, scratch);
         buffers.found.clear();
         buffers.found.resize(block.len() / self.scene.space.size(), None);
         for (lane, found) in buffers.found.iter_mut().enumerate().filter(|(lane, _)| hits.colliding >> lane & 1 == 1) {
@@ -150,12 +155,12 @@ impl Verdicts<'_> {
             if hits.settled & all == all {
                 break;
             }
-            self.ask(open, &mut hits, scratch, &mut buffers.found);
+            self.query(open, &mut hits, scratch, &mut buffers.found);
         }
     }
 
     /// Leaves in `buffers.rest` what bounds leave open, and in `hits` what collides for sure.
-    fn sweep(
+    fn broad_phase(
         &self,
         configurations: &[f64],
         hits: Option<&mut Hits>,
@@ -168,22 +173,22 @@ impl Verdicts<'_> {
         if count == 0 {
             return;
         }
-        scratch.course.begin_still((scene, self.kinematics, self.carriages), pairs, configurations);
-        scratch.sweep.begin(scene, pairs);
+        scratch.motion_samples.begin_still((scene, self.kinematics, self.rigid_attachments), pairs, configurations);
+        scratch.broad_phase.begin(scene, pairs);
         buffers.intervals.clear();
         buffers.intervals.extend((0..count as u32).map(Interval::knot));
-        scratch.course.look_at(scene, scratch.level, configurations, &buffers.intervals);
+        scratch.motion_samples.look_at(scene, scratch.level, configurations, &buffers.intervals);
         let all = all_lanes(count);
         buffers.open.clear();
         for (number, active) in pairs.moving.iter().chain(&pairs.constant).enumerate() {
-            let moves = scratch.course.moves_between(active);
+            let moves = scratch.motion_samples.moves_between(active);
             buffers.open.push(Open { active: number as u32, pair: ALL, lanes: if moves { all } else { 1 } });
         }
-        scratch.level.run(Sweep {
+        scratch.level.run(BroadPhase {
             scene,
             pairs,
-            course: &scratch.course,
-            scratch: &mut scratch.sweep,
+            motion_samples: &scratch.motion_samples,
+            scratch: &mut scratch.broad_phase,
             guard: self.guard,
             lanes: all & !hits.as_ref().map_or(0, |hits| hits.settled),
             open: &buffers.open,
@@ -201,13 +206,13 @@ impl Verdicts<'_> {
 
     fn poses_of(&self, id: PairId, lane: usize, scratch: &CollisionScratch) -> [Pose; 2] {
         let pair = &self.scene.pairs[id.at()];
-        [pair.first, pair.second].map(|solid| scratch.course.pose_in(lane, self.scene.solids[solid.at()].body))
+        [pair.first, pair.second].map(|solid| scratch.motion_samples.pose_in(lane, self.scene.solids[solid.at()].body))
     }
 
     /// Asks exactly what is open of a pair.
-    fn ask(&self, mut open: Open, hits: &mut Hits, scratch: &mut CollisionScratch, found: &mut [Option<Contact>]) {
+    fn query(&self, mut open: Open, hits: &mut Hits, scratch: &mut CollisionScratch, found: &mut [Option<Contact>]) {
         let (scene, pairs, id) = (self.scene, self.pairs, PairId(open.pair));
-        let moves = scratch.course.moves_between(pairs.active(open.active));
+        let moves = scratch.motion_samples.moves_between(pairs.active(open.active));
         let needed = pairs.margins[id.at()] + self.guard;
         let mut n = DVec3::ZERO;
         while open.lanes != 0 {
@@ -217,8 +222,8 @@ impl Verdicts<'_> {
                 continue;
             }
             let X = self.poses_of(id, lane, scratch);
-            let ask = Ask { relative: 0.01, ..Ask::exact(needed) };
-            let clearance = exact_clearance(scene, id, X, ask, &mut n);
+            let query = DistanceQuery { relative: 0.01, ..DistanceQuery::exact(needed) };
+            let clearance = exact_clearance(scene, id, X, query, &mut n);
             // Compared so that NaN collides.
             let clear = clearance >= needed;
             let contact = match clear {
@@ -239,8 +244,8 @@ impl Verdicts<'_> {
                     let (near, _) = scratch.level.run(Along {
                         scene,
                         pairs,
-                        course: &scratch.course,
-                        scratch: &mut scratch.sweep,
+                        motion_samples: &scratch.motion_samples,
+                        scratch: &mut scratch.broad_phase,
                         guard: self.guard,
                         open,
                         n,

@@ -1,6 +1,6 @@
 //! The exact verdict of one configuration.
 
-use crate::collision::convex::gjk::Ask;
+use crate::collision::convex::gjk::DistanceQuery;
 use crate::collision::narrow_phase::scratch::CollisionScratch;
 use crate::collision::scene::collision_scene::{CollisionScene, Group, PairId};
 use crate::collision::scene::pair_query::{
@@ -57,8 +57,8 @@ fn contact_of(scene: &CollisionScene, X_WJ: &[Pose], margins: &[f64], id: PairId
     {
         return Some(contact);
     }
-    let ask = Ask { relative: 0.01, ..Ask::exact(needed) };
-    let clearance = exact_clearance(scene, id, X, ask, &mut DVec3::ZERO.clone());
+    let query = DistanceQuery { relative: 0.01, ..DistanceQuery::exact(needed) };
+    let clearance = exact_clearance(scene, id, X, query, &mut DVec3::ZERO.clone());
     // Compared so that NaN collides.
     let clear = clearance >= needed;
     if !clear {
@@ -114,7 +114,7 @@ pub fn min_clearance(
         let found = if contained(scene, id, X_WJ) {
             f64::NEG_INFINITY
         } else {
-            pair_clearance(scene, id, X_WJ, Ask::exact(so_far.max(0.0)), &mut DVec3::ZERO.clone())
+            pair_clearance(scene, id, X_WJ, DistanceQuery::exact(so_far.max(0.0)), &mut DVec3::ZERO.clone())
         };
         let farther = found >= so_far;
         if !farther {

@@ -3,19 +3,19 @@
 //! It costs a few support evaluations, whereas `query` descends the trees of meshes. Callers ask it before the exact distance,
 //! because hulls separate most pairs of links. The hulls themselves are built in `solids/hull.rs`.
 
-use crate::collision::convex::gjk::{Ask, Relative, walk};
+use crate::collision::convex::gjk::{DistanceQuery, Relative, descend};
 use crate::collision::solids::solid::Solid;
 use foliate_components::Pose;
 use glam::DVec3;
 
-/// A lower bound of the distance of the hulls of two solids, metres: at least `ask.needed`, or within `ask`'s tolerances of the
+/// A lower bound of the distance of the hulls of two solids, metres: at least `query.needed`, or within `query`'s tolerances of the
 /// hulls' distance; not positive where the hulls (may) overlap. Poses and `hint` as for
 /// [`clearance`](crate::collision::distance::query::clearance): where the result is positive, `hint` is afterwards the unit
 /// vector from `b` to `a` along which the solids are at least that far apart.
 ///
 /// Negative infinity where a mesh has no triangles or numbers that are not finite: its hull says nothing.
 #[must_use]
-pub fn hull_distance(a: &Solid, X_WA: &Pose, b: &Solid, X_WB: &Pose, ask: Ask, hint: &mut DVec3) -> f64 {
+pub fn hull_distance(a: &Solid, X_WA: &Pose, b: &Solid, X_WB: &Pose, query: DistanceQuery, hint: &mut DVec3) -> f64 {
     if !(has_hull(a) && has_hull(b) && X_WA.is_finite() && X_WB.is_finite()) {
         return f64::NEG_INFINITY;
     }
@@ -26,7 +26,7 @@ pub fn hull_distance(a: &Solid, X_WA: &Pose, b: &Solid, X_WB: &Pose, ask: Ask, h
         (if between.length_squared() > 1e-20 { between } else { DVec3::X }, false)
     };
     let mut local = X_WA.rotation.conjugate() * *hint;
-    let found = walk(farthest_against, first, radius(a) + radius(b), ask, &mut local);
+    let found = descend(farthest_against, first, radius(a) + radius(b), query, &mut local);
     *hint = (X_WA.rotation * local).normalize_or_zero();
     found
 }

@@ -2,7 +2,7 @@
 //! everything cut off that is farther than what is asked for or already found.
 
 use crate::collision::convex::core::{Convex, Core};
-use crate::collision::convex::gjk::{Ask, ROUNDING, Relative, core_distance};
+use crate::collision::convex::gjk::{DistanceQuery, ROUNDING, Relative, core_distance};
 use crate::collision::distance::boxes_in_lanes::{Probe, View, beyond};
 use crate::collision::distance::triangles_in_lanes::{
     Extents, Gaps, beside, crossing, load, load_moved, reaching, to_segment, to_triangle,
@@ -18,36 +18,42 @@ const DEEP: usize = 12;
 const STACK: usize = DEEP * (WIDE - 1) + 1;
 
 /// Surface distance of a mesh and a convex solid whose pose in the mesh's frame is `X_MC`: a lower bound that is at least
-/// `ask.needed` or nearly exact. `hint` is a direction, from the convex solid to the mesh in the mesh's frame, that set
+/// `query.needed` or nearly exact. `hint` is a direction, from the convex solid to the mesh in the mesh's frame, that set
 /// triangles apart before (zero for none): neighbouring triangles share it more often than not, and it costs a fraction
 /// of finding another.
 pub(crate) fn mesh_convex_distance(
     mesh: &MeshTree,
     convex: &Convex,
     X_MC: &Relative,
-    ask: Ask,
+    query: DistanceQuery,
     hint: &mut DVec3,
 ) -> f64 {
     if mesh.is_empty() {
         return f64::INFINITY;
     }
-    mesh.lanes.run(ToConvex { mesh, convex, X_MC, ask, hint })
+    mesh.lanes.run(ToConvex { mesh, convex, X_MC, query, hint })
 }
 
 /// Surface distance of two meshes, the second at `X_AB` in the frame of the first. `hint` is as for
 /// [`mesh_convex_distance`], from the second to the first in the frame of the first.
-pub(crate) fn mesh_mesh_distance(a: &MeshTree, b: &MeshTree, X_AB: &Relative, ask: Ask, hint: &mut DVec3) -> f64 {
+pub(crate) fn mesh_mesh_distance(
+    a: &MeshTree,
+    b: &MeshTree,
+    X_AB: &Relative,
+    query: DistanceQuery,
+    hint: &mut DVec3,
+) -> f64 {
     if a.is_empty() || b.is_empty() {
         return f64::INFINITY;
     }
-    a.lanes.run(ToMesh { a, b, X_AB, ask, hint })
+    a.lanes.run(ToMesh { a, b, X_AB, query, hint })
 }
 
 struct ToConvex<'a> {
     mesh: &'a MeshTree,
     convex: &'a Convex,
     X_MC: &'a Relative,
-    ask: Ask,
+    query: DistanceQuery,
     hint: &'a mut DVec3,
 }
 
@@ -56,10 +62,10 @@ impl Kernel for ToConvex<'_> {
 
     #[inline(always)]
     fn run<I: Isa>(self, isa: I) -> f64 {
-        let Self { mesh, convex, X_MC, ask, hint } = self;
+        let Self { mesh, convex, X_MC, query, hint } = self;
         let mut probe = Probe::new(convex, X_MC);
         let axis = Axis::of(&convex.core, X_MC);
-        let mut least = Least::new(&ask);
+        let mut least = Least::new(&query);
         probe.turn_to(*hint);
         let mut stack = [(0_u32, 0.0_f64); STACK];
         let mut depth = 1;
@@ -80,14 +86,14 @@ impl Kernel for ToConvex<'_> {
                 if let Some(axis) = &axis {
                     let eight = load(isa, &mesh.corners[corners as usize]);
                     let gaps = to_segment(isa, &eight, axis.middle, axis.half);
-                    lanes &= axis.left_open(&gaps, lanes, convex.radius, &ask, &mut least, hint);
+                    lanes &= axis.left_open(&gaps, lanes, convex.radius, &query, &mut least, hint);
                 }
                 while lanes != 0 {
                     let triangle = mesh.triangles[block.first as usize + lanes.trailing_zeros() as usize];
                     lanes &= lanes - 1;
-                    let ask = least.ask(&ask);
+                    let query = least.query(&query);
                     let core = Core::Triangle(triangle);
-                    least.lower(core_distance(&core, &convex.core, X_MC, convex.radius, ask, hint));
+                    least.lower(core_distance(&core, &convex.core, X_MC, convex.radius, query, hint));
                 }
                 if least.value <= 0.0 {
                     return least.value;
@@ -126,7 +132,15 @@ impl Axis {
 
     /// The triangles for which GJK is to be asked; of the others it takes in what the gaps to the axis say.
     #[inline]
-    fn left_open(&self, gaps: &Gaps, lanes: u32, radius: f64, ask: &Ask, least: &mut Least, hint: &mut DVec3) -> u32 {
+    fn left_open(
+        &self,
+        gaps: &Gaps,
+        lanes: u32,
+        radius: f64,
+        query: &DistanceQuery,
+        least: &mut Least,
+        hint: &mut DVec3,
+    ) -> u32 {
         let mut open = 0;
         for lane in (0..WIDE).filter(|lane| lanes >> lane & 1 == 1) {
             let [lower, upper] = [gaps.lower[lane], gaps.upper[lane]].map(|gap| gap - self.radius - radius);
@@ -134,7 +148,7 @@ impl Axis {
                 continue;
             }
             // What is around a cylinder's axis reaches beyond its ends.
-            if self.radius == 0.0 && gaps.lower[lane] > 0.0 && least.ask(ask).is_settled(lower, upper) {
+            if self.radius == 0.0 && gaps.lower[lane] > 0.0 && least.query(query).is_settled(lower, upper) {
                 least.lower(lower);
             } else {
                 open |= 1 << lane;
@@ -152,7 +166,7 @@ struct ToMesh<'a> {
     a: &'a MeshTree,
     b: &'a MeshTree,
     X_AB: &'a Relative,
-    ask: Ask,
+    query: DistanceQuery,
     hint: &'a mut DVec3,
 }
 
@@ -161,9 +175,9 @@ impl Kernel for ToMesh<'_> {
 
     #[inline(always)]
     fn run<I: Isa>(self, isa: I) -> f64 {
-        let Self { a, b, X_AB, ask, hint } = self;
+        let Self { a, b, X_AB, query, hint } = self;
         let X_BA = X_AB.inverse();
-        let mut least = Least::new(&ask);
+        let mut least = Least::new(&query);
         let mut views = Views { of_b: View::new(X_AB), of_a: View::new(&X_BA) };
         views.turn_to(*hint, X_AB);
         let mut stack = [(0_u32, 0_u32, 0.0_f64); 2 * STACK];
@@ -198,7 +212,7 @@ impl Kernel for ToMesh<'_> {
                     }
                     if meeting != 0 {
                         let gaps = to_triangle(isa, &eight, triangle);
-                        take_in(&gaps, meeting, (triangle, b, block_b, X_AB), &ask, &mut least, hint);
+                        take_in(&gaps, meeting, (triangle, b, block_b, X_AB), &query, &mut least, hint);
                     }
                 }
                 if least.value <= 0.0 {
@@ -246,7 +260,7 @@ fn take_in(
     gaps: &Gaps,
     mut lanes: u32,
     (triangle, b, block_b, X_AB): (&[DVec3; 3], &MeshTree, &Block, &Relative),
-    ask: &Ask,
+    query: &DistanceQuery,
     least: &mut Least,
     hint: &mut DVec3,
 ) {
@@ -258,7 +272,7 @@ fn take_in(
         if lower >= least.value {
             continue;
         }
-        let wanted = least.ask(ask);
+        let wanted = least.query(query);
         if lower > 0.0 && wanted.is_settled(lower, upper) {
             least.lower(lower);
             continue;
@@ -311,15 +325,15 @@ struct Least {
 }
 
 impl Least {
-    fn new(ask: &Ask) -> Self {
+    fn new(query: &DistanceQuery) -> Self {
         let raised = |x: f64| x + 2.0 * ROUNDING;
-        Self { value: raised(ask.needed), floor: raised(ask.floor), ground: raised(ask.ground) }
+        Self { value: raised(query.needed), floor: raised(query.floor), ground: raised(query.ground) }
     }
 
     /// What to ask of the next pair of triangles.
-    fn ask(&self, ask: &Ask) -> Ask {
+    fn query(&self, query: &DistanceQuery) -> DistanceQuery {
         let floor = self.floor.min(self.value);
-        Ask { needed: self.value, floor, ground: self.ground.min(floor), ..*ask }
+        DistanceQuery { needed: self.value, floor, ground: self.ground.min(floor), ..*query }
     }
 
     /// Takes in a distance. Once one is too small for what is needed, only what is below the floor still matters, and once

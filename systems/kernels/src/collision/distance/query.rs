@@ -1,13 +1,13 @@
 //! Clearance of two solids: "at least d?", and if not, how much.
 //!
 //! [`clearance`] is a lower bound of the distance that is either at least what was asked for or nearly exact
-//! (DESIGN §5.5: *in doubt, in collision*). Pairs of round solids and of a ball with anything use closed forms; the rest
+//! (*in doubt, in collision*). Pairs of round solids and of a ball with anything use closed forms; the rest
 //! goes to GJK (`convex/gjk.rs`), meshes to their tree (`mesh_distance.rs`). We wrote our own GJK instead of calling
 //! parry's because its result carries a proof (the separating slab), and because a query "at least d?" may then end after
 //! one support; parry remains what it is tested against.
 
 use crate::collision::convex::core::{Convex, Core};
-pub use crate::collision::convex::gjk::Ask;
+pub use crate::collision::convex::gjk::DistanceQuery;
 use crate::collision::convex::gjk::{ROUNDING, Relative, core_distance};
 use crate::collision::convex::segments::between_segments;
 use crate::collision::distance::mesh_distance::{mesh_convex_distance, mesh_mesh_distance};
@@ -15,7 +15,7 @@ use crate::collision::solids::solid::Solid;
 use foliate_components::Pose;
 use glam::DVec3;
 
-/// A lower bound of the distance between two solids, metres: at least `ask.needed`, or within `ask`'s tolerances of the
+/// A lower bound of the distance between two solids, metres: at least `query.needed`, or within `query`'s tolerances of the
 /// distance. Not positive where they (may) overlap, and −∞ where a number is not finite.
 ///
 /// `X_WA` and `X_WB` are the solids' poses in one frame. `hint` remembers a separating direction in that frame from one
@@ -23,7 +23,7 @@ use glam::DVec3;
 /// along which they are at least as far apart as the result says; with meshes it is one that set some triangles apart.
 /// Results depend on the hint only within the tolerances.
 #[must_use]
-pub fn clearance(a: &Solid, X_WA: &Pose, b: &Solid, X_WB: &Pose, ask: Ask, hint: &mut DVec3) -> f64 {
+pub fn clearance(a: &Solid, X_WA: &Pose, b: &Solid, X_WB: &Pose, query: DistanceQuery, hint: &mut DVec3) -> f64 {
     // Infinite coordinates would give NaN differences further on: stop both at the gate.
     if !(X_WA.translation.is_finite()
         && X_WB.translation.is_finite()
@@ -33,22 +33,22 @@ pub fn clearance(a: &Solid, X_WA: &Pose, b: &Solid, X_WB: &Pose, ask: Ask, hint:
         return f64::NEG_INFINITY;
     }
     let found = match (a, b) {
-        (Solid::Convex(a), Solid::Convex(b)) => convex_clearance(a, X_WA, b, X_WB, ask, hint),
+        (Solid::Convex(a), Solid::Convex(b)) => convex_clearance(a, X_WA, b, X_WB, query, hint),
         (Solid::Mesh(mesh), Solid::Convex(convex)) => {
             let mut local = X_WA.rotation.conjugate() * *hint;
-            let found = mesh_convex_distance(mesh, convex, &Relative::between(X_WA, X_WB), ask, &mut local);
+            let found = mesh_convex_distance(mesh, convex, &Relative::between(X_WA, X_WB), query, &mut local);
             *hint = X_WA.rotation * local;
             found
         }
         (Solid::Convex(convex), Solid::Mesh(mesh)) => {
             let mut local = X_WB.rotation.conjugate() * -*hint;
-            let found = mesh_convex_distance(mesh, convex, &Relative::between(X_WB, X_WA), ask, &mut local);
+            let found = mesh_convex_distance(mesh, convex, &Relative::between(X_WB, X_WA), query, &mut local);
             *hint = -(X_WB.rotation * local);
             found
         }
         (Solid::Mesh(a), Solid::Mesh(b)) => {
             let mut local = X_WA.rotation.conjugate() * *hint;
-            let found = mesh_mesh_distance(a, b, &Relative::between(X_WA, X_WB), ask, &mut local);
+            let found = mesh_mesh_distance(a, b, &Relative::between(X_WA, X_WB), query, &mut local);
             *hint = X_WA.rotation * local;
             found
         }
@@ -56,7 +56,7 @@ pub fn clearance(a: &Solid, X_WA: &Pose, b: &Solid, X_WB: &Pose, ask: Ask, hint:
     if found.is_nan() { f64::NEG_INFINITY } else { found }
 }
 
-fn convex_clearance(a: &Convex, X_WA: &Pose, b: &Convex, X_WB: &Pose, ask: Ask, hint: &mut DVec3) -> f64 {
+fn convex_clearance(a: &Convex, X_WA: &Pose, b: &Convex, X_WB: &Pose, query: DistanceQuery, hint: &mut DVec3) -> f64 {
     let radii = a.radius + b.radius;
     let apart = match (a.core, b.core) {
         // Covers every pair with a ball: the closest point of a core to a point has a closed form.
@@ -69,7 +69,7 @@ fn convex_clearance(a: &Convex, X_WA: &Pose, b: &Convex, X_WB: &Pose, ask: Ask, 
         (first, second) => {
             let X_AB = Relative::between(X_WA, X_WB);
             let mut local = X_WA.rotation.conjugate() * *hint;
-            let distance = core_distance(&first, &second, &X_AB, radii, ask, &mut local);
+            let distance = core_distance(&first, &second, &X_AB, radii, query, &mut local);
             *hint = X_WA.rotation * local;
             return distance;
         }

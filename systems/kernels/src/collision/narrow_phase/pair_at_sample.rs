@@ -1,6 +1,6 @@
 //! What the exact queries say of one pair at one sample of a motion.
 
-use crate::collision::convex::gjk::Ask;
+use crate::collision::convex::gjk::DistanceQuery;
 use crate::collision::narrow_phase::settings::CertificateSettings;
 use crate::collision::scene::collision_scene::{CollisionScene, PairId};
 use crate::collision::scene::pair_query::{Contact, exact_clearance, hull_clearance};
@@ -31,7 +31,7 @@ pub(crate) enum Outcome {
 
 /// What does not depend on the sample.
 #[derive(Clone, Copy)]
-pub(crate) struct Look<'a> {
+pub(crate) struct NarrowPhase<'a> {
     pub scene: &'a CollisionScene,
     pub pairs: &'a PairSet,
     pub settings: &'a CertificateSettings,
@@ -62,7 +62,7 @@ pub(crate) struct Hints {
     pub spared: u8,
 }
 
-impl Look<'_> {
+impl NarrowPhase<'_> {
     /// Looks at a pair at a sample; also a direction along which the two are set apart there, zero where none is known.
     pub(crate) fn at(
         &self,
@@ -91,13 +91,13 @@ impl Look<'_> {
     ) -> (Outcome, DVec3) {
         let keep = self.keep(id);
         let needed = keep + here.closer;
-        let ask = if here.is_fine {
-            Ask { relative: 0.05, ..Ask::exact(needed) }
+        let query = if here.is_fine {
+            DistanceQuery { relative: 0.05, ..DistanceQuery::exact(needed) }
         } else {
             // Where directions are no help, only a collision at the sample still matters.
-            Ask { floor: keep, ..Ask::exact(needed) }
+            DistanceQuery { floor: keep, ..DistanceQuery::exact(needed) }
         };
-        let found = exact_clearance(self.scene, id, here.X, ask, &mut hints.solids);
+        let found = exact_clearance(self.scene, id, here.X, query, &mut hints.solids);
         // The distance of convex solids is their gap along the hint.
         let n = hints.solids;
         (certified(found, keep, n, here, along).unwrap_or_else(|| self.undecided(id, found, keep, here)), n)
@@ -137,8 +137,8 @@ impl Look<'_> {
         let keep = self.keep(id);
         let needed = keep + here.closer;
         let floor = if here.is_fine { needed } else { keep };
-        let ask = Ask { floor, relative: 0.05, ..Ask::exact(needed) };
-        let apart = hull_clearance(self.scene, id, here.X, ask, &mut hints.hulls);
+        let query = DistanceQuery { floor, relative: 0.05, ..DistanceQuery::exact(needed) };
+        let apart = hull_clearance(self.scene, id, here.X, query, &mut hints.hulls);
         hints.overlaps = if apart > 0.0 { 0 } else { (hints.overlaps + 1).min(MOST_SPARED) };
         hints.spared = hints.overlaps;
         let n = if apart >= keep { hints.hulls } else { DVec3::ZERO };
@@ -152,8 +152,13 @@ impl Look<'_> {
         let keep = self.keep(id);
         let needed = keep + here.closer;
         // Once the interval is open only a collision at the sample still matters.
-        let ask = Ask { needed: needed + NEIGHBOURS * here.closer, floor: needed, ground: keep, ..Ask::exact(needed) };
-        let found = exact_clearance(self.scene, id, here.X, ask, &mut hints.solids);
+        let query = DistanceQuery {
+            needed: needed + NEIGHBOURS * here.closer,
+            floor: needed,
+            ground: keep,
+            ..DistanceQuery::exact(needed)
+        };
+        let found = exact_clearance(self.scene, id, here.X, query, &mut hints.solids);
         if found >= needed {
             return Outcome::Certified(found - here.closer);
         }

@@ -4,12 +4,12 @@
 //! joints around the circle know nothing of that: what they can bring the two closer is decimetres, what the constraint leaves
 //! is a tenth of a millimetre. One query at the start proves such a pair for the whole motion.
 
-use crate::collision::convex::gjk::Ask;
-use crate::collision::samples::motion_samples::Course;
+use crate::collision::convex::gjk::DistanceQuery;
+use crate::collision::samples::motion_samples::MotionSamples;
 use crate::collision::scene::attachment::AttachmentTree;
 use crate::collision::scene::collision_scene::{CollisionScene, PairId};
 use crate::collision::scene::pair_query::{exact_clearance, hull_clearance, rough_clearance, solid_balls};
-use crate::collision::scene::pair_set::{ActiveGroup, PairSet, Tie};
+use crate::collision::scene::pair_set::{ActiveGroup, PairSet, RigidPair};
 use crate::collision::solids::volumes::Ball;
 use foliate_components::Pose;
 use foliate_components::robot::JointIndex;
@@ -17,28 +17,28 @@ use glam::DVec3;
 
 /// The tie that keeps the two clusters of a group together along a motion: where all joints between each of them and one
 /// of the tie's bodies stand still.
-pub(crate) fn tie_of<'a>(
+pub(crate) fn rigid_pair_of<'a>(
     scene: &CollisionScene,
     pairs: &'a PairSet,
-    course: &Course,
+    motion_samples: &MotionSamples,
     active: &ActiveGroup,
-) -> Option<&'a Tie> {
-    if pairs.ties.is_empty() {
+) -> Option<&'a RigidPair> {
+    if pairs.rigid_pairs.is_empty() {
         return None;
     }
     let group = &scene.groups[active.group as usize];
     let [first, second] =
-        [group.first, group.second].map(|c| mover(&pairs.tree, course, scene.clusters[c as usize].body));
-    pairs.ties.iter().find(|tie| {
-        let ends = [tie.a, tie.b].map(|body| mover(&pairs.tree, course, body));
+        [group.first, group.second].map(|c| mover(&pairs.tree, motion_samples, scene.clusters[c as usize].body));
+    pairs.rigid_pairs.iter().find(|rigid_pair| {
+        let ends = [rigid_pair.a, rigid_pair.b].map(|body| mover(&pairs.tree, motion_samples, body));
         ends == [first, second] || ends == [second, first]
     })
 }
 
 /// The nearest joint above a body, its own included, that moves along the motion; none where the body stands still.
-fn mover(tree: &AttachmentTree, course: &Course, mut body: Option<JointIndex>) -> Option<JointIndex> {
+fn mover(tree: &AttachmentTree, motion_samples: &MotionSamples, mut body: Option<JointIndex>) -> Option<JointIndex> {
     // Carriages close no circle.
-    while let Some(index) = body.filter(|&index| !course.joint_moves(index.0)) {
+    while let Some(index) = body.filter(|&index| !motion_samples.joint_moves(index.0)) {
         body = tree.parent(index);
     }
     body
@@ -48,11 +48,11 @@ fn mover(tree: &AttachmentTree, course: &Course, mut body: Option<JointIndex>) -
 pub(crate) fn kept_clearance(
     scene: &CollisionScene,
     id: PairId,
-    (tie, within): (&Tie, f64),
+    (rigid_pair, within): (&RigidPair, f64),
     X_WJ: &[Pose],
     keep: f64,
 ) -> Option<f64> {
-    let origin = tie.b.map_or(tie.origin, |b| X_WJ[b.at()].transform_point(tie.origin));
+    let origin = rigid_pair.b.map_or(rigid_pair.origin, |b| X_WJ[b.at()].transform_point(rigid_pair.origin));
     let farthest = |ball: Ball| ball.center.distance(origin) + ball.radius;
     let [first, second] = solid_balls(scene, id, X_WJ).map(farthest);
     if !(first.is_finite() && second.is_finite() && within.is_finite()) {
@@ -65,8 +65,8 @@ pub(crate) fn kept_clearance(
     let X = [scene.pairs[id.at()].first, scene.pairs[id.at()].second]
         .map(|shape| scene.solids[shape.at()].body.map_or(Pose::IDENTITY, |body| X_WJ[body.at()]));
     // Whether it is enough, and nothing else.
-    let ask = Ask { floor: f64::NEG_INFINITY, ground: f64::NEG_INFINITY, ..Ask::exact(needed) };
+    let query = DistanceQuery { floor: f64::NEG_INFINITY, ground: f64::NEG_INFINITY, ..DistanceQuery::exact(needed) };
     holds(rough_clearance(scene, id, X_WJ, needed))
-        .or_else(|| holds(hull_clearance(scene, id, X, ask, &mut DVec3::ZERO.clone())))
-        .or_else(|| holds(exact_clearance(scene, id, X, ask, &mut DVec3::ZERO.clone())))
+        .or_else(|| holds(hull_clearance(scene, id, X, query, &mut DVec3::ZERO.clone())))
+        .or_else(|| holds(exact_clearance(scene, id, X, query, &mut DVec3::ZERO.clone())))
 }

@@ -1,11 +1,11 @@
 //! Buffers of the collision queries, so that none of them allocates once they are warm.
 
 use crate::collision::broad_phase::open_pairs::Open;
-use crate::collision::broad_phase::placed::SweepScratch;
+use crate::collision::broad_phase::placed::BroadPhaseScratch;
 use crate::collision::narrow_phase::pair_at_sample::Hints;
 use crate::collision::samples::interval::Interval;
 use crate::collision::samples::motion_bound::MotionBound;
-use crate::collision::samples::motion_samples::Course;
+use crate::collision::samples::motion_samples::MotionSamples;
 use crate::collision::scene::collision_scene::CollisionScene;
 use crate::collision::scene::pair_query::Contact;
 use crate::collision::solids::volumes::Ball;
@@ -21,7 +21,7 @@ pub(crate) struct Block {
 
 /// Buffers of a proof.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct ProofScratch {
+pub(crate) struct CertifierScratch {
     /// The blocks of this round and of the next; those from `used` on are spare.
     pub(crate) rounds: [Vec<Block>; 2],
     pub(crate) used: [usize; 2],
@@ -51,9 +51,9 @@ pub struct CollisionScratch {
     /// By cluster, in the world.
     pub(crate) balls: Vec<Ball>,
     pub(crate) bound: MotionBound,
-    pub(crate) course: Course,
-    pub(crate) sweep: SweepScratch,
-    pub(crate) proof: ProofScratch,
+    pub(crate) motion_samples: MotionSamples,
+    pub(crate) broad_phase: BroadPhaseScratch,
+    pub(crate) certifier: CertifierScratch,
     pub(crate) verdicts: VerdictScratch,
     /// By pair: what set it apart last, within one query.
     pub(crate) hints: Vec<Hints>,

@@ -20,7 +20,7 @@ pub struct CertificateSettings {
     pub max_samples: u32,
     /// How far along the motion the relative pose of bodies that are tied together may leave that at its start: metres of the
     /// tie's origin, and radians. Infinite where nothing is known: ties then say nothing.
-    pub tied_within: f64,
+    pub rigid_within: f64,
 }
 
 impl Default for CertificateSettings {
@@ -32,7 +32,7 @@ impl Default for CertificateSettings {
             all_or_nothing: false,
             start_is_free: false,
             max_samples: 20_000,
-            tied_within: f64::INFINITY,
+            rigid_within: f64::INFINITY,
         }
     }
 }

@@ -1,12 +1,11 @@
 //! How far two bodies can come closer along a straight motion.
 //!
-//! V = Σ |Δᵢ| rᵢ over the joints between the two bodies in the attachment tree (DESIGN §5.5; HPP's `velocityBound`,
-//! hpp-notes card L), where rᵢ is at least the distance from joint i's axis to any point of the moving body over the whole
+//! V = Σ |Δᵢ| rᵢ over the joints between the two bodies in the attachment tree (HPP's `velocityBound`), where rᵢ is at least the distance from joint i's axis to any point of the moving body over the whole
 //! interval. Two bounds on rᵢ are at hand, and the smaller counts: the static reach of the chain beyond the joint, and the
 //! distance at the sample plus what the joints beyond it can add within the interval.
 //!
 //! Where a direction n separates the two, less is enough ([`MotionBound::of_pair_along`]): only the speed along n at the
-//! sample counts in first order, and the rest is ½h² sup‖ẍ‖ with the bound of DESIGN §5.4,
+//! sample counts in first order, and the rest is ½h² sup‖ẍ‖ with
 //! ‖ẍ‖ ≤ Σⱼ |Δⱼ| rⱼ (|Δⱼ| + 2 Σᵢ |Δᵢ|) over the joints i that carry joint j. Bodies that slide past each other need far
 //! fewer samples so.
 
@@ -17,7 +16,7 @@ use crate::collision::scene::pair_set::{ActiveGroup, PairSet};
 use crate::collision::scene::scene_joint::SceneJoint;
 use crate::collision::solids::volumes::Ball;
 use foliate_components::Pose;
-use foliate_components::robot::Motion;
+use foliate_components::robot::JointType;
 use glam::DVec3;
 
 /// Radians turned by all joints together within half an interval, beyond which directions are not looked at.
@@ -118,9 +117,9 @@ impl MotionBound {
         self.half_width = half_width;
         for (index, joint) in scene.joints.iter().enumerate().filter(|&(i, _)| self.turn[i] > 0.0) {
             let axis = match joint.motion {
-                Motion::Revolute { axis } => X_WJ[index].rotation * axis,
-                Motion::Planar => X_WJ[index].rotation * DVec3::Z,
-                Motion::Prismatic { .. } | Motion::FreeFlyer => DVec3::ZERO,
+                JointType::Revolute { axis } => X_WJ[index].rotation * axis,
+                JointType::Planar => X_WJ[index].rotation * DVec3::Z,
+                JointType::Prismatic { .. } | JointType::FreeFlyer => DVec3::ZERO,
             };
             self.origins[index] = (X_WJ[index].translation, axis);
             self.world_spin[index] = X_WJ[index].rotation * self.spin[index];
@@ -260,8 +259,8 @@ impl MotionBound {
                 let (origin, axis) = self.origins[joint];
                 let out = ball.center - origin;
                 let here = match scene.joints[joint].motion {
-                    Motion::FreeFlyer | Motion::Prismatic { .. } => out.length(),
-                    Motion::Revolute { .. } | Motion::Planar => out.cross(axis).length(),
+                    JointType::FreeFlyer | JointType::Prismatic { .. } => out.length(),
+                    JointType::Revolute { .. } | JointType::Planar => out.cross(axis).length(),
                 };
                 let radius = self.reach[index].min(here + ball.radius + moved);
                 self.radius[index] = radius;
@@ -298,17 +297,17 @@ impl JointRate {
         let farthest = |start: DVec3, by: DVec3| start.length().max((start + by).length());
         let (i, j) = (joint.q, joint.v);
         match joint.motion {
-            Motion::Revolute { axis } => {
+            JointType::Revolute { axis } => {
                 let turn = joint.multiplier * delta[j];
                 Self { turn: turn.abs(), slide: 0.0, travel: 0.0, spin: axis * turn, drift: DVec3::ZERO }
             }
-            Motion::Prismatic { axis } => {
+            JointType::Prismatic { axis } => {
                 let slide = joint.multiplier * delta[j];
                 let value = |x: f64| (joint.multiplier * x + joint.constant).abs();
                 let travel = value(q[i]).max(value(q[i] + delta[j]));
                 Self { turn: 0.0, slide: slide.abs(), travel, spin: DVec3::ZERO, drift: axis * slide }
             }
-            Motion::Planar => {
+            JointType::Planar => {
                 let (start, by) = (vector(q, i, 2), vector(delta, j, 2));
                 let turn = delta[j + 2];
                 Self {
@@ -319,7 +318,7 @@ impl JointRate {
                     drift: by,
                 }
             }
-            Motion::FreeFlyer => {
+            JointType::FreeFlyer => {
                 let (start, by, spin) = (vector(q, i, 3), vector(delta, j, 3), vector(delta, j + 3, 3));
                 Self { turn: spin.length(), slide: by.length(), travel: farthest(start, by), spin, drift: by }
             }

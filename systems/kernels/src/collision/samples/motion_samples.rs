@@ -11,20 +11,20 @@ use crate::collision::samples::place_bodies::{PlaceBodies, Step, numbers_of, row
 use crate::collision::scene::collision_scene::CollisionScene;
 use crate::collision::scene::pair_set::{ActiveGroup, PairSet};
 use crate::collision::scene::scene_joint::SceneJoint;
-use crate::kinematics::forward::{Carriage, Kinematics};
+use crate::kinematics::forward::{Kinematics, RigidAttachment};
 use crate::lanes::level::Level;
 use crate::lanes::vector::{F32Row, F64Row};
 use foliate_components::Pose;
 use foliate_components::pose::exp_so3;
 use foliate_components::robot::configuration::quaternion;
-use foliate_components::robot::{JointIndex, Motion};
+use foliate_components::robot::{JointIndex, JointType};
 use glam::{DMat3, DQuat, DVec3};
 /// Sines in lanes are exact up to here, radians; beyond it nothing is proved.
 const FARTHEST: f64 = 1e5;
 
 /// What is known of a motion, and of the block being looked at. Buffers are reused from motion to motion.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Course {
+pub(crate) struct MotionSamples {
     /// By joint: whether it moves its body somewhere along the motion.
     joint_moves: Vec<bool>,
     /// By body: whether its pose changes along the motion.
@@ -58,11 +58,11 @@ pub(crate) struct Course {
 /// Displacements in lanes are computed with single precision, and so from joint motions that are this much larger.
 const MORE: f64 = 1.0 + 1e-5;
 
-impl Course {
+impl MotionSamples {
     /// Starts a motion through `knots` of `pieces` pieces.
     pub(crate) fn begin(
         &mut self,
-        (scene, kinematics, carriages): (&CollisionScene, &Kinematics, &[Carriage]),
+        (scene, kinematics, rigid_attachments): (&CollisionScene, &Kinematics, &[RigidAttachment]),
         pairs: &PairSet,
         knots: &[f64],
     ) {
@@ -92,14 +92,14 @@ impl Course {
             // Compared so that NaN moves.
             !(turned == 0.0 && slid == 0.0)
         }));
-        self.set_out((scene, kinematics, carriages), pairs, knots);
+        self.set_out((scene, kinematics, rigid_attachments), pairs, knots);
     }
 
     /// Starts with at least one configuration, and with nothing between those that there are: joints that have the same
     /// coordinates in all of them do not move.
     pub(crate) fn begin_still(
         &mut self,
-        (scene, kinematics, carriages): (&CollisionScene, &Kinematics, &[Carriage]),
+        (scene, kinematics, rigid_attachments): (&CollisionScene, &Kinematics, &[RigidAttachment]),
         pairs: &PairSet,
         configurations: &[f64],
     ) {
@@ -117,37 +117,37 @@ impl Course {
                 *moves |= first[own.clone()] != other[own];
             }
         }
-        self.set_out((scene, kinematics, carriages), pairs, configurations);
+        self.set_out((scene, kinematics, rigid_attachments), pairs, configurations);
     }
 
     /// Places the bodies at the first of `knots` and finds which of them move.
     fn set_out(
         &mut self,
-        (scene, kinematics, carriages): (&CollisionScene, &Kinematics, &[Carriage]),
+        (scene, kinematics, rigid_attachments): (&CollisionScene, &Kinematics, &[RigidAttachment]),
         pairs: &PairSet,
         knots: &[f64],
     ) {
         self.start.clear();
         self.start.resize(scene.joints.len(), Pose::IDENTITY);
         kinematics.forward(knots, &mut self.start);
-        kinematics.carry(knots, carriages, &mut self.start);
-        self.find_what_moves(scene, carriages, kinematics.passes(carriages));
+        kinematics.carry(knots, rigid_attachments, &mut self.start);
+        self.find_what_moves(scene, rigid_attachments, kinematics.passes(rigid_attachments));
         self.make_room(scene, pairs);
     }
 
     /// Lists the bodies that move, each behind what it hangs on.
-    fn find_what_moves(&mut self, scene: &CollisionScene, carriages: &[Carriage], passes: usize) {
+    fn find_what_moves(&mut self, scene: &CollisionScene, rigid_attachments: &[RigidAttachment], passes: usize) {
         let joints = scene.joints.len();
         self.body_moves.clear();
         self.body_moves.resize(joints, false);
         self.steps.clear();
         self.values.clear();
-        for carriage in carriages {
-            self.joint_moves[carriage.object.at()] = false;
+        for rigid_attachment in rigid_attachments {
+            self.joint_moves[rigid_attachment.object.at()] = false;
         }
         let mut carried = 0..0;
         for (index, joint) in scene.joints.iter().enumerate() {
-            if carriages.iter().any(|c| c.object.at() == index) {
+            if rigid_attachments.iter().any(|c| c.object.at() == index) {
                 carried = index..joints;
             }
             // An articulated object's own joints stand directly behind its root.
@@ -159,12 +159,12 @@ impl Course {
             carried = 0..0;
             self.add_joint(index, joint);
         }
-        for carriage in std::iter::repeat_n(carriages, passes).flatten() {
-            let object = carriage.object.at();
-            if carriage.carrier.is_some_and(|c| self.body_moves[c.at()]) {
+        for rigid_attachment in std::iter::repeat_n(rigid_attachments, passes).flatten() {
+            let object = rigid_attachment.object.at();
+            if rigid_attachment.carrier.is_some_and(|c| self.body_moves[c.at()]) {
                 self.body_moves[object] = true;
-                let parent = carriage.carrier.map(|c| c.0);
-                let hangs = carriage.X_CO;
+                let parent = rigid_attachment.carrier.map(|c| c.0);
+                let hangs = rigid_attachment.X_CO;
                 self.steps.push(Step { body: object as u32, parent, hangs, motion: None, value: 0 });
             }
             for index in object + 1..joints {
@@ -315,17 +315,17 @@ impl Course {
             let rows = &mut self.values[step.value as usize..];
             let linear = |i: usize| q[joint.q + i] + delta.map_or(0.0, |d| t * d[joint.v + i]);
             match motion {
-                Motion::Revolute { .. } | Motion::Prismatic { .. } => {
+                JointType::Revolute { .. } | JointType::Prismatic { .. } => {
                     let value = joint.multiplier * linear(0) + joint.constant;
                     rows[0][half][lane] = if value.abs() < FARTHEST { value } else { f64::NAN };
                 }
-                Motion::Planar => {
+                JointType::Planar => {
                     (0..3).for_each(|i| rows[i][half][lane] = linear(i));
                     if rows[2][half][lane].abs() > FARTHEST {
                         rows[2][half][lane] = f64::NAN;
                     }
                 }
-                Motion::FreeFlyer => {
+                JointType::FreeFlyer => {
                     (0..3).for_each(|i| rows[i][half][lane] = linear(i));
                     let turned = match delta {
                         Some(d) => {

@@ -7,14 +7,14 @@ use crate::lanes::level::Kernel;
 use crate::lanes::trigonometry::sin_cos;
 use crate::lanes::vector::{F32Row, F64Row, Isa, Lanes};
 use foliate_components::Pose;
-use foliate_components::robot::Motion;
+use foliate_components::robot::JointType;
 use glam::{DMat3, DVec3};
 
-pub(crate) fn rows_of(motion: Motion) -> usize {
+pub(crate) fn rows_of(motion: JointType) -> usize {
     match motion {
-        Motion::Revolute { .. } | Motion::Prismatic { .. } => 1,
-        Motion::Planar => 3,
-        Motion::FreeFlyer => 7,
+        JointType::Revolute { .. } | JointType::Prismatic { .. } => 1,
+        JointType::Planar => 3,
+        JointType::FreeFlyer => 7,
     }
 }
 
@@ -30,16 +30,16 @@ impl SceneJoint {
         let (i, j) = (self.q, self.v);
         let length = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
         match self.motion {
-            Motion::Revolute { .. } => ((self.multiplier * delta[j]).abs(), 0.0, 0.0),
-            Motion::Prismatic { .. } => {
+            JointType::Revolute { .. } => ((self.multiplier * delta[j]).abs(), 0.0, 0.0),
+            JointType::Prismatic { .. } => {
                 let value = |x: f64| (self.multiplier * x + self.constant).abs();
                 (0.0, (self.multiplier * delta[j]).abs(), value(q[i]).max(value(q[i] + delta[j])))
             }
-            Motion::Planar => {
+            JointType::Planar => {
                 let end = [q[i] + delta[j], q[i + 1] + delta[j + 1]];
                 (delta[j + 2].abs(), length(&delta[j..j + 2]), length(&q[i..i + 2]).max(length(&end)))
             }
-            Motion::FreeFlyer => {
+            JointType::FreeFlyer => {
                 let end = [q[i] + delta[j], q[i + 1] + delta[j + 1], q[i + 2] + delta[j + 2]];
                 (length(&delta[j + 3..j + 6]), length(&delta[j..j + 3]), length(&q[i..i + 3]).max(length(&end)))
             }
@@ -55,7 +55,7 @@ pub(crate) struct Step {
     pub parent: Option<u32>,
     /// Where it hangs (with joint: at zero).
     pub hangs: Pose,
-    pub motion: Option<Motion>,
+    pub motion: Option<JointType>,
     /// First of its rows in `values`.
     pub value: u32,
 }
@@ -88,22 +88,22 @@ impl Kernel for PlaceBodies<'_> {
                 };
                 let placed = match step.motion {
                     None => hung,
-                    Some(Motion::Revolute { axis }) => {
+                    Some(JointType::Revolute { axis }) => {
                         let angle = I::F64::load(isa, &values[0][half]);
                         Transform { rotation: turned(hung.rotation, axis, angle), translation: hung.translation }
                     }
-                    Some(Motion::Prismatic { axis }) => {
+                    Some(JointType::Prismatic { axis }) => {
                         let by = I::F64::load(isa, &values[0][half]);
                         let along = Vector3::splat(isa, axis).scaled(by);
                         Transform { rotation: hung.rotation, translation: hung.point(along) }
                     }
-                    Some(Motion::Planar) => {
+                    Some(JointType::Planar) => {
                         let (x, y) = (I::F64::load(isa, &values[0][half]), I::F64::load(isa, &values[1][half]));
                         let at = hung.point(Vector3::new(x, y, I::F64::constant(isa, 0.0)));
                         let angle = I::F64::load(isa, &values[2][half]);
                         Transform { rotation: turned(hung.rotation, DVec3::Z, angle), translation: at }
                     }
-                    Some(Motion::FreeFlyer) => {
+                    Some(JointType::FreeFlyer) => {
                         let row = [
                             I::F64::load(isa, &values[0][half]),
                             I::F64::load(isa, &values[1][half]),

@@ -7,7 +7,7 @@
 use crate::collision::scene::pair_query::touch;
 use crate::collision::scene::scene_solid::{SceneSolid, Solids};
 use foliate_components::Pose;
-use foliate_components::robot::{DisabledPair, JoinedLinks, Joint, LinkIndex, Motion, PartIndex, Robot};
+use foliate_components::robot::{DisabledPair, JoinedLinks, Joint, JointType, LinkIndex, PartIndex, Robot};
 use glam::DQuat;
 use std::collections::HashMap;
 use std::f64::consts::TAU;
@@ -54,9 +54,9 @@ fn touch_always(joint: &Joint, carrier: &[SceneSolid], moved: &[SceneSolid]) -> 
     let Some(values) = values(joint) else { return false };
     values.into_iter().all(|value| {
         let by = match joint.motion {
-            Motion::Revolute { axis } => Pose::from_rotation(DQuat::from_axis_angle(axis, value)),
-            Motion::Prismatic { axis } => Pose::from_translation(axis * value),
-            Motion::Planar | Motion::FreeFlyer => return false,
+            JointType::Revolute { axis } => Pose::from_rotation(DQuat::from_axis_angle(axis, value)),
+            JointType::Prismatic { axis } => Pose::from_translation(axis * value),
+            JointType::Planar | JointType::FreeFlyer => return false,
         };
         let X_PJ = joint.parent_from_joint * by;
         carrier.iter().any(|a| moved.iter().any(|b| touch(a, &Pose::IDENTITY, b, &X_PJ)))
@@ -66,13 +66,13 @@ fn touch_always(joint: &Joint, carrier: &[SceneSolid], moved: &[SceneSolid]) -> 
 /// Where a joint of one coordinate is looked at.
 fn values(joint: &Joint) -> Option<Vec<f64>> {
     let (low, high) = match joint.motion {
-        Motion::Revolute { .. } => {
+        JointType::Revolute { .. } => {
             let (low, high) = (joint.lower[0], joint.upper[0]);
             // One limit alone leaves a full turn and more.
             if low.is_finite() && high.is_finite() { (low, high.min(low + TAU)) } else { (0.0, TAU) }
         }
-        Motion::Prismatic { .. } => (joint.lower[0], joint.upper[0]),
-        Motion::Planar | Motion::FreeFlyer => return None,
+        JointType::Prismatic { .. } => (joint.lower[0], joint.upper[0]),
+        JointType::Planar | JointType::FreeFlyer => return None,
     };
     let share = |i| f64::from(i) / f64::from(VALUES - 1);
     (low.is_finite() && high.is_finite()).then(|| (0..VALUES).map(|i| low + (high - low) * share(i)).collect())

@@ -2,8 +2,8 @@
 
 use crate::collision::scene::collision_scene::CollisionScene;
 use crate::collision::scene::scene_joint::SceneJoint;
-use crate::kinematics::Carriage;
-use foliate_components::robot::{JointIndex, Motion};
+use crate::kinematics::RigidAttachment;
+use foliate_components::robot::{JointIndex, JointType};
 use glam::DVec3;
 
 /// Joints between the world and each body, with how far the body reaches from each.
@@ -44,9 +44,9 @@ struct Up<'a> {
 }
 
 impl AttachmentTree {
-    pub(crate) fn new(scene: &CollisionScene, carriages: &[Carriage]) -> Self {
+    pub(crate) fn new(scene: &CollisionScene, rigid_attachments: &[RigidAttachment]) -> Self {
         let up = |body: JointIndex| -> Up<'_> {
-            match carriages.iter().rev().find(|c| c.object == body) {
+            match rigid_attachments.iter().rev().find(|c| c.object == body) {
                 Some(c) => Up { parent: c.carrier, offset: c.X_CO.translation, joint: None },
                 None => {
                     let joint = &scene.joints[body.at()];
@@ -94,9 +94,9 @@ impl AttachmentTree {
         let steps: Vec<_> = self.ancestors(body, up).collect();
         for (index, step) in steps {
             let axis = step.joint.and_then(|j| match j.motion {
-                Motion::Revolute { axis } => Some(axis),
-                Motion::Planar => Some(DVec3::Z),
-                Motion::Prismatic { .. } | Motion::FreeFlyer => None,
+                JointType::Revolute { axis } => Some(axis),
+                JointType::Planar => Some(DVec3::Z),
+                JointType::Prismatic { .. } | JointType::FreeFlyer => None,
             });
             let (about_axis, about_origin) = match below {
                 None => (own(axis), own(None)),
@@ -112,7 +112,7 @@ impl AttachmentTree {
             if step.joint.is_some() {
                 self.links.push(ChainLink { joint: index.0, reach: about_axis });
             }
-            let stays = step.joint.is_none_or(|j| matches!(j.motion, Motion::Revolute { .. }));
+            let stays = step.joint.is_none_or(|j| matches!(j.motion, JointType::Revolute { .. }));
             // How an object hangs on its carrier differs from leaf to leaf, and one tree serves them all: beyond it only
             // distances at the sample bound anything.
             let reach = if step.joint.is_some() { about_origin } else { f64::INFINITY };

@@ -10,7 +10,7 @@ use glam::{DMat3, DVec3};
 ///
 /// Numbers are rounded, not rounded up: who compares with them allows for that (`broad_phase`).
 #[derive(Clone, Debug)]
-pub(crate) struct Outer {
+pub(crate) struct BoundingVolume {
     /// Its centre, about which it is symmetric.
     pub center: [f32; 3],
     /// Its axes, one column each.
@@ -40,7 +40,7 @@ pub(crate) enum Form {
     Capsule { radius: f32, half_length: f32 },
 }
 
-impl Outer {
+impl BoundingVolume {
     /// Of a solid at `X_JS` in its body's frame.
     pub(crate) fn of(solid: &Solid, X_JS: &Pose) -> Self {
         let capsule = Capsule::of(solid);
@@ -83,7 +83,7 @@ impl Outer {
 fn reach(solid: &Solid, center: DVec3) -> f64 {
     match solid {
         Solid::Convex(_) => crate::collision::solids::solid::farthest(solid, center).distance(center),
-        Solid::Mesh(mesh) => mesh.around.about_middle,
+        Solid::Mesh(mesh) => mesh.bounding.about_middle,
     }
 }
 

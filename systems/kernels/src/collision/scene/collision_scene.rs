@@ -228,5 +228,5 @@ fn ball_of_all(solids: &[SceneSolid], members: &[u32]) -> Ball {
         });
         points.max_by(|a, b| a.distance_squared(from).total_cmp(&b.distance_squared(from))).unwrap_or(from)
     };
-    Ball::around(center, farthest)
+    Ball::bounding(center, farthest)
 }

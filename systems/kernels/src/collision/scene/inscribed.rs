@@ -10,7 +10,7 @@
 //! odd number of crossings cannot change along a way that meets no triangle.
 
 use crate::collision::convex::core::{Convex, Core};
-use crate::collision::convex::gjk::{Ask, ROUNDING, Relative};
+use crate::collision::convex::gjk::{DistanceQuery, ROUNDING, Relative};
 use crate::collision::distance::mesh_distance::mesh_convex_distance;
 use crate::collision::solids::mesh_tree::MeshTree;
 use crate::collision::solids::solid::Solid;
@@ -23,7 +23,7 @@ pub(crate) const SURE: f64 = 10.0 * ROUNDING;
 
 /// A set inside of a solid.
 #[derive(Clone, Debug)]
-pub(crate) struct Inner {
+pub(crate) struct InscribedVolume {
     /// A capsule, in the frame of the solid's body or in the world.
     pub(crate) capsule: Capsule,
     /// For bounds in lanes, in single precision: its middle in the frame of the outer bounds' axes, from their centre, and along which
@@ -36,7 +36,7 @@ pub(crate) struct Inner {
     pub fills: bool,
 }
 
-impl Inner {
+impl InscribedVolume {
     /// Of a solid at `X_JS` in its body's frame; none where it bounds no volume.
     pub(crate) fn of(solid: &Solid, X_JS: &Pose) -> Option<Self> {
         let (capsule, along, middle) = match solid {
@@ -114,6 +114,6 @@ fn deeper(mesh: &MeshTree, center: DVec3, best: Option<Ball>) -> Option<Ball> {
     }
     let point = Convex { core: Core::Point, radius: 0.0 };
     let here = Relative { rotation: DMat3::IDENTITY, translation: center };
-    let radius = mesh_convex_distance(mesh, &point, &here, Ask::exact(to_side), &mut DVec3::ZERO.clone());
+    let radius = mesh_convex_distance(mesh, &point, &here, DistanceQuery::exact(to_side), &mut DVec3::ZERO.clone());
     if radius > least { Some(Ball { center, radius }) } else { best }
 }

@@ -1,4 +1,4 @@
-//! Which links are tested against which (DESIGN §5.5).
+//! Which links are tested against which.
 
 use foliate_components::coverage::LeftOut;
 use foliate_components::problem::Margin;

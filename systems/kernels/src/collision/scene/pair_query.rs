@@ -6,7 +6,7 @@
 //! on the distance algorithms. Discrete checks, certificates and the search for the least clearance share them.
 
 use crate::collision::convex::core::Convex;
-use crate::collision::convex::gjk::Ask;
+use crate::collision::convex::gjk::DistanceQuery;
 use crate::collision::distance::hull_distance::hull_distance;
 use crate::collision::distance::query::clearance;
 use crate::collision::scene::collision_scene::{CollisionScene, Pair, PairId};
@@ -21,7 +21,7 @@ use glam::DVec3;
 /// What inner bounds say of two solids of a scene whose bodies have these poses: minus how far they overlap at least, metres;
 /// none where they do not overlap by more than rounding.
 pub(crate) fn overlap(a: &SceneSolid, X_WI: &Pose, b: &SceneSolid, X_WJ: &Pose) -> Option<f64> {
-    let (inner_a, inner_b) = (a.inner.as_ref()?.capsule.moved(X_WI), b.inner.as_ref()?.capsule.moved(X_WJ));
+    let (inner_a, inner_b) = (a.inscribed.as_ref()?.capsule.moved(X_WI), b.inscribed.as_ref()?.capsule.moved(X_WJ));
     let [p, q] = nearest(&inner_a, &inner_b);
     let mut least = p.distance(q) - inner_a.radius - inner_b.radius;
     if least >= -SURE {
@@ -92,12 +92,18 @@ pub struct Contact {
 /// # Panics
 /// If `X_WJ` is shorter than the number of bodies.
 #[must_use]
-pub fn pair_clearance(scene: &CollisionScene, id: PairId, X_WJ: &[Pose], ask: Ask, hint: &mut DVec3) -> f64 {
-    let rough = rough_clearance(scene, id, X_WJ, ask.needed);
-    if rough >= ask.needed {
+pub fn pair_clearance(
+    scene: &CollisionScene,
+    id: PairId,
+    X_WJ: &[Pose],
+    query: DistanceQuery,
+    hint: &mut DVec3,
+) -> f64 {
+    let rough = rough_clearance(scene, id, X_WJ, query.needed);
+    if rough >= query.needed {
         return rough;
     }
-    exact_clearance(scene, id, body_poses(scene, id, X_WJ), ask, hint)
+    exact_clearance(scene, id, body_poses(scene, id, X_WJ), query, hint)
 }
 
 /// As [`pair_clearance`], with nothing asked first; from the poses of the two bodies.
@@ -105,11 +111,11 @@ pub(crate) fn exact_clearance(
     scene: &CollisionScene,
     id: PairId,
     [X_WI, X_WJ]: [Pose; 2],
-    ask: Ask,
+    query: DistanceQuery,
     hint: &mut DVec3,
 ) -> f64 {
     let [a, b] = solids_of(scene, id);
-    clearance(&a.solid, &(X_WI * a.X_JS), &b.solid, &(X_WJ * b.X_JS), ask, hint)
+    clearance(&a.solid, &(X_WI * a.X_JS), &b.solid, &(X_WJ * b.X_JS), query, hint)
 }
 
 /// The contact of a pair that collides for sure, as what lies inside of its two solids tells without an exact query: none
@@ -135,11 +141,11 @@ pub(crate) fn hull_clearance(
     scene: &CollisionScene,
     id: PairId,
     [X_WI, X_WJ]: [Pose; 2],
-    ask: Ask,
+    query: DistanceQuery,
     hint: &mut DVec3,
 ) -> f64 {
     let [a, b] = solids_of(scene, id);
-    hull_distance(&a.solid, &(X_WI * a.X_JS), &b.solid, &(X_WJ * b.X_JS), ask, hint)
+    hull_distance(&a.solid, &(X_WI * a.X_JS), &b.solid, &(X_WJ * b.X_JS), query, hint)
 }
 
 fn solids_of(scene: &CollisionScene, id: PairId) -> [&SceneSolid; 2] {
@@ -181,14 +187,14 @@ pub(crate) fn contained_at(scene: &CollisionScene, id: PairId, [X_WI, X_WJ]: [Po
     holds_some_of(a, &X_WI, b, &X_WJ) || holds_some_of(b, &X_WJ, a, &X_WI)
 }
 
-fn holds_some_of(outer: &SceneSolid, X_WO: &Pose, inner: &SceneSolid, X_WI: &Pose) -> bool {
-    let Solid::Mesh(mesh) = &outer.solid else { return false };
+fn holds_some_of(bounding: &SceneSolid, X_WO: &Pose, inscribed: &SceneSolid, X_WI: &Pose) -> bool {
+    let Solid::Mesh(mesh) = &bounding.solid else { return false };
     if !mesh.is_closed() {
         return false;
     }
-    let X_OI = (X_WO * outer.X_JS).inverse() * (X_WI * inner.X_JS);
+    let X_OI = (X_WO * bounding.X_JS).inverse() * (X_WI * inscribed.X_JS);
     let holds = |mesh: &MeshTree, p: DVec3| mesh.contains(X_OI.transform_point(p));
-    match &inner.solid {
+    match &inscribed.solid {
         Solid::Convex(convex) => holds(mesh, convex.core.center()),
         Solid::Mesh(other) => other.witnesses.iter().any(|&p| holds(mesh, p)),
     }
@@ -203,7 +209,8 @@ pub(crate) fn touch(a: &SceneSolid, X_WI: &Pose, b: &SceneSolid, X_WJ: &Pose) ->
         return false;
     }
     let poses = (X_WI * a.X_JS, X_WJ * b.X_JS);
-    let distance = clearance(&a.solid, &poses.0, &b.solid, &poses.1, Ask::exact(EXACT), &mut DVec3::ZERO.clone());
+    let distance =
+        clearance(&a.solid, &poses.0, &b.solid, &poses.1, DistanceQuery::exact(EXACT), &mut DVec3::ZERO.clone());
     // Compared so that NaN touches.
     let clear = distance >= EXACT;
     !clear || holds_some_of(a, X_WI, b, X_WJ) || holds_some_of(b, X_WJ, a, X_WI)

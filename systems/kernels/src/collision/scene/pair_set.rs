@@ -2,12 +2,12 @@
 
 use crate::collision::scene::attachment::AttachmentTree;
 use crate::collision::scene::collision_scene::{CollisionScene, PairId};
-use crate::kinematics::forward::Carriage;
+use crate::kinematics::forward::RigidAttachment;
 use foliate_components::robot::{JointIndex, LinkIndex};
 use glam::DVec3;
 
 /// The pairs of a scene on a leaf with given carriages: those whose relative pose can change along a motion on the leaf,
-/// and those for which it cannot (P1, future work; DESIGN §5.5). Built once per leaf or transition and kept by the caller.
+/// and those for which it cannot (P1, future work). Built once per leaf or transition and kept by the caller.
 #[derive(Clone, Debug)]
 pub struct PairSet {
     pub(crate) tree: AttachmentTree,
@@ -15,7 +15,7 @@ pub struct PairSet {
     pub(crate) constant: Vec<ActiveGroup>,
     /// By pair of the scene.
     pub(crate) margins: Vec<f64>,
-    pub(crate) ties: Vec<Tie>,
+    pub(crate) rigid_pairs: Vec<RigidPair>,
 }
 
 /// A group, as a leaf sees it.
@@ -32,11 +32,15 @@ pub(crate) struct ActiveGroup {
 }
 
 impl PairSet {
-    /// The pairs of `scene` where `carriages` hold. Margins do not apply to the link pairs in `touching` (those that touch
+    /// The pairs of `scene` where `rigid_attachments` hold. Margins do not apply to the link pairs in `touching` (those that touch
     /// by grasp or placement in either end state); those pairs still must not collide.
     #[must_use]
-    pub fn new(scene: &CollisionScene, carriages: &[Carriage], touching: &[(LinkIndex, LinkIndex)]) -> Self {
-        let tree = AttachmentTree::new(scene, carriages);
+    pub fn new(
+        scene: &CollisionScene,
+        rigid_attachments: &[RigidAttachment],
+        touching: &[(LinkIndex, LinkIndex)],
+    ) -> Self {
+        let tree = AttachmentTree::new(scene, rigid_attachments);
         let touches = |a: LinkIndex, b: LinkIndex| touching.contains(&(a, b)) || touching.contains(&(b, a));
         let link = |i: u32| scene.solids[i as usize].link;
         let margins: Vec<f64> = scene
@@ -58,13 +62,13 @@ impl PairSet {
             let list = if tree.rigid(a, b) { &mut constant } else { &mut moving };
             list.push(ActiveGroup { group: index as u32, apart: (below_a as u32, below_b as u32), rows, margin });
         }
-        Self { tree, moving, constant, margins, ties: Vec::new() }
+        Self { tree, moving, constant, margins, rigid_pairs: Vec::new() }
     }
 
     /// The same pairs along motions that keep some bodies together.
     #[must_use]
-    pub fn tied(self, ties: Vec<Tie>) -> Self {
-        Self { ties, ..self }
+    pub fn with_rigid_pairs(self, rigid_pairs: Vec<RigidPair>) -> Self {
+        Self { rigid_pairs, ..self }
     }
 
     /// A group by number: those that move first, then those that do not.
@@ -109,10 +113,10 @@ fn pairs_of(scene: &CollisionScene, group: u32) -> impl Iterator<Item = PairId> 
 }
 
 /// Two bodies that keep their relative pose to within little along every motion that a [`PairSet`] is for, whatever joints do:
-/// within what [`CertificateSettings::tied_within`](crate::collision::narrow_phase::settings::CertificateSettings::tied_within)
+/// within what [`CertificateSettings::rigid_within`](crate::collision::narrow_phase::settings::CertificateSettings::rigid_within)
 /// says, which whoever sets it must have proved of the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tie {
+pub struct RigidPair {
     /// One body; `None` for the world.
     pub a: Option<JointIndex>,
     /// The other.

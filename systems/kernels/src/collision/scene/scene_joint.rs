@@ -3,7 +3,7 @@
 //! `CollisionScene` keeps one entry per joint. Followers are resolved to the coordinates of their leader, so that the attachment
 //! tree, the placement of bodies and the motion bounds do not need the `Robot`.
 
-use foliate_components::robot::{JointIndex, Motion, Robot, Source};
+use foliate_components::robot::{JointIndex, JointType, Robot, Source};
 use glam::{DQuat, DVec3};
 
 /// What bounds on motions need to know of a joint.
@@ -14,7 +14,7 @@ pub(crate) struct SceneJoint {
     pub offset: DVec3,
     /// Orientation of the joint frame at zero in the parent's frame.
     pub turned: DQuat,
-    pub motion: Motion,
+    pub motion: JointType,
     pub locked: bool,
     /// First coordinates (own, or of the leader) in a configuration and a velocity.
     pub q: usize,

@@ -1,7 +1,7 @@
 //! From a robot's collision shapes to what queries want of them.
 
-use crate::collision::scene::bounding::Outer;
-use crate::collision::scene::inscribed::Inner;
+use crate::collision::scene::bounding::BoundingVolume;
+use crate::collision::scene::inscribed::InscribedVolume;
 use crate::collision::solids::mesh_tree::MeshTree;
 use crate::collision::solids::solid::Solid;
 use crate::collision::solids::volumes::{Ball, Capsule};
@@ -28,9 +28,9 @@ pub struct SceneSolid {
     /// Which cluster it belongs to.
     pub cluster: u32,
     /// What bounds in lanes know of it.
-    pub(crate) outer: Outer,
+    pub(crate) bounding: BoundingVolume,
     /// What lies inside of it for sure.
-    pub(crate) inner: Option<Inner>,
+    pub(crate) inscribed: Option<InscribedVolume>,
 }
 
 /// Solids of shapes; a mesh that many share has one tree.
@@ -66,8 +66,8 @@ impl SceneSolid {
             X_JS,
             ball: Ball { center: X_JS.transform_point(ball.center), radius: ball.radius },
             capsule: Capsule::of(&solid).moved(&X_JS),
-            outer: Outer::of(&solid, &X_JS),
-            inner: Inner::of(&solid, &X_JS),
+            bounding: BoundingVolume::of(&solid, &X_JS),
+            inscribed: InscribedVolume::of(&solid, &X_JS),
             solid,
             cluster: 0,
         }

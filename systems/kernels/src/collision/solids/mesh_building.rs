@@ -8,14 +8,14 @@ use crate::collision::solids::hull::Hull;
 use crate::collision::solids::mesh_tree::{Block, MeshTree};
 use crate::collision::solids::support_points::PointRows;
 use crate::collision::solids::triangle_order::parts_of;
-use crate::collision::solids::volumes::{Around, Ball, Capsule, farthest_of};
+use crate::collision::solids::volumes::{Ball, Capsule, MeshBounding, farthest_of};
 use crate::lanes::level::Level;
 use foliate_components::robot::shape::Mesh;
 use foliate_components::robot::shape::mesh_record::MeshRecord;
 use glam::DVec3;
 use std::ops::Range;
 
-impl Around {
+impl MeshBounding {
     /// Around the triangles of a tree whose boxes and hull are there; they are those of `mesh`.
     pub(crate) fn of(mesh: &Mesh, tree: &MeshTree) -> Self {
         let (middle, half) = tree.bounds().map_or((DVec3::ZERO, DVec3::ZERO), |b| (b.center, b.half));
@@ -57,8 +57,8 @@ impl Ball {
     /// Where the centre of a ball around many points should be, as few of them tell.
     pub(crate) fn center_of_few(few: &[DVec3], start: DVec3) -> DVec3 {
         match PointRows::of(few) {
-            Some(rows) => Self::around(start, |from| few[rows.last_from(from).0]).center,
-            None => Self::around(start, |from| farthest_of(few, from)).center,
+            Some(rows) => Self::bounding(start, |from| few[rows.last_from(from).0]).center,
+            None => Self::bounding(start, |from| farthest_of(few, from)).center,
         }
     }
 }
@@ -90,7 +90,7 @@ impl MeshTree {
         goes_on()?;
         let vertex = |i: &u32| mesh.vertices.get(*i as usize).copied();
         tree.hull = Hull::of(record.hull.iter().filter_map(vertex).collect(), record.slack);
-        tree.around = Around::of(mesh, &tree);
+        tree.bounding = MeshBounding::of(mesh, &tree);
         Some(tree)
     }
 

@@ -6,7 +6,7 @@
 use crate::collision::solids::boxes::{Bounds, Corners};
 use crate::collision::solids::hull::Hull;
 use crate::collision::solids::mesh_record::{findings, proves};
-use crate::collision::solids::volumes::Around;
+use crate::collision::solids::volumes::MeshBounding;
 use crate::lanes::level::Level;
 use crate::lanes::vector::F64Row;
 use foliate_components::robot::shape::Mesh;
@@ -27,7 +27,7 @@ pub struct MeshTree {
     /// Few points around it.
     pub(crate) hull: Hull,
     /// What holds it, larger and larger.
-    pub(crate) around: Around,
+    pub(crate) bounding: MeshBounding,
     pub(crate) closed: bool,
     /// How distances are computed, not what they are: they are equal bit for bit at every level.
     pub(crate) lanes: Level,

@@ -20,7 +20,7 @@ impl Ball {
                 let core = convex.core.farthest_from(DVec3::ZERO).length();
                 Self { center: DVec3::ZERO, radius: (core + convex.radius) * SLACK }
             }
-            Solid::Mesh(mesh) => mesh.around.ball,
+            Solid::Mesh(mesh) => mesh.bounding.ball,
         }
     }
 }
@@ -41,7 +41,7 @@ impl Capsule {
                     Self { middle: ball.center, half: DVec3::ZERO, radius: ball.radius }
                 }
             },
-            Solid::Mesh(mesh) => mesh.around.capsule,
+            Solid::Mesh(mesh) => mesh.bounding.capsule,
         }
     }
 }

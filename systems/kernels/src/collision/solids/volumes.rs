@@ -6,7 +6,7 @@ use glam::DVec3;
 
 /// What holds a mesh, in its frame. Metres.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Around {
+pub(crate) struct MeshBounding {
     pub ball: Ball,
     /// Along its longest side.
     pub capsule: Capsule,
@@ -14,7 +14,7 @@ pub(crate) struct Around {
     pub about_middle: f64,
 }
 
-impl Default for Around {
+impl Default for MeshBounding {
     fn default() -> Self {
         let nothing = Ball { center: DVec3::ZERO, radius: 0.0 };
         let capsule = Capsule { middle: DVec3::ZERO, half: DVec3::ZERO, radius: 0.0 };
@@ -48,7 +48,7 @@ pub(crate) const SLACK: f64 = 1.0 + 1e-12;
 impl Ball {
     /// Nearly the smallest ball that holds everything that `farthest` can name: it gives, from a point, the farthest point
     /// (Bădoiu and Clarkson 2003: step towards it, by less every time). Starts at `start`.
-    pub fn around(start: DVec3, farthest: impl Fn(DVec3) -> DVec3) -> Self {
+    pub fn bounding(start: DVec3, farthest: impl Fn(DVec3) -> DVec3) -> Self {
         let mut center = start;
         let mut point = farthest(center);
         let mut best = Self { center, radius: point.distance(center) };

@@ -4,7 +4,7 @@
 //! All bounds are sums over such links.
 
 use crate::kinematics::jacobian::AttachmentTree;
-use foliate_components::robot::{JointIndex, Motion, Robot, Source};
+use foliate_components::robot::{JointIndex, JointType, Robot, Source};
 use glam::DVec3;
 
 /// One free motion of a joint.
@@ -52,13 +52,13 @@ pub(crate) fn links_of(robot: &Robot, index: JointIndex, is_free: &[bool]) -> Ve
     }
     let body = index.at();
     match joint.motion {
-        Motion::Revolute { axis } => vec![Link::Turn { body, axis: Some(axis), v, count: 1, scale }],
-        Motion::Prismatic { .. } => vec![Link::Slide { v, count: 1, scale }],
-        Motion::Planar => vec![
+        JointType::Revolute { axis } => vec![Link::Turn { body, axis: Some(axis), v, count: 1, scale }],
+        JointType::Prismatic { .. } => vec![Link::Slide { v, count: 1, scale }],
+        JointType::Planar => vec![
             Link::Slide { v, count: 2, scale },
             Link::Turn { body, axis: Some(DVec3::Z), v: v + 2, count: 1, scale },
         ],
-        Motion::FreeFlyer => {
+        JointType::FreeFlyer => {
             vec![Link::Slide { v, count: 3, scale }, Link::Turn { body, axis: None, v: v + 3, count: 3, scale }]
         }
     }

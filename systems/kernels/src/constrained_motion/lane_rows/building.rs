@@ -38,7 +38,9 @@ impl LaneProgram {
                 },
             };
             steps.push(match body.by {
-                Found::Carried(carriage) => LaneStep::placed(parent, builder.given(Given::Carried(carriage))),
+                Found::Carried(rigid_attachment) => {
+                    LaneStep::placed(parent, builder.given(Given::Carried(rigid_attachment)))
+                }
                 Found::ByJoint(joint) => LaneStep::of_joint(robot, &robot.joints[joint], parent),
                 Found::BackOver(joint) => LaneStep::back_over(robot, &robot.joints[joint], parent)?,
             });

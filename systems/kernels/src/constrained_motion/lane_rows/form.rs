@@ -7,7 +7,7 @@
 
 use crate::constrained_motion::rows::blocks::Decoded;
 use crate::constraints::rows_out::reference_of;
-use crate::kinematics::forward::{Carriage, Placement as BodyFrame};
+use crate::kinematics::forward::{Placement as BodyFrame, RigidAttachment};
 use crate::kinematics::lane_jacobian::LaneColumn;
 use crate::kinematics::lane_steps::LaneStep;
 use foliate_components::Pose;
@@ -211,13 +211,19 @@ impl RowsAt {
 
 impl Given {
     /// The pose; `X_WJ` holds the bodies that no variable moves.
-    pub(crate) fn pose(&self, arguments: &[Pose], carriages: &[Carriage], decoded: &[Decoded], X_WJ: &[Pose]) -> Pose {
+    pub(crate) fn pose(
+        &self,
+        arguments: &[Pose],
+        rigid_attachments: &[RigidAttachment],
+        decoded: &[Decoded],
+        X_WJ: &[Pose],
+    ) -> Pose {
         match self {
             Self::Body(body) => X_WJ[*body],
             Self::Frame(frame) => frame.in_world(X_WJ),
             Self::Target(frame, reference) => frame.in_world(X_WJ) * reference_of(*reference, arguments),
             Self::Reference(reference) => reference_of(*reference, arguments),
-            Self::Carried(carriage) => carriages[*carriage].X_CO,
+            Self::Carried(rigid_attachment) => rigid_attachments[*rigid_attachment].X_CO,
             Self::Support(supports, index) => supports[decoded[*index].0.support].in_world(X_WJ),
             Self::Place(supports, index) => {
                 let (contact, X_SO) = &decoded[*index];

@@ -225,9 +225,9 @@ where
         memory.q[coordinate][lane] = Scalar::of(q[coordinate]);
         largest = largest.max(q[coordinate].abs());
     }
-    let Scratch { X_WJ, carriages, decoded, .. } = scratch;
+    let Scratch { X_WJ, rigid_attachments, decoded, .. } = scratch;
     for (given, rows) in lanes.givens.iter().zip(memory.given.chunks_exact_mut(POSE_ROWS)) {
-        let pose = given.pose(arguments, carriages, decoded, X_WJ);
+        let pose = given.pose(arguments, rigid_attachments, decoded, X_WJ);
         let columns = DMat3::from_quat(pose.rotation).to_cols_array();
         for (row, x) in rows.iter_mut().zip(columns.into_iter().chain(pose.translation.to_array())) {
             row[lane] = Scalar::of(x);
@@ -261,7 +261,7 @@ impl ConstraintProgram {
             return true; // not reached: the solve has read them
         }
         for steps in [&self.bodies.still, &self.bodies.moving] {
-            bodies::run(steps, q, &scratch.carriages, &mut scratch.X_WJ);
+            bodies::run(steps, q, &scratch.rigid_attachments, &mut scratch.X_WJ);
         }
         self.close(q, scratch);
         self.root_is_within(q)

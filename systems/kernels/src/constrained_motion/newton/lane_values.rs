@@ -39,7 +39,7 @@ impl ConstraintProgram {
                 scratch.prepare(self);
                 let fits = self.fits(q, arguments) && self.resolve(arguments, scratch);
                 if fits {
-                    bodies::run(&self.bodies.still, q, &scratch.carriages, &mut scratch.X_WJ);
+                    bodies::run(&self.bodies.still, q, &scratch.rigid_attachments, &mut scratch.X_WJ);
                     fill(lanes, (q, arguments), scratch, lane, &mut memory);
                 }
                 errors.push(if fits { 0.0 } else { f64::INFINITY });

@@ -69,7 +69,7 @@ impl ConstraintProgram {
             q[lock.coordinate] = locked_value(lock.value, arguments);
         }
         self.clamp(q);
-        bodies::run(&self.bodies.still, q, &scratch.carriages, &mut scratch.X_WJ);
+        bodies::run(&self.bodies.still, q, &scratch.rigid_attachments, &mut scratch.X_WJ);
         let (failed, residual) = self.failed_check(q, arguments, settings.tolerance, scratch);
         failed.map(|constraint| Outcome::Contradicted { constraint, residual })
     }
@@ -79,7 +79,7 @@ impl ConstraintProgram {
         let mut best = f64::INFINITY;
         let mut since_halved = 0;
         for iterations in 0..=settings.iterations {
-            bodies::run(&self.bodies.moving, q, &scratch.carriages, &mut scratch.X_WJ);
+            bodies::run(&self.bodies.moving, q, &scratch.rigid_attachments, &mut scratch.X_WJ);
             let residual = self.evaluate(q, arguments, scratch);
             if residual <= settings.tolerance {
                 return Outcome::Converged { iterations, residual };

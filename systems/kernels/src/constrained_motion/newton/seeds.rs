@@ -13,7 +13,7 @@ use crate::lanes::level::{Kernel, Level};
 use crate::lanes::vector::{F32Row, F64Row, Isa, Lanes, Mask};
 use foliate_components::Pose;
 use foliate_components::constraint::Frame;
-use foliate_components::robot::{JointIndex, Motion, Robot, Source};
+use foliate_components::robot::{JointIndex, JointType, Robot, Source};
 use glam::DVec3;
 
 /// Configurations of a table: enough for most of what more would give, and built in milliseconds.
@@ -53,7 +53,7 @@ impl SeedTable {
         let mut coordinates = Vec::new();
         for joint in chain.bodies().iter().map(|body| &robot.joints[body.at()]) {
             let Source::Coordinates { q, .. } = joint.source else { return None };
-            if !matches!(joint.motion, Motion::Revolute { .. } | Motion::Prismatic { .. }) {
+            if !matches!(joint.motion, JointType::Revolute { .. } | JointType::Prismatic { .. }) {
                 return None;
             }
             coordinates.push(q);
@@ -330,9 +330,15 @@ impl ConstraintProgram {
         if !self.resolve(arguments, scratch) {
             return None;
         }
-        crate::constrained_motion::rows::bodies::run(&self.bodies.still, q, &scratch.carriages, &mut scratch.X_WJ);
-        let given =
-            |slot: usize| lanes.givens[slot].pose(arguments, &scratch.carriages, &scratch.decoded, &scratch.X_WJ);
+        crate::constrained_motion::rows::bodies::run(
+            &self.bodies.still,
+            q,
+            &scratch.rigid_attachments,
+            &mut scratch.X_WJ,
+        );
+        let given = |slot: usize| {
+            lanes.givens[slot].pose(arguments, &scratch.rigid_attachments, &scratch.decoded, &scratch.X_WJ)
+        };
         // Where the moving frame is to be: the target itself, or the first frame from which the second is seen at it.
         let stands = given(hand.stands);
         let X_WF = match (hand.is_first, hand.target) {

@@ -15,7 +15,7 @@ use foliate_components::robot::configuration::ConfigurationSpace;
 pub struct MotionScratch {
     pub(crate) tools: Tools,
     /// One per motion under way.
-    pub(crate) walks: Vec<WalkMemory>,
+    pub(crate) paths: Vec<PathMemory>,
 }
 
 /// Into how many parts a step is divided at most.
@@ -55,7 +55,7 @@ pub(crate) struct Tools {
 
 /// What a walk remembers.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct WalkMemory {
+pub(crate) struct PathMemory {
     /// The last knot.
     current: Vec<f64>,
     /// Where the next one is looked for, and what was found.
@@ -107,16 +107,16 @@ enum Step {
 }
 
 /// A motion under way.
-pub(crate) struct Walk<'a> {
+pub(crate) struct ConstrainedPath<'a> {
     pub program: &'a ConstraintProgram,
     pub space: &'a ConfigurationSpace,
     pub arguments: &'a [Pose],
     pub settings: &'a MotionSettings,
-    pub memory: &'a mut WalkMemory,
+    pub memory: &'a mut PathMemory,
     pub tools: &'a mut Tools,
 }
 
-impl Walk<'_> {
+impl ConstrainedPath<'_> {
     /// Stands at the start, which becomes the first knot; false where start or goal do not lie on the leaf.
     pub(crate) fn begin(&mut self, (from, to): (&[f64], &[f64]), knots: &mut Vec<f64>) -> bool {
         let size = self.program.configuration_size();
@@ -308,7 +308,7 @@ impl Walk<'_> {
 
     /// The bound on the rows between the current knot and `step` (or `chord`) away.
     fn bound(&mut self, of_step: bool) -> f64 {
-        let WalkMemory { step, chord, poses, .. } = &*self.memory;
+        let PathMemory { step, chord, poses, .. } = &*self.memory;
         let delta = if of_step { step } else { chord };
         self.program.residual_bound().between_with(delta, &poses[0], &mut self.tools.bound_memory)
     }

@@ -7,7 +7,7 @@ use crate::constrained_motion::lane_rows::form::LaneProgram;
 use crate::constrained_motion::lane_rows::memory::LaneMemory;
 use crate::constrained_motion::newton::batch::{fill, read};
 use crate::constrained_motion::newton::lanes::{End, Queue, solve};
-use crate::constrained_motion::path::constrained_path::{MotionScratch, Tools, Walk, WalkMemory};
+use crate::constrained_motion::path::constrained_path::{ConstrainedPath, MotionScratch, PathMemory, Tools};
 use crate::constrained_motion::path::settings::{MotionEnd, MotionJob, MotionSettings};
 use crate::constrained_motion::program::constraint_program::ConstraintProgram;
 use crate::lanes::F64Row;
@@ -16,7 +16,7 @@ use foliate_components::robot::configuration::ConfigurationSpace;
 /// Lanes of double precision.
 const LANES: usize = F64Row::LANES;
 
-pub(crate) fn walk_in_lanes(
+pub(crate) fn follow_in_lanes(
     program: &ConstraintProgram,
     lanes: &LaneProgram,
     space: &ConfigurationSpace,
@@ -24,16 +24,16 @@ pub(crate) fn walk_in_lanes(
     settings: &MotionSettings,
     scratch: &mut MotionScratch,
 ) {
-    let MotionScratch { tools, walks } = scratch;
-    walks.resize_with(walks.len().max(LANES.min(jobs.len())), WalkMemory::default);
+    let MotionScratch { tools, paths } = scratch;
+    paths.resize_with(paths.len().max(LANES.min(jobs.len())), PathMemory::default);
     let mut memory = std::mem::take(&mut tools.solve.lanes);
-    let mut walkers = Walkers { program, lanes, space, settings, jobs, begun: 0, tools, walks, holds: [None; LANES] };
+    let mut walkers = PathQueue { program, lanes, space, settings, jobs, begun: 0, tools, paths, holds: [None; LANES] };
     solve(lanes, program.configuration_size(), &settings.solve, &mut memory, &mut walkers);
     tools.solve.lanes = memory;
 }
 
 /// Brings steps of walks to lanes, and what was solved back to them.
-struct Walkers<'a, 'j> {
+struct PathQueue<'a, 'j> {
     program: &'a ConstraintProgram,
     lanes: &'a LaneProgram,
     space: &'a ConfigurationSpace,
@@ -43,17 +43,17 @@ struct Walkers<'a, 'j> {
     begun: usize,
     tools: &'a mut Tools,
     /// By lane.
-    walks: &'a mut [WalkMemory],
+    paths: &'a mut [PathMemory],
     /// Which job each lane walks.
     holds: [Option<usize>; LANES],
 }
 
-impl Walkers<'_, '_> {
+impl PathQueue<'_, '_> {
     /// The walk of a lane, with the knots that it has made so far.
-    fn walk(&mut self, lane: usize, job: usize) -> (Walk<'_>, &mut Vec<f64>) {
-        let Self { program, space, settings, jobs, tools, walks, .. } = self;
+    fn path(&mut self, lane: usize, job: usize) -> (ConstrainedPath<'_>, &mut Vec<f64>) {
+        let Self { program, space, settings, jobs, tools, paths, .. } = self;
         let MotionJob { arguments, knots, .. } = &mut jobs[job];
-        (Walk { program, space, arguments, settings, memory: &mut walks[lane], tools }, knots)
+        (ConstrainedPath { program, space, arguments, settings, memory: &mut paths[lane], tools }, knots)
     }
 
     /// The motion that a lane walks, the next of the queue where its last one has ended; `None` where none is left.
@@ -62,8 +62,8 @@ impl Walkers<'_, '_> {
             let job = self.begun;
             self.begun += 1;
             let ends = self.jobs[job].ends;
-            let (mut walk, knots) = self.walk(lane, job);
-            if walk.begin(ends, knots) {
+            let (mut path, knots) = self.path(lane, job);
+            if path.begin(ends, knots) {
                 self.holds[lane] = Some(job);
             } else {
                 self.jobs[job].end = MotionEnd::NotOnLeaf;
@@ -73,23 +73,23 @@ impl Walkers<'_, '_> {
     }
 }
 
-impl Queue<F64Row> for Walkers<'_, '_> {
+impl Queue<F64Row> for PathQueue<'_, '_> {
     fn next(&mut self, lane: usize, memory: &mut LaneMemory<F64Row>) -> Option<u32> {
         while let Some(job) = self.under_way(lane) {
             let lanes = self.lanes;
-            let (mut walk, knots) = self.walk(lane, job);
-            if let Some(end) = walk.propose(knots) {
+            let (mut path, knots) = self.path(lane, job);
+            if let Some(end) = path.propose(knots) {
                 self.jobs[job].end = end;
                 self.holds[lane] = None;
                 continue;
             }
-            let (q, solve) = (&mut walk.memory.next, &mut walk.tools.solve);
-            let failed = walk.program.solved().begin(q, walk.arguments, &walk.settings.solve, solve);
+            let (q, solve) = (&mut path.memory.next, &mut path.tools.solve);
+            let failed = path.program.solved().begin(q, path.arguments, &path.settings.solve, solve);
             if failed.is_none() {
-                fill(lanes, (q, walk.arguments), solve, lane, memory);
+                fill(lanes, (q, path.arguments), solve, lane, memory);
                 return Some(0);
             }
-            walk.judge(false, knots);
+            path.judge(false, knots);
         }
         None
     }
@@ -97,11 +97,11 @@ impl Queue<F64Row> for Walkers<'_, '_> {
     fn ended(&mut self, lane: usize, end: End, _iterations: u32, _residual: f64, memory: &LaneMemory<F64Row>) {
         let Some(job) = self.holds[lane] else { return };
         let lanes = self.lanes;
-        let (mut walk, knots) = self.walk(lane, job);
-        let q = &mut walk.memory.next;
+        let (mut path, knots) = self.path(lane, job);
+        let q = &mut path.memory.next;
         read(lanes, lane, memory, q);
         let is_converged = end == End::Converged;
-        let is_solved = is_converged && walk.program.solved().place(q, walk.arguments, &mut walk.tools.solve);
-        walk.judge(is_solved, knots);
+        let is_solved = is_converged && path.program.solved().place(q, path.arguments, &mut path.tools.solve);
+        path.judge(is_solved, knots);
     }
 }

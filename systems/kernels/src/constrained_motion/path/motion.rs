@@ -5,8 +5,8 @@
 //! knots are side by side all the same.
 
 use crate::constrained_motion::newton::scalar::project;
-use crate::constrained_motion::path::constrained_path::{MotionScratch, Walk, WalkMemory};
-use crate::constrained_motion::path::lane_motion::walk_in_lanes;
+use crate::constrained_motion::path::constrained_path::{ConstrainedPath, MotionScratch, PathMemory};
+use crate::constrained_motion::path::lane_motion::follow_in_lanes;
 use crate::constrained_motion::path::settings::{MotionEnd, MotionJob, MotionSettings};
 use crate::constrained_motion::program::constraint_program::ConstraintProgram;
 use foliate_components::Pose;
@@ -27,22 +27,22 @@ pub fn project_motion(
     scratch: &mut MotionScratch,
     knots: &mut Vec<f64>,
 ) -> MotionEnd {
-    let MotionScratch { tools, walks } = scratch;
-    if walks.is_empty() {
-        walks.push(WalkMemory::default());
+    let MotionScratch { tools, paths } = scratch;
+    if paths.is_empty() {
+        paths.push(PathMemory::default());
     }
-    let Some(memory) = walks.first_mut() else { return MotionEnd::NotOnLeaf };
-    let mut walk = Walk { program, space, arguments, settings, memory, tools };
-    if !walk.begin(ends, knots) {
+    let Some(memory) = paths.first_mut() else { return MotionEnd::NotOnLeaf };
+    let mut path = ConstrainedPath { program, space, arguments, settings, memory, tools };
+    if !path.begin(ends, knots) {
         return MotionEnd::NotOnLeaf;
     }
     loop {
-        if let Some(end) = walk.propose(knots) {
+        if let Some(end) = path.propose(knots) {
             return end;
         }
-        let q = &mut walk.memory.next;
-        let is_solved = project(program, q, arguments, &settings.solve, &mut walk.tools.solve).is_converged();
-        walk.judge(is_solved, knots);
+        let q = &mut path.memory.next;
+        let is_solved = project(program, q, arguments, &settings.solve, &mut path.tools.solve).is_converged();
+        path.judge(is_solved, knots);
     }
 }
 
@@ -59,7 +59,7 @@ pub fn project_motions(
     scratch: &mut MotionScratch,
 ) {
     match program.solved().lanes_at(settings.solve.level) {
-        Some(lanes) => walk_in_lanes(program, lanes, space, jobs, settings, scratch),
+        Some(lanes) => follow_in_lanes(program, lanes, space, jobs, settings, scratch),
         None => {
             for job in jobs {
                 job.end = project_motion(program, space, job.ends, job.arguments, settings, scratch, job.knots);

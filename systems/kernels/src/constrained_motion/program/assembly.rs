@@ -14,7 +14,7 @@ use crate::constrained_motion::program::numbering::{
 use crate::constrained_motion::rows::blocks::{Block, ContactBlock, Kind, Part, PoseBlock};
 use crate::constrained_motion::rows::bodies::Bodies;
 use crate::constrained_motion::rows::coordinates::{Move, StandingRoot, WriteBack};
-use crate::constrained_motion::rows::rigid_attachment::CarriageTemplate;
+use crate::constrained_motion::rows::rigid_attachment::AttachmentTemplate;
 use crate::constraints::centre_of_mass::MassColumns;
 use crate::constraints::com_between;
 use crate::constraints::com_between::StanceColumns;
@@ -24,12 +24,12 @@ use foliate_components::Pose;
 use foliate_components::constraint::{
     CentreOfMass, Constraint, Frame, Locked, LockedValue, Masses, Placement, Reference, RelativePose,
 };
-use foliate_components::robot::{JointIndex, Motion, Source};
+use foliate_components::robot::{JointIndex, JointType, Source};
 use glam::DVec3;
 
 impl Compiler<'_> {
     pub(crate) fn finish(mut self) -> ConstraintProgram {
-        self.order_carriages();
+        self.order_attachments();
         let mut program = self.program();
         if self.stand() {
             program.standing = Some(Box::new(self.program()));
@@ -45,7 +45,7 @@ impl Compiler<'_> {
         let stands = self.tree.stand_on(foot) == Some(root);
         if stands {
             self.remaining.remove(at);
-            self.carriages.push(CarriageTemplate::of_rigid(&pose, foot));
+            self.rigid_attachments.push(AttachmentTemplate::of_rigid(&pose, foot));
         }
         stands
     }
@@ -65,7 +65,7 @@ impl Compiler<'_> {
         let check_rows = number_rows(&mut checks);
         let decoded = number_decoded(blocks.iter_mut().chain(&mut checks));
         let moments = blocks.iter().chain(&checks).map(Block::moments).max().unwrap_or(0);
-        let objects: Vec<_> = self.carriages.iter().map(|c| c.object).collect();
+        let objects: Vec<_> = self.rigid_attachments.iter().map(|c| c.object).collect();
         let bodies = self.bodies(&blocks, &checks, &objects, &active);
         let moves = self.moves(&active);
         let root = self.standing_root();
@@ -84,7 +84,7 @@ impl Compiler<'_> {
             variables,
             active,
             locked: self.locked.clone(),
-            carriages: self.carriages.clone(),
+            rigid_attachments: self.rigid_attachments.clone(),
             blocks,
             checks,
             check_rows,
@@ -97,9 +97,9 @@ impl Compiler<'_> {
     }
 
     /// Sorts carriages so that a carrier's own comes first: by how many carriages lie beneath.
-    fn order_carriages(&mut self) {
+    fn order_attachments(&mut self) {
         let tree = &self.tree;
-        self.carriages.sort_by_key(|c| tree.chain(c.carrier).filter(|&j| tree.is_carried(j)).count());
+        self.rigid_attachments.sort_by_key(|c| tree.chain(c.carrier).filter(|&j| tree.is_carried(j)).count());
     }
 
     fn variables(&self) -> Vec<usize> {
@@ -190,7 +190,7 @@ impl Compiler<'_> {
                 let (lower, upper) = (space.lower[coordinate], space.upper[coordinate]);
                 moves.push(Move::Scalar { variable, coordinate, lower, upper });
             }
-            if joint.motion == Motion::FreeFlyer
+            if joint.motion == JointType::FreeFlyer
                 && let Some(variable) = column(v + 3)
             {
                 moves.push(Move::Turn { variable, coordinate: q });
@@ -217,7 +217,7 @@ impl Compiler<'_> {
 
     fn write_back(&self, object: JointIndex) -> Option<WriteBack> {
         let joint = &self.robot.joints[object.at()];
-        if joint.motion != Motion::FreeFlyer {
+        if joint.motion != JointType::FreeFlyer {
             return None; // a foot: its root is written, not its own joint
         }
         let Source::Coordinates { q: coordinate, .. } = joint.source else { return None };
@@ -239,7 +239,7 @@ impl Compiler<'_> {
             | Constraint::Locked(Locked { value: LockedValue::Argument(slot), .. }) => Some(*slot),
             _ => None,
         });
-        let carried = self.carriages.iter().filter_map(CarriageTemplate::slot);
+        let carried = self.rigid_attachments.iter().filter_map(AttachmentTemplate::slot);
         locked.chain(remaining).chain(carried).max().map_or(0, |slot| slot.saturating_add(1))
     }
 }

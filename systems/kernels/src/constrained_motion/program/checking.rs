@@ -5,7 +5,7 @@
 use crate::constrained_motion::program::elimination::Compiler;
 use crate::constrained_motion::program::error::{CompileError, fit, fits_rows};
 use foliate_components::constraint::{BodyMass, Constraint, Masses, PlaneRow, Row};
-use foliate_components::robot::{JointIndex, Motion};
+use foliate_components::robot::{JointIndex, JointType};
 
 impl Compiler<'_> {
     pub(crate) fn known(&self, constraint: usize, joint: Option<JointIndex>) -> Result<(), CompileError> {
@@ -72,6 +72,6 @@ impl Compiler<'_> {
     /// Whether the joint is the root of something that moves freely.
     pub(crate) fn is_object(&self, joint: JointIndex) -> bool {
         let joint = &self.robot.joints[joint.at()];
-        joint.parent.is_none() && joint.motion == Motion::FreeFlyer
+        joint.parent.is_none() && joint.motion == JointType::FreeFlyer
     }
 }

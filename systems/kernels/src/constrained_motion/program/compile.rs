@@ -5,7 +5,7 @@ use crate::constrained_motion::program::constraint_program::ConstraintProgram;
 use crate::constrained_motion::program::elimination::Compiler;
 use crate::constrained_motion::program::error::CompileError;
 use crate::constrained_motion::rows::merge::merged;
-use crate::constrained_motion::rows::rigid_attachment::CarriageTemplate;
+use crate::constrained_motion::rows::rigid_attachment::AttachmentTemplate;
 use crate::kinematics::forward::Kinematics;
 use crate::kinematics::jacobian::AttachmentTree;
 use foliate_components::constraint::{Constraint, Locked, LockedValue};
@@ -14,7 +14,7 @@ use foliate_components::robot::{JointIndex, Robot};
 impl ConstraintProgram {
     /// Compiles constraints.
     ///
-    /// `carriages` say which objects follow what; `locked` joints keep their values. Then, in order, every constraint that
+    /// `rigid_attachments` say which objects follow what; `locked` joints keep their values. Then, in order, every constraint that
     /// wholly determines an object that nothing carries yet eliminates it too, unless the object would carry itself;
     /// constraints between two objects come after those that carry one of them. A
     /// second relation on a carried object (two hands on one box) becomes rows. A constraint and its complement on the same
@@ -32,7 +32,7 @@ impl ConstraintProgram {
         robot: &Robot,
         kinematics: &Kinematics,
         constraints: &[Constraint],
-        carriages: &[CarriageTemplate],
+        rigid_attachments: &[AttachmentTemplate],
         locked: &[(JointIndex, f64)],
     ) -> Result<Self, CompileError> {
         if kinematics.bodies() != robot.joints.len() || kinematics.configuration_size() != robot.space.size() {
@@ -42,7 +42,7 @@ impl ConstraintProgram {
         let mut compiler = Compiler {
             robot,
             tree: AttachmentTree::new(robot),
-            carriages: Vec::new(),
+            rigid_attachments: Vec::new(),
             locked: Vec::new(),
             is_locked: vec![false; joints],
             remaining: Vec::new(),
@@ -52,14 +52,14 @@ impl ConstraintProgram {
             compiler.lock(Locked { joint: *joint, value: LockedValue::Fixed(*value) })?;
         }
         compiler.lock_immovable();
-        for (number, template) in carriages.iter().enumerate() {
+        for (number, template) in rigid_attachments.iter().enumerate() {
             compiler.known(number, Some(template.object))?;
             compiler.known(number, template.carrier)?;
             compiler.carry(number, template)?;
         }
         let mut waiting = Vec::new();
         for (number, constraint) in merged(constraints) {
-            let number = number + carriages.len();
+            let number = number + rigid_attachments.len();
             compiler.check_joints(number, &constraint)?;
             waiting.push((number, constraint));
         }

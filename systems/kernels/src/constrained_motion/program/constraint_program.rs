@@ -8,9 +8,9 @@ use crate::constrained_motion::rows::blocks::{Block, Inputs, Kind, locked_value}
 use crate::constrained_motion::rows::bodies;
 use crate::constrained_motion::rows::bodies::Bodies;
 use crate::constrained_motion::rows::coordinates::{LockedCoordinate, Move, StandingRoot, WriteBack, largest};
-use crate::constrained_motion::rows::rigid_attachment::CarriageTemplate;
+use crate::constrained_motion::rows::rigid_attachment::AttachmentTemplate;
 use crate::constraints::placement;
-use crate::kinematics::forward::Carriage;
+use crate::kinematics::forward::RigidAttachment;
 use crate::lanes::level::Level;
 use foliate_components::Pose;
 use glam::DVec3;
@@ -27,8 +27,8 @@ pub struct ConstraintProgram {
     pub(crate) moves: Vec<Move>,
     pub(crate) locked: Vec<LockedCoordinate>,
     /// In dependency order: a carrier's own carriage comes first.
-    pub(crate) carriages: Vec<CarriageTemplate>,
-    /// How each carried object is written into a configuration, as `carriages`.
+    pub(crate) rigid_attachments: Vec<AttachmentTemplate>,
+    /// How each carried object is written into a configuration, as `rigid_attachments`.
     pub(crate) written: Vec<WriteBack>,
     pub(crate) blocks: Vec<Block>,
     /// Constraints that no variable touches.
@@ -114,8 +114,8 @@ impl ConstraintProgram {
 
     /// Eliminated objects, in dependency order.
     #[must_use]
-    pub fn carriages(&self) -> &[CarriageTemplate] {
-        &self.carriages
+    pub fn rigid_attachments(&self) -> &[AttachmentTemplate] {
+        &self.rigid_attachments
     }
 
     /// How many arguments a solve needs: one more than the largest slot that is named.
@@ -139,10 +139,10 @@ impl ConstraintProgram {
     /// The carriages with their poses taken from the arguments, for
     /// [`Kinematics::carry`](crate::kinematics::forward::Kinematics::carry). Returns false where an argument is missing or
     /// names polygons that its placement does not have; `out` is then incomplete.
-    pub fn resolve_carriages(&self, arguments: &[Pose], out: &mut Vec<Carriage>) -> bool {
+    pub fn resolve_attachments(&self, arguments: &[Pose], out: &mut Vec<RigidAttachment>) -> bool {
         out.clear();
-        out.extend(self.carriages.iter().map_while(|template| template.resolve(arguments)));
-        out.len() == self.carriages.len()
+        out.extend(self.rigid_attachments.iter().map_while(|template| template.resolve(arguments)));
+        out.len() == self.rigid_attachments.len()
     }
 
     /// How far `q` is from satisfying the program; `None` where configuration or arguments do not fit it.
@@ -192,7 +192,7 @@ impl ConstraintProgram {
             return None;
         }
         for steps in [&self.bodies.still, &self.bodies.moving, &self.bodies.closing] {
-            bodies::run(steps, q, &scratch.carriages, &mut scratch.X_WJ);
+            bodies::run(steps, q, &scratch.rigid_attachments, &mut scratch.X_WJ);
         }
         let checks = self.failed_check(q, arguments, 0.0, scratch).1;
         let Scratch { X_WJ, decoded, memory, values, .. } = scratch;
@@ -218,7 +218,7 @@ impl ConstraintProgram {
 
     /// Reads the arguments: carriages and placements' parameters.
     pub(crate) fn resolve(&self, arguments: &[Pose], scratch: &mut Scratch) -> bool {
-        if !self.resolve_carriages(arguments, &mut scratch.carriages) {
+        if !self.resolve_attachments(arguments, &mut scratch.rigid_attachments) {
             return false;
         }
         scratch.decoded.clear();
@@ -266,7 +266,7 @@ impl ConstraintProgram {
     /// Writes eliminated objects where their carriers take them. The numbers depend on nothing but the free coordinates
     /// and the arguments: the same leaf gives the same object pose, bit for bit.
     pub(crate) fn close(&self, q: &mut [f64], scratch: &mut Scratch) {
-        bodies::run(&self.bodies.closing, q, &scratch.carriages, &mut scratch.X_WJ);
+        bodies::run(&self.bodies.closing, q, &scratch.rigid_attachments, &mut scratch.X_WJ);
         for write in &self.written {
             write.write(&scratch.X_WJ, q);
         }

@@ -5,7 +5,7 @@
 
 use crate::constrained_motion::program::error::CompileError;
 use crate::constrained_motion::rows::coordinates::LockedCoordinate;
-use crate::constrained_motion::rows::rigid_attachment::{CarriageTemplate, Relation};
+use crate::constrained_motion::rows::rigid_attachment::{AttachmentTemplate, Relation};
 use crate::kinematics::jacobian::AttachmentTree;
 use foliate_components::constraint::{Constraint, Frame, Locked, LockedValue, Placement, RelativePose};
 use foliate_components::robot::{Robot, Source};
@@ -13,7 +13,7 @@ use foliate_components::robot::{Robot, Source};
 pub(crate) struct Compiler<'a> {
     pub(crate) robot: &'a Robot,
     pub(crate) tree: AttachmentTree<'a>,
-    pub(crate) carriages: Vec<CarriageTemplate>,
+    pub(crate) rigid_attachments: Vec<AttachmentTemplate>,
     pub(crate) locked: Vec<LockedCoordinate>,
     /// For each joint whether its coordinate is locked.
     pub(crate) is_locked: Vec<bool>,
@@ -47,7 +47,7 @@ impl Compiler<'_> {
         }
     }
 
-    pub(crate) fn carry(&mut self, number: usize, template: &CarriageTemplate) -> Result<(), CompileError> {
+    pub(crate) fn carry(&mut self, number: usize, template: &AttachmentTemplate) -> Result<(), CompileError> {
         let object = template.object;
         if !self.is_object(object) {
             return Err(CompileError::NotAnObject(self.name(object)));
@@ -62,7 +62,7 @@ impl Compiler<'_> {
             self.check_joints(number, &constraint)?;
             self.remaining.push((number, constraint));
         } else if self.tree.hang(object, template.carrier) {
-            self.carriages.push(template.clone());
+            self.rigid_attachments.push(template.clone());
         } else {
             return Err(CompileError::Cycle(self.name(object)));
         }
@@ -122,19 +122,19 @@ impl Compiler<'_> {
         [pose.b.joint, pose.a.joint]
             .into_iter()
             .flatten()
-            .any(|object| self.is_object(object) && self.eliminate(CarriageTemplate::of_rigid(pose, object)))
+            .any(|object| self.is_object(object) && self.eliminate(AttachmentTemplate::of_rigid(pose, object)))
     }
 
     fn eliminate_hold(&mut self, placement: &Placement, slot: usize) -> bool {
         let (Some(object), Some(carrier)) = (placement.object_joint(), placement.only_support()) else { return false };
         let relation = Relation::Hold { placement: placement.clone(), slot };
-        self.is_object(object) && self.eliminate(CarriageTemplate { object, carrier, relation })
+        self.is_object(object) && self.eliminate(AttachmentTemplate { object, carrier, relation })
     }
 
-    fn eliminate(&mut self, template: CarriageTemplate) -> bool {
+    fn eliminate(&mut self, template: AttachmentTemplate) -> bool {
         let eliminated = self.tree.hang(template.object, template.carrier);
         if eliminated {
-            self.carriages.push(template);
+            self.rigid_attachments.push(template);
         }
         eliminated
     }

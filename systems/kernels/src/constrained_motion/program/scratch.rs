@@ -2,7 +2,7 @@
 
 use crate::constrained_motion::lane_rows::memory::LaneMemory;
 use crate::constrained_motion::rows::blocks::{Decoded, Memory};
-use crate::kinematics::forward::Carriage;
+use crate::kinematics::forward::RigidAttachment;
 use crate::lanes::vector::{F32Row, F64Row};
 use crate::linear::wide_ldlt::WideMemory;
 use foliate_components::Pose;
@@ -12,7 +12,7 @@ use foliate_components::Pose;
 pub struct Scratch {
     /// Poses of bodies; only those that the last program needed are current.
     pub(crate) X_WJ: Vec<Pose>,
-    pub(crate) carriages: Vec<Carriage>,
+    pub(crate) rigid_attachments: Vec<RigidAttachment>,
     pub(crate) decoded: Vec<Decoded>,
     pub(crate) memory: Memory,
     pub(crate) values: Vec<f64>,

@@ -1,9 +1,9 @@
 //! Forward kinematics of only those bodies that a program needs, in the order of the attachment tree.
 
-use crate::kinematics::{AttachmentTree, Carriage, Standing};
+use crate::kinematics::{AttachmentTree, RigidAttachment, Standing};
 use foliate_components::Pose;
 use foliate_components::robot::configuration::quaternion;
-use foliate_components::robot::{Joint, JointIndex, Motion, Robot, Source};
+use foliate_components::robot::{Joint, JointIndex, JointType, Robot, Source};
 use glam::{DQuat, DVec3, DVec4};
 
 /// Steps of forward kinematics in three groups.
@@ -124,7 +124,7 @@ impl Bodies {
         self.moving.iter().map(|step| MovingBody {
             from: step.parent,
             by: match (step.kind, step.parent) {
-                (Kind::Carried(carriage), _) => Found::Carried(carriage),
+                (Kind::Carried(rigid_attachment), _) => Found::Carried(rigid_attachment),
                 (_, Some(moved)) if step.is_inverse => Found::BackOver(moved),
                 _ => Found::ByJoint(step.body),
             },
@@ -155,14 +155,14 @@ impl Step {
     fn new(robot: &Robot, tree: &AttachmentTree<'_>, index: JointIndex, objects: &[JointIndex]) -> Self {
         let joint = &robot.joints[index.at()];
         let kind = match objects.iter().position(|&o| o == index) {
-            Some(carriage) => Kind::Carried(carriage),
+            Some(rigid_attachment) => Kind::Carried(rigid_attachment),
             None => Kind::of_joint(robot, joint),
         };
         Self { body: index.at(), parent: tree.parent(index).map(JointIndex::at), kind, is_inverse: false }
     }
 
     #[inline]
-    fn in_parent(&self, q: &[f64], carriages: &[Carriage]) -> Pose {
+    fn in_parent(&self, q: &[f64], rigid_attachments: &[RigidAttachment]) -> Pose {
         match self.kind {
             Kind::Turn { coordinate, multiplier, offset, translation, base, turned } => {
                 let (sine, cosine) = (0.5 * (multiplier * q[coordinate] + offset)).sin_cos();
@@ -178,7 +178,7 @@ impl Step {
             Kind::FreeFlyer { coordinate: i, X_PJ } => {
                 X_PJ * Pose::from_parts(DVec3::new(q[i], q[i + 1], q[i + 2]), quaternion(q, i))
             }
-            Kind::Carried(carriage) => carriages[carriage].X_CO,
+            Kind::Carried(rigid_attachment) => rigid_attachments[rigid_attachment].X_CO,
         }
     }
 }
@@ -194,25 +194,25 @@ impl Kind {
         };
         let X_PJ = joint.parent_from_joint;
         match joint.motion {
-            Motion::Revolute { axis } => {
+            JointType::Revolute { axis } => {
                 let base = X_PJ.rotation;
                 let turned = base * DQuat::from_xyzw(axis.x, axis.y, axis.z, 0.0);
                 let (base, turned) = (DVec4::from(base), DVec4::from(turned));
                 Self::Turn { coordinate, multiplier, offset, translation: X_PJ.translation, base, turned }
             }
-            Motion::Prismatic { axis } => {
+            JointType::Prismatic { axis } => {
                 Self::Slide { coordinate, multiplier, offset, X_PJ, axis: X_PJ.rotation * axis }
             }
-            Motion::Planar => Self::Planar { coordinate, X_PJ },
-            Motion::FreeFlyer => Self::FreeFlyer { coordinate, X_PJ },
+            JointType::Planar => Self::Planar { coordinate, X_PJ },
+            JointType::FreeFlyer => Self::FreeFlyer { coordinate, X_PJ },
         }
     }
 }
 
 /// Fills the poses of the steps' bodies.
-pub(crate) fn run(steps: &[Step], q: &[f64], carriages: &[Carriage], X_WJ: &mut [Pose]) {
+pub(crate) fn run(steps: &[Step], q: &[f64], rigid_attachments: &[RigidAttachment], X_WJ: &mut [Pose]) {
     for step in steps {
-        let X_PB = step.in_parent(q, carriages);
+        let X_PB = step.in_parent(q, rigid_attachments);
         let X_PB = if step.is_inverse { X_PB.inverse() } else { X_PB };
         X_WJ[step.body] = match step.parent {
             Some(parent) => X_WJ[parent] * X_PB,

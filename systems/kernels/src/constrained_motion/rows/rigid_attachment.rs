@@ -1,14 +1,14 @@
 //! Eliminated objects as templates: which object follows which carrier, and where in a solve's arguments its pose is found.
 
 use crate::constraints::placement;
-use crate::kinematics::Carriage;
+use crate::kinematics::RigidAttachment;
 use foliate_components::Pose;
 use foliate_components::constraint::{Constraint, Frame, Placement, Reference, RelativePose};
 use foliate_components::robot::JointIndex;
 
 /// An object that follows a carrier, before the arguments of a solve are known.
 #[derive(Clone, Debug, PartialEq)]
-pub struct CarriageTemplate {
+pub struct AttachmentTemplate {
     /// Free-flyer root of the object.
     pub object: JointIndex,
     /// Body that carries it; `None` for the world.
@@ -51,7 +51,7 @@ pub enum Relation {
     },
 }
 
-impl CarriageTemplate {
+impl AttachmentTemplate {
     /// An object whose pose in the carrier's joint frame never changes.
     #[must_use]
     pub fn fixed(object: JointIndex, carrier: Option<JointIndex>, X_CO: Pose) -> Self {
@@ -97,7 +97,7 @@ impl CarriageTemplate {
     /// The carriage with its pose taken from the arguments; `None` where an argument is missing or names polygons that the
     /// placement does not have.
     #[must_use]
-    pub fn resolve(&self, arguments: &[Pose]) -> Option<Carriage> {
+    pub fn resolve(&self, arguments: &[Pose]) -> Option<RigidAttachment> {
         let X_CO = match &self.relation {
             Relation::Fixed(X_CO) => *X_CO,
             Relation::Argument(slot) => *arguments.get(*slot)?,
@@ -105,7 +105,7 @@ impl CarriageTemplate {
             Relation::Reversed { X_CB, slot, X_AO } => *X_CB * arguments.get(*slot)?.inverse() * *X_AO,
             Relation::Hold { placement, slot } => placement::hold(placement, arguments.get(*slot)?)?.1,
         };
-        Some(Carriage { object: self.object, carrier: self.carrier, X_CO })
+        Some(RigidAttachment { object: self.object, carrier: self.carrier, X_CO })
     }
 
     /// The argument that reproduces where the object is now, or `None` where the relation takes none.
