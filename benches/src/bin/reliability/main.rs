@@ -38,7 +38,7 @@ const FIGURES: [Entry; 8] = [
     ("lies", 2_000, 96, lies::measure),
     ("determinism", 20, 1, determinism::measure),
     ("coal", 1_000_000, 5_000, coal::measure),
-    ("fuzz", 60, 1, fuzz::measure),
+    ("fuzz", 20, 1, fuzz::measure),
     ("soak", 100_000, 200, soak::measure),
 ];
 
