@@ -180,7 +180,7 @@ impl<'a> Proof<'a> {
     }
 
     /// Certifies in lanes that from a place on all pairs of a phase keep their margins: up to which place they do as far as one
-    /// search goes, or up to which they do for sure where lanes could not show it.
+    /// search goes, or up to which they do with certainty where lanes could not show it.
     fn refute(&mut self, phase: &Phase, from: f64) -> Result<f64, f64> {
         self.cut(phase, from, DEVIATION);
         let settings = CertificateSettings {
@@ -198,7 +198,7 @@ impl<'a> Proof<'a> {
             }
             PolylineVerdict::FreeUntil { piece, t, .. } => {
                 let (a, b) = (self.places[piece], self.places[(piece + 1).min(self.places.len() - 1)]);
-                // The place is rounded, and with it how the robot stands: a little before is free for sure.
+                // The place is rounded, and with it how the robot stands: a little before is free with certainty.
                 Err((a + t * (b - a) - 1e-12 * (1.0 + b)).max(from))
             }
         }

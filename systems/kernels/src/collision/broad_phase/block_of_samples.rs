@@ -1,7 +1,7 @@
 //! The sweep over the open pairs of one block: it keeps those that the bounds do not prove free.
 //!
 //! Where it is asked for, a pair that stays open is also compared by its inner bounds (`scene/inscribed.rs`). Overlaps of more
-//! than the slack are collisions for sure.
+//! than the slack are collisions with certainty.
 
 use crate::collision::broad_phase::bounds::{beside_box, between_axes, overlap, reach_along};
 use crate::collision::broad_phase::open_pairs::{ALL, Hits, Open};

@@ -21,7 +21,7 @@ pub(crate) struct Open {
 /// All pairs of the group.
 pub(crate) const ALL: u32 = u32::MAX;
 
-/// In which lanes something collides for sure, and which lanes need no further look for that.
+/// In which lanes something collides with certainty, and which lanes need no further look for that.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Hits {
     /// By lane, where it collides: the pair, and minus how far its insides overlap, metres.

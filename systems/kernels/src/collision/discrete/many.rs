@@ -127,7 +127,7 @@ impl Verdicts<'_> {
         scratch.verdicts = buffers;
     }
 
-    /// The ones of up to sixteen configurations that collide for sure, as bounds from inside alone tell; the first is the lowest bit.
+    /// The ones of up to sixteen configurations that collide with certainty, as bounds from inside alone tell; the first is the lowest bit.
     ///
     /// # Panics
     /// If `configurations` is not a whole number of them, or more than sixteen.
@@ -159,7 +159,7 @@ impl Verdicts<'_> {
         }
     }
 
-    /// Leaves in `buffers.rest` what bounds leave open, and in `hits` what collides for sure.
+    /// Leaves in `buffers.rest` what bounds leave open, and in `hits` what collides with certainty.
     fn broad_phase(
         &self,
         configurations: &[f64],
@@ -197,7 +197,7 @@ impl Verdicts<'_> {
         });
     }
 
-    /// A pair that collides for sure; surfaces may be apart where one is inside the other.
+    /// A pair that collides with certainty; surfaces may be apart where one is inside the other.
     fn sure_contact(&self, pair: PairId, overlap: f32, lane: usize, scratch: &CollisionScratch) -> Contact {
         let contains =
             !self.scene.is_convex(pair) && contained_at(self.scene, pair, self.poses_of(pair, lane, scratch));

@@ -1,4 +1,4 @@
-//! What lies inside a solid for sure: where two such sets overlap, the solids do, and nothing exact need be asked.
+//! What lies inside a solid with certainty: where two such sets overlap, the solids do, and nothing exact need be asked.
 //!
 //! Every solid but an open mesh has a capsule inside of it: along its longest side, as thick as its thinnest, for a box or a
 //! cylinder; a ball for a closed mesh. A point of one's axis that is deeper inside the other than the capsule's radius shows

@@ -118,7 +118,7 @@ pub(crate) fn exact_clearance(
     clearance(&a.solid, &(X_WI * a.X_JS), &b.solid, &(X_WJ * b.X_JS), query, hint)
 }
 
-/// The contact of a pair that collides for sure, as what lies inside of its two solids tells without an exact query: none
+/// The contact of a pair that collides with certainty, as what lies inside of its two solids tells without an exact query: none
 /// where they only may.
 ///
 /// # Panics

@@ -29,7 +29,7 @@ pub struct SceneSolid {
     pub cluster: u32,
     /// What bounds in lanes know of it.
     pub(crate) bounding: BoundingVolume,
-    /// What lies inside of it for sure.
+    /// What lies inside of it with certainty.
     pub(crate) inscribed: Option<InscribedVolume>,
 }
 
