@@ -1,4 +1,5 @@
-//! Passages: short motions between two leaves that have been planted and that nobody has certified yet.
+//! Unvalidated edges: short motions between two leaves that a lazy extension has added and that are not certified yet. Connections
+//! and their verdicts.
 //!
 //! Nearly all of them turn out to be free once their waypoints are, and few are ever needed. So commit keeps them here, beside
 //! the roadmap, in which both ends stand as trees of their own; a scheduler proposes the ones it needs as connections, and
@@ -14,9 +15,9 @@ use std::collections::BTreeMap;
 /// A motion that would join two trees.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Connection {
-    /// A new node, or the one that a passage leads from.
+    /// A new node, or the one that an unvalidated edge leads from.
     pub from: NodeId,
-    /// A node in another tree: on the same leaf, or the one that the passage leads to.
+    /// A node in another tree: on the same leaf, or the one that the unvalidated edge leads to.
     pub to: NodeId,
     /// What became of it, once that is known.
     pub verdict: Option<Verdict>,
@@ -65,7 +66,7 @@ pub struct UnvalidatedEdge {
     pub motions: Vec<Motion>,
 }
 
-/// The passages that nothing is known of, by the node that they lead to.
+/// The unvalidated edges that nothing is known of, by the node that they lead to.
 #[derive(Clone, Debug, Default, Resource)]
 pub struct UnvalidatedEdges {
     open: BTreeMap<NodeId, UnvalidatedEdge>,
@@ -73,7 +74,7 @@ pub struct UnvalidatedEdges {
 }
 
 impl UnvalidatedEdges {
-    /// Keeps a passage to a node that no other leads to.
+    /// Keeps an unvalidated edge to a node that no other leads to.
     pub fn add(&mut self, to: NodeId, unvalidated_edge: UnvalidatedEdge) {
         self.bytes += bytes(&unvalidated_edge);
         if let Some(before) = self.open.insert(to, unvalidated_edge) {
@@ -81,19 +82,19 @@ impl UnvalidatedEdges {
         }
     }
 
-    /// The passage that leads to a node.
+    /// The unvalidated edge that leads to a node.
     #[must_use]
     pub fn to(&self, node: NodeId) -> Option<&UnvalidatedEdge> {
         self.open.get(&node)
     }
 
-    /// The passage from one node to another.
+    /// The unvalidated edge from one node to another.
     #[must_use]
     pub fn between(&self, from: NodeId, to: NodeId) -> Option<&UnvalidatedEdge> {
         self.to(to).filter(|unvalidated_edge| unvalidated_edge.from == from)
     }
 
-    /// Takes out the passage from one node to another: something is known of it.
+    /// Takes out the unvalidated edge from one node to another: something is known of it.
     pub fn take(&mut self, from: NodeId, to: NodeId) -> Option<UnvalidatedEdge> {
         self.between(from, to)?;
         let unvalidated_edge = self.open.remove(&to);
@@ -101,7 +102,7 @@ impl UnvalidatedEdges {
         unvalidated_edge
     }
 
-    /// Number of passages that nothing is known of.
+    /// Number of unvalidated edges that nothing is known of.
     #[must_use]
     pub fn len(&self) -> usize {
         self.open.len()

@@ -1,6 +1,6 @@
 //! How much memory a search takes, counted from what it has done: budgets then depend on no clock, no thread and no other search.
 //!
-//! What is counted is what grows: the roadmap, passages, a lazy graph, what is compiled of transitions when they are first
+//! What is counted is what grows: the roadmap, unvalidated edges, a lazy graph, what is compiled of transitions when they are first
 //! tried, and what the scheduler `sequence` knows of joins. `tests/memory_has_a_limit.rs` holds it against the process.
 
 use crate::exploration::edges::UnvalidatedEdges;

@@ -2,7 +2,7 @@
 //!
 //! The parallel sections of a step take some hundred microseconds each and serial systems lie between them. A thread of the
 //! pool that finds nothing to steal goes to sleep after a few of them, and waking it costs as much as a section is worth. So
-//! the other threads *watch*: they look for work again and again, for a while. One that finds none does an errand, if some
+//! the other threads *watch*: they look for work again and again, for a while. One that finds none does an idle task, if some
 //! were left: work whose result may be asked for later, and is the same whoever does it and whether or not it is done.
 //! Neither can change an answer.
 
@@ -27,20 +27,20 @@ type IdleTask = Box<dyn FnOnce() + Send>;
 #[derive(Default)]
 struct List {
     waiting: Mutex<VecDeque<IdleTask>>,
-    /// Errands that wait, to be looked at without a lock.
+    /// Idle tasks that wait, to be looked at without a lock.
     count: AtomicUsize,
     /// Threads that watch.
     watching: AtomicUsize,
 }
 
 impl IdleTasks {
-    /// Whether anybody would do an errand.
+    /// Whether anybody would do an idle task.
     #[must_use]
     pub fn are_done(&self) -> bool {
         self.0.watching.load(Ordering::Relaxed) > 0
     }
 
-    /// Leaves errands instead of those that still wait. A panic in one of them ends with it.
+    /// Leaves idle tasks instead of those that still wait. A panic in one of them ends with it.
     pub(crate) fn replace(&self, idle_tasks: impl Iterator<Item = IdleTask>) {
         let mut waiting = self.0.waiting.lock().unwrap_or_else(PoisonError::into_inner);
         waiting.clear();
@@ -54,7 +54,7 @@ impl IdleTasks {
         self.0.watching.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Does the errand that has waited longest; `false` where there is none.
+    /// Does the idle task that has waited longest; `false` where there is none.
     pub(crate) fn do_one(&self) -> bool {
         if self.0.count.load(Ordering::Relaxed) == 0 {
             return false;

@@ -42,8 +42,8 @@ pub fn commit_extensions(world: &mut World) {
     counter.candidates += pool;
 }
 
-/// Adds the edges of certified connections whose ends still lie in different trees, in the order of proposal. Passages of
-/// which something is known now are passages no longer.
+/// Adds the edges of certified connections whose ends still lie in different trees, in the order of proposal. Unvalidated edges of
+/// which something is known now are so no longer.
 pub fn commit_connections(world: &mut World) {
     let proposals = std::mem::take(&mut world.resource_mut::<Connections>().0);
     world.resource_mut::<StepCounter>().connections += proposals.len() as u64;
@@ -104,7 +104,7 @@ pub(crate) fn count(world: &mut World, candidate: &Candidate, kept: bool, comple
 }
 
 /// Makes the end of the leg that was left out the root of a tree of its own, of the family of `near`, and what the legs behind
-/// it lead to that of another; what they are on the way is a passage. Where no leg moves the two hang together at once.
+/// it lead to that of another; what they are on the way is an unvalidated edge. Where no leg moves the two hang together at once.
 /// Returns the node that they lead to.
 fn extend_lazily(
     world: &mut World,

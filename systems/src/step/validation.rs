@@ -36,7 +36,7 @@ impl ValidationScratch {
 }
 
 /// Certifies every candidate's legs in order; after the first that is only free in part, nothing more is kept. What is planted
-/// becomes a passage, whose motions are certified when it is needed.
+/// becomes an unvalidated edge, whose motions are certified when it is needed.
 #[allow(clippy::too_many_arguments, reason = "a system's parameters are what it reads and writes")]
 pub fn certify_legs(
     model: Res<'_, PlanningModel>,

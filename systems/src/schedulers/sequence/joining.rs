@@ -168,7 +168,7 @@ pub fn propose_joins(
     growing.0 = failed;
     let (unvalidated_edges, mut long): (Vec<_>, Vec<_>) =
         untried.into_iter().partition(|&join| graph.is_unvalidated(join));
-    // What is most likely to fail comes first: then the rest need not be tried. Passages hardly ever do.
+    // What is most likely to fail comes first: then the rest need not be tried. Unvalidated edges hardly ever do.
     long.sort_by(|&a, &b| graph.cost(b).total_cmp(&graph.cost(a)).then(a.cmp(&b)));
     let at_once = if long.is_empty() { unvalidated_edges.len() } else { AT_ONCE.min(long.len()) };
     long.extend(unvalidated_edges);

@@ -1,5 +1,5 @@
 //! Candidates that are planted: waypoints and the short motions between them, without the long motion that leads there. The
-//! short ones become a passage, certified when a sequence needs it.
+//! short ones become an unvalidated edge, certified when a sequence needs it.
 
 use crate::exploration::entities::TransitionWeights;
 use crate::exploration::explored::Explored;

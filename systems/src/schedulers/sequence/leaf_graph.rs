@@ -1,7 +1,7 @@
 //! Which motions would join start and goal, and which of them to try first.
 //!
 //! Vertices are the trees of the roadmap; two trees are neighbours where both have a node on some leaf, and what it costs to
-//! join them there is an estimate that rises with each failed effort; or where a passage leads from one to the other. The
+//! join them there is an estimate that rises with each failed effort; or where an unvalidated edge leads from one to the other. The
 //! cheapest way from the start's tree to a goal's is the sequence of transitions to work on.
 
 use crate::exploration::edges::UnvalidatedEdges;
@@ -24,7 +24,7 @@ const GROWTH: f64 = 2.0;
 /// As if so many straight motions had been tried in every state, all of which had joined.
 const PRIOR: f64 = 2.0;
 
-/// What a passage is estimated to cost, in motions: it is short, and nearly always free.
+/// What an unvalidated edge is estimated to cost, in motions: it is short, and nearly always free.
 const UNVALIDATED_COST: f64 = 0.1;
 
 /// A node by which its tree comes upon its leaf: a root, an end of what was planted, the end of an extension along a transition.
@@ -39,11 +39,11 @@ struct Anchor {
     lengths: Vec<f64>,
     /// Joins that have failed here.
     failures: u32,
-    /// The anchor at the other end of a passage.
+    /// The anchor at the other end of an unvalidated edge.
     unvalidated_edge: Option<u32>,
 }
 
-/// Two anchors of different trees, on one leaf or with a passage between them, by number, the smaller one first.
+/// Two anchors of different trees, on one leaf or with an unvalidated edge between them, by number, the smaller one first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Join(pub(crate) u32, pub(crate) u32);
 
@@ -66,7 +66,7 @@ pub struct LeafGraph {
 }
 
 impl LeafGraph {
-    /// Takes in the nodes that are new in the roadmap, and the passages to them. `weights` are metres per unit of each
+    /// Takes in the nodes that are new in the roadmap, and the unvalidated edges to them. `weights` are metres per unit of each
     /// velocity coordinate.
     pub fn grow(
         &mut self,
@@ -93,7 +93,7 @@ impl LeafGraph {
         self.known = roadmap.nodes().len();
     }
 
-    /// Remembers a passage between two anchors.
+    /// Remembers an unvalidated edge between two anchors.
     fn lead(&mut self, from: NodeId, to: NodeId) {
         let anchor = |node| self.anchors.binary_search_by_key(&node, |anchor| anchor.node).ok();
         if let (Some(from), Some(to)) = (anchor(from), anchor(to)) {
@@ -102,7 +102,7 @@ impl LeafGraph {
         }
     }
 
-    /// Whether a join is a passage.
+    /// Whether a join is an unvalidated edge.
     #[must_use]
     pub fn is_unvalidated(&self, join: Join) -> bool {
         self.anchors[join.0 as usize].unvalidated_edge == Some(join.1)
@@ -154,7 +154,7 @@ impl LeafGraph {
         (self.anchors[join.0 as usize].node, self.anchors[join.1 as usize].node)
     }
 
-    /// The leaf of a join; of a passage that from which it leads.
+    /// The leaf of a join; of an unvalidated edge that from which it leads.
     #[must_use]
     pub fn leaf(&self, join: Join) -> LeafId {
         self.anchors[join.0 as usize].leaf
@@ -177,7 +177,7 @@ impl LeafGraph {
         self.has_changed = true;
     }
 
-    /// Remembers whether a join was free: its straight motion, or what makes it a passage, which is none where it is not.
+    /// Remembers whether a join was free: its straight motion, or what makes it an unvalidated edge, which is none where it is not.
     pub fn count_tried(&mut self, join: Join, joined: bool) {
         if self.is_unvalidated(join) {
             for anchor in [join.0, join.1] {

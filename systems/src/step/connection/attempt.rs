@@ -1,4 +1,4 @@
-//! One connection to be certified: a straight motion on a leaf, or the motions of a passage.
+//! One connection to be certified: a straight motion on a leaf, or the motions of an unvalidated edge.
 //!
 //! It holds copies of all that it needs, so that a thread can certify it without the world.
 
@@ -21,7 +21,7 @@ pub(crate) type ConnectionScratch = (CollisionScratch, MotionScratch);
 pub(crate) enum Attempt {
     /// The straight motion between two nodes of one leaf.
     Straight(Straight),
-    /// The motions of a passage.
+    /// The motions of an unvalidated edge.
     UnvalidatedEdge(Vec<(Motion, StateId, Vec<RigidAttachment>)>),
 }
 
@@ -37,7 +37,7 @@ pub(crate) struct Straight {
 }
 
 impl Attempt {
-    /// `None` where there is no passage, nor any motion within the leaf.
+    /// `None` where there is no unvalidated edge, nor any motion within the leaf.
     pub(crate) fn new(
         model: &PlanningModel,
         (roadmap, leaves, unvalidated_edges): (&Roadmap, &LeafIndex, &UnvalidatedEdges),

@@ -33,7 +33,7 @@ pub fn propose_connections(
 
 /// Steers and certifies the proposals; whole or not at all. Of those that would join the same two trees all behind the
 /// first that is certified are left out: its edge makes them needless. Threads for which none is left go on with what is
-/// foreseen.
+/// predicted.
 #[allow(clippy::too_many_arguments, reason = "a system's parameters are what it reads and writes")]
 pub fn certify_connections(
     model: Res<'_, PlanningModel>,

@@ -1,7 +1,7 @@
 //! Motions that are likely to be proposed next, certified by threads that have nothing else to do.
 //!
 //! What a motion between two nodes is does not depend on when it is asked for, so an answer that is there already is the
-//! answer. Which motions are foreseen, and how far a thread came with them, decides only who does the work.
+//! answer. Which motions are predicted, and how far a thread came with them, decides only who does the work.
 
 use crate::exploration::edges::{UnvalidatedEdges, Verdict};
 use crate::planning_model::model::PlanningModel;
@@ -77,7 +77,7 @@ impl SpeculativeCheck {
 
 impl SpeculativeChecks {
     /// Leaves the motions between these nodes to be certified, most likely first, for whoever has nothing else to do. What was
-    /// foreseen before is kept where it is foreseen again or asked for now.
+    /// predicted before is kept where it is predicted again or asked for now.
     pub fn expect(
         &mut self,
         (model, settings, idle_tasks): (&PlanningModel, &SearchSettings, &IdleTasks),
@@ -107,7 +107,7 @@ impl SpeculativeChecks {
         }
     }
 
-    /// Lets threads that have nothing else to do begin with what is foreseen.
+    /// Lets threads that have nothing else to do begin with what is predicted.
     pub(crate) fn release(&self, idle_tasks: &IdleTasks) {
         let idle_task = |(_, _, speculation): &(NodeId, NodeId, Arc<SpeculativeCheck>)| {
             let (speculation, buffers) = (Arc::clone(speculation), Arc::clone(&self.buffers));
@@ -119,7 +119,7 @@ impl SpeculativeChecks {
         idle_tasks.replace(self.speculations.iter().filter(open).map(idle_task));
     }
 
-    /// What was foreseen between two nodes.
+    /// What was predicted between two nodes.
     pub(crate) fn of(&self, from: NodeId, to: NodeId) -> Option<&SpeculativeCheck> {
         self.speculations.iter().find(|&&(a, b, _)| (a, b) == (from, to)).map(|(_, _, speculation)| &**speculation)
     }
@@ -185,7 +185,7 @@ mod tests {
             assert_eq!(&speculation.certify(&mut scratch), answer);
             assert_eq!(&speculation.certify(&mut scratch), answer, "asked for twice");
         }
-        // What has been asked for is not begun again, and what is neither foreseen nor asked for any more is forgotten.
+        // What has been asked for is not begun again, and what is neither predicted nor asked for any more is forgotten.
         assert!(idle_tasks.do_one());
         speculative_checks.expect((&model, &settings, &idle_tasks), known, &pairs[..2], &pairs[1..3]);
         assert_eq!(speculative_checks.speculations.len(), 3.min(pairs.len()));
