@@ -197,12 +197,13 @@ fn a_panic_in_the_middle_of_a_projection_is_an_outcome() {
     for number in numbers().map(|number| 1 + number * calls / 1000).filter(|&number| number <= calls) {
         own.calls.store(0, Ordering::Relaxed);
         own.nth.store(number, Ordering::Relaxed);
-        let solution = planner.solve_on(1 + number as usize % 2).unwrap();
-        assert!(
-            matches!(&solution.outcome, SearchOutcome::Crashed(why) if why == "a fault"),
-            "{number}: {:?}",
-            solution.outcome
-        );
+        let threads = 1 + number as usize % 2;
+        let solution = planner.solve_on(threads).unwrap();
+        match &solution.outcome {
+            SearchOutcome::Crashed(why) => assert_eq!(why, "a fault", "{number}"),
+            // A speculative check on the second thread may have met the fault: it ends alone, and changes no answer.
+            _ => assert_eq!((threads, told(&solution)), (2, reference.clone()), "{number}"),
+        }
         if number % 5 == 0 {
             own.nth.store(0, Ordering::Relaxed);
             assert_eq!(told(&planner.solve()), reference, "{number}");
