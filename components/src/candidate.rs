@@ -3,7 +3,7 @@
 use crate::graph::leaf::{LeafId, Parameter, ParameterId};
 use crate::graph::{StateId, TransitionId};
 use crate::outcome::Rejection;
-use crate::roadmap::{ComponentId, NodeId};
+use crate::roadmap::{NodeId, TreeId};
 use crate::robot::indices::ShapeIndex;
 
 /// One extension: which node, along which transition, towards which leaf, and how far it has come.
@@ -16,7 +16,7 @@ pub struct Candidate {
     /// Number in the pool; the commit goes by it, and the random stream is keyed by it.
     pub index: u32,
     /// The tree that is extended.
-    pub component: Option<ComponentId>,
+    pub tree: Option<TreeId>,
     /// The node that is extended (q_near).
     pub near: Option<NodeId>,
     /// The transition that is tried (T).
@@ -32,12 +32,30 @@ pub struct Candidate {
     pub waypoints_are_free: bool,
     /// Why nothing more is to be done for it.
     pub rejected: Option<Rejection>,
-    /// Whether it is *planted*: its first leg is left out, and where it would end a tree of its own begins; what the legs behind
-    /// it lead to is another, and their motions are certified when somebody needs them. Set where the first leg lies on the near
-    /// node's own leaf, by schedulers that join trees themselves.
-    pub extends_lazily: bool,
+    /// What Commit makes of it.
+    pub commit_as: CommitAs,
     /// The pair of shapes that stopped it.
     pub blocked_by: Option<(ShapeIndex, ShapeIndex)>,
+}
+
+/// What Commit adds to the roadmap for a candidate. Set by the scheduler, between Select and Project.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CommitAs {
+    /// A node where its certified legs end, joined to the near node by an edge.
+    #[default]
+    Extension,
+    /// Two trees on the near node's search side, for a lazy search. The first leg is left out and not certified: its end is the
+    /// root of one tree, the end of the legs behind it the root of the other. Between the two is an
+    /// [`UnvalidatedEdge`](crate::roadmap::UnvalidatedEdge). Requires that the first leg lies on the near node's leaf.
+    DetachedTrees,
+}
+
+impl CommitAs {
+    /// Whether Validate has to certify its legs.
+    #[must_use]
+    pub fn needs_certificate(self) -> bool {
+        self == Self::Extension
+    }
 }
 
 impl Candidate {
@@ -98,7 +116,7 @@ pub struct CandidateArena {
     pub random: Vec<f64>,
     /// Planned legs per candidate; after validation only what is certified.
     pub legs: Vec<Vec<PlannedLeg>>,
-    /// Whether all legs of the transition are certified (else a prefix).
+    /// Whether all legs of the transition are there, certified where they need to be (else a prefix).
     pub complete: Vec<bool>,
     size: usize,
 }

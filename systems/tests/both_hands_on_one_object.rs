@@ -12,7 +12,7 @@ use foliate_components::outcome::{Rejection, SearchOutcome, TransitionStatistics
 use foliate_components::path::{Attachment, ManipulationPath};
 use foliate_components::pose::log_so3;
 use foliate_components::problem::{Goal, GraphOptions, ObjectOptions, Problem, Rule};
-use foliate_components::roadmap::{NodeId, Roadmap};
+use foliate_components::roadmap::NodeId;
 use foliate_components::robot::{DisabledPair, GripperIndex, HandleIndex, PartIndex, Robot};
 use foliate_components::samples::models::{block, environment, fixed_robot, movable_object, seven_axis_arm, table};
 use foliate_kernels::collision::{
@@ -229,7 +229,7 @@ fn what_a_leg_has_before_it_leaves_its_leaf_is_kept() {
 
 /// Every node, those where partial motions end too, satisfies the state's constraints to the projection tolerance.
 fn assert_nodes_are_on_the_leaf(model: &foliate_systems::planning_model::Model, search: &Search) {
-    let roadmap = search.world().resource::<Roadmap>();
+    let roadmap = search.roadmap();
     let mut scratch = Scratch::default();
     for (id, node) in (0..).map(NodeId).zip(roadmap.nodes()) {
         let program = &model.interior_program(node.state).unwrap().program;

@@ -12,7 +12,6 @@ use foliate_components::constraint::{Constraint, Frame, Reference, RelativePose,
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::pose::pose_from_array;
 use foliate_components::problem::{Goal, GraphOptions, NamedConstraint, ObjectOptions, PartialGoal, Problem};
-use foliate_components::roadmap::Roadmap;
 use foliate_components::robot::{PartIndex, Robot};
 use foliate_components::samples::models::{block, environment, fixed_robot, movable_object, seven_axis_arm, table};
 use foliate_components::samples::{boxes_on_a_table, move_one_box, swap_with_crossed_foliations};
@@ -70,7 +69,7 @@ fn poses_at(model: &PlanningModel, q: &[f64]) -> Vec<Pose> {
 }
 
 fn goal_states(model: &PlanningModel, search: &Search) -> Vec<String> {
-    let roadmap = search.world().resource::<Roadmap>();
+    let roadmap = search.roadmap();
     let goals = &search.world().resource::<Roots>().goals;
     let mut names: Vec<_> =
         goals.iter().map(|&goal| model.graph.state(roadmap.node(goal).state).name.clone()).collect();

@@ -10,7 +10,7 @@ use foliate_components::Pose;
 use foliate_components::graph::leaf::{Leaf, LeafIndex, Parameter, ParameterId};
 use foliate_components::graph::{ConstraintGraph, StateId, Transition, TransitionKind};
 use foliate_components::problem::JointRest;
-use foliate_components::roadmap::ComponentId;
+use foliate_components::roadmap::TreeId;
 use foliate_components::samples::{boxes_on_a_table, open_a_drawer, swap_two_boxes};
 use foliate_systems::exploration::reached_leaves::ReachedLeaves;
 use foliate_systems::heuristic::grasp_distance::GraspDistance;
@@ -104,13 +104,13 @@ fn what_is_kept_while_trees_grow_is_what_counting_afresh_gives() {
         let (heuristic, reached) = (world.resource::<LeafHeuristic>(), world.resource::<ReachedLeaves>());
         let (leaves, roadmap) = (world.resource::<LeafIndex>(), search.roadmap());
         let afresh = GraspDistance::new(&model.graph);
-        let trees = (0..roadmap.trees() as u32).map(ComponentId).filter(|&c| roadmap.component(c) == c);
+        let trees = (0..roadmap.tree_count() as u32).map(TreeId).filter(|&c| roadmap.tree(c) == c);
         let mut compared = 0;
         for tree in trees {
-            let others = (0..).map(ComponentId).zip(&reached.by_component);
-            let others = others.filter(|&(c, _)| roadmap.component(c) != tree);
+            let others = (0..).map(TreeId).zip(&reached.by_born_tree);
+            let others = others.filter(|&(c, _)| roadmap.tree(c) != tree);
             let others: Vec<_> = others.flat_map(|(_, list)| list).map(|&to| leaves.leaf(to)).collect();
-            for &leaf in &reached.by_component[tree.at()] {
+            for &leaf in &reached.by_born_tree[tree.at()] {
                 let far = others.iter().map(|to| afresh.between(&model.graph, leaves.leaf(leaf), to)).min();
                 assert_eq!(heuristic.to_others(leaf, tree), far.or(Some(0)));
                 compared += 1;

@@ -9,6 +9,7 @@ use common::{model, search, seeded};
 use foliate_components::candidate::Candidate;
 use foliate_components::outcome::{Rejection, SearchOutcome};
 use foliate_components::problem::{Goal, PartialGoal};
+use foliate_components::roadmap::RoadmapStore;
 use foliate_components::samples::{boxes_on_a_table, move_one_box};
 use foliate_systems::events::{EventSink, StopSignal};
 use foliate_systems::schedule::SearchSet;
@@ -74,7 +75,7 @@ fn memory_is_bounded_in_bytes_also_where_nodes_are_few() {
     assert_eq!(outcome, SearchOutcome::MemoryLimit);
     // What is bounded is all that grows: the roadmap, and what transitions need that were tried.
     assert!((100_000..200_000).contains(&search.bytes()), "{}", search.bytes());
-    let (bytes, nodes) = (search.roadmap().bytes(), search.roadmap().nodes().len() as u64);
+    let (bytes, nodes) = (search.world().resource::<RoadmapStore>().bytes(), search.roadmap().nodes().len() as u64);
     // A node is its configuration of 14 numbers, its rows, its edge, and at least two knots.
     assert!(bytes / nodes > 3 * 14 * 8, "{bytes} bytes for {nodes} nodes");
 }

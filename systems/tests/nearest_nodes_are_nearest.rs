@@ -8,25 +8,26 @@ use bevy_ecs::prelude::{Schedule, World};
 use bevy_ecs::schedule::ScheduleCleanupPolicy;
 use common::{model, search, seeded};
 use foliate_components::graph::TransitionId;
-use foliate_components::roadmap::{ComponentId, NodeId, Roadmap};
+use foliate_components::roadmap::{NodeId, Roadmap, TreeId};
 use foliate_components::samples::boxes_on_a_table;
 use foliate_systems::exploration::neighbours::{Neighbours, Question, Region};
+use foliate_systems::exploration::writer;
 use foliate_systems::planning_model::PlanningModel;
 use foliate_systems::schedule::SearchSet;
 use foliate_systems::schedulers::{Scheduler, mrrt::Mrrt, sequence::Sequence};
 use foliate_systems::settings::{SearchSettings, Selection};
 
-fn all(roadmap: &Roadmap) -> impl Iterator<Item = NodeId> + Clone {
+fn all(roadmap: Roadmap<'_>) -> impl Iterator<Item = NodeId> + Clone {
     (0..roadmap.nodes().len() as u32).map(NodeId)
 }
 
 /// Measures all nodes of the leaf: by tree, distance, id.
-fn scalar_neighbours(model: &PlanningModel, roadmap: &Roadmap, node: NodeId, count: usize) -> Vec<NodeId> {
+fn scalar_neighbours(model: &PlanningModel, roadmap: Roadmap<'_>, node: NodeId, count: usize) -> Vec<NodeId> {
     let (space, q) = (&model.problem.robot.space, roadmap.configuration(node));
-    let own = roadmap.component_of(node);
-    let mut others: Vec<(ComponentId, f64, NodeId)> = all(roadmap)
-        .filter(|&n| roadmap.node(n).leaf == roadmap.node(node).leaf && roadmap.component_of(n) != own)
-        .map(|n| (roadmap.component_of(n), space.distance(q, roadmap.configuration(n), &model.robot_weights), n))
+    let own = roadmap.tree_of(node);
+    let mut others: Vec<(TreeId, f64, NodeId)> = all(roadmap)
+        .filter(|&n| roadmap.node(n).leaf == roadmap.node(node).leaf && roadmap.tree_of(n) != own)
+        .map(|n| (roadmap.tree_of(n), space.distance(q, roadmap.configuration(n), &model.robot_weights), n))
         .collect();
     others.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
     others.chunk_by(|a, b| a.0 == b.0).flat_map(|tree| tree.iter().take(count).map(|&(_, _, n)| n)).collect()
@@ -34,19 +35,19 @@ fn scalar_neighbours(model: &PlanningModel, roadmap: &Roadmap, node: NodeId, cou
 
 /// What is asked about a node's surroundings, and the answer of measuring everything.
 fn questions<'q>(
-    (model, roadmap): (&PlanningModel, &Roadmap),
+    (model, roadmap): (&PlanningModel, Roadmap<'_>),
     (node, q): (NodeId, &'q [f64]),
     shrunk: &'q [f64],
 ) -> Vec<Question<'q>> {
-    let (row, tree) = (roadmap.node(node), roadmap.component_of(node));
-    let ask = |region, tree: Option<ComponentId>, q: &'q [f64]| {
+    let (row, tree) = (roadmap.node(node), roadmap.tree_of(node));
+    let ask = |region, tree: Option<TreeId>, q: &'q [f64]| {
         let lies_here = |&n: &NodeId| match region {
             Region::Leaf(leaf) => roadmap.node(n).leaf == leaf,
             Region::State(state) => roadmap.node(n).state == state,
             Region::Roadmap => true,
         };
         let weights = if matches!(region, Region::Leaf(_)) { &model.robot_weights } else { &model.weights };
-        let nodes = all(roadmap).filter(lies_here).filter(|&n| tree.is_none_or(|t| roadmap.component_of(n) == t));
+        let nodes = all(roadmap).filter(lies_here).filter(|&n| tree.is_none_or(|t| roadmap.tree_of(n) == t));
         Question { asker: 0, region, tree, q, nearest: model.nearest(roadmap, q, nodes, weights) }
     };
     vec![
@@ -59,7 +60,7 @@ fn questions<'q>(
         ask(Region::Leaf(row.leaf), Some(tree), q),
         ask(Region::Leaf(row.leaf), Some(tree), q),
         // Nobody is in that tree.
-        ask(Region::Leaf(row.leaf), Some(ComponentId(1_000_000)), q),
+        ask(Region::Leaf(row.leaf), Some(TreeId(1_000_000)), q),
     ]
 }
 
@@ -67,7 +68,7 @@ fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(work)
 }
 
-fn busiest_leaf(roadmap: &Roadmap) -> Vec<NodeId> {
+fn busiest_leaf(roadmap: Roadmap<'_>) -> Vec<NodeId> {
     let leaves = all(roadmap).map(|node| roadmap.nodes_on(roadmap.node(node).leaf));
     leaves.max_by_key(|nodes| nodes.len()).unwrap_or_default().to_vec()
 }
@@ -102,9 +103,8 @@ fn nodes_found_in_lanes_are_those_found_one_by_one() {
         assert!(crowd.len() > 40, "no leaf has become a crowd");
         // Of those that were planted there some hang together.
         if scheduler.name() == "sequence" {
-            let mut roadmap = search.world_mut().resource_mut::<Roadmap>();
             crowd.windows(9).step_by(2).for_each(|near| {
-                roadmap.add_edge(near[0], near[8], TransitionId(0), Vec::new());
+                writer::add_edge(search.world_mut(), (near[0], near[8]), TransitionId(0), Vec::new());
             });
         }
         let (roadmap, neighbours) = (search.roadmap(), search.world().resource::<Neighbours>());
@@ -116,7 +116,7 @@ fn nodes_found_in_lanes_are_those_found_one_by_one() {
             |node: NodeId| questions((model, roadmap), (node, roadmap.configuration(node)), &shrunk[node.at()]);
         let mut scalar: Vec<_> = all(roadmap).flat_map(surroundings).collect();
         scalar.iter_mut().enumerate().for_each(|(asker, question)| question.asker = asker);
-        let tree_of = |born| roadmap.component(born);
+        let tree_of = |born| roadmap.tree(born);
         for (together, threads) in [(1, 1), (3, 1), (60, 1), (scalar.len(), 1), (60, 2), (scalar.len(), 3)] {
             let mut asked: Vec<_> = scalar.iter().map(|q| Question { nearest: None, ..q.clone() }).collect();
             on_threads(threads, || {

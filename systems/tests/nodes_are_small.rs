@@ -9,11 +9,12 @@ use bevy_ecs::prelude::World;
 use common::{model, seeded, stop_within};
 use foliate_components::candidate::{Candidate, CandidateArena, LegParameter, PlannedLeg};
 use foliate_components::graph::leaf::LeafIndex;
-use foliate_components::roadmap::{NodeId, Roadmap};
+use foliate_components::roadmap::{NodeId, RoadmapStore};
 use foliate_components::samples::swap_two_boxes;
 use foliate_systems::events::EventSink;
 use foliate_systems::exploration::entities::NewNodes;
 use foliate_systems::exploration::neighbours::Neighbours;
+use foliate_systems::exploration::roadmap_query::roadmap_in;
 use foliate_systems::planning_model::PlanningModel;
 use foliate_systems::schedulers::mrrt::Mrrt;
 use foliate_systems::search::Search;
@@ -23,12 +24,12 @@ use foliate_systems::step::commit::commit_extensions;
 fn plant(world: &mut World) {
     let model = world.resource::<PlanningModel>().clone();
     let (start, leaf) = {
-        let roadmap = world.resource::<Roadmap>();
+        let roadmap = roadmap_in(world);
         (roadmap.configuration(NodeId(0)).to_vec(), roadmap.node(NodeId(0)).leaf)
     };
     let leaf = world.resource::<LeafIndex>().leaf(leaf).clone();
     let transition = model.graph.loop_of(leaf.state);
-    let mut serial = world.resource::<Roadmap>().nodes().len();
+    let mut serial = roadmap_in(world).nodes().len();
     let mut query = world.query::<&mut Candidate>();
     let mut indices = Vec::new();
     for mut candidate in query.iter_mut(world) {
@@ -60,21 +61,21 @@ fn a_hundred_thousand_nodes_take_what_the_roadmap_says() {
     let model = model(swap_two_boxes().unwrap());
     let mut search = Search::new(&model, &Mrrt, seeded(1), stop_within(600), EventSink::default());
     let world = search.world_mut();
-    while world.resource::<Roadmap>().nodes().len() < 1000 {
+    while roadmap_in(world).nodes().len() < 1000 {
         plant(world);
     }
     let taken = |world: &World| {
-        let roadmap = world.resource::<Roadmap>();
+        let roadmap = roadmap_in(world);
         let configurations = roadmap.nodes().len() * roadmap.configuration_size() * size_of::<f64>();
         configurations + world.resource::<Neighbours>().bytes()
     };
-    let (nodes, before, apart) = (world.resource::<Roadmap>().nodes().len(), resident(), taken(world));
-    while world.resource::<Roadmap>().nodes().len() < 101_000 {
+    let (nodes, before, apart) = (roadmap_in(world).nodes().len(), resident(), taken(world));
+    while roadmap_in(world).nodes().len() < 101_000 {
         plant(world);
     }
-    let new = world.resource::<Roadmap>().nodes().len() - nodes;
-    let expected = Roadmap::NODE_BYTES + Roadmap::EDGE_BYTES;
-    const { assert!(Roadmap::NODE_BYTES <= 200) };
+    let new = roadmap_in(world).nodes().len() - nodes;
+    let expected = RoadmapStore::NODE_BYTES + RoadmapStore::EDGE_BYTES;
+    const { assert!(RoadmapStore::NODE_BYTES <= 200) };
     let (Some(before), Some(after)) = (before, resident()) else {
         eprintln!("SKIPPED: this system does not say how much memory is in use");
         return;

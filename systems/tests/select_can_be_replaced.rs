@@ -11,7 +11,7 @@ use common::{model, search, seeded};
 use foliate_components::candidate::Candidate;
 use foliate_components::graph::TransitionId;
 use foliate_components::outcome::{Rejection, SearchOutcome};
-use foliate_components::roadmap::{InState, NodeId, Roadmap};
+use foliate_components::roadmap::{NodeId, RoadmapNode};
 use foliate_components::samples::swap_two_boxes;
 use foliate_systems::exploration::entities::Weight;
 use foliate_systems::planning_model::PlanningModel;
@@ -22,23 +22,21 @@ use foliate_systems::schedulers::{Scheduler, mrrt::Mrrt};
 fn take_turns(
     model: Res<'_, PlanningModel>,
     step: Res<'_, StepCounter>,
-    roadmap: Res<'_, Roadmap>,
-    nodes: Query<'_, '_, (&NodeId, &InState)>,
+    nodes: Query<'_, '_, &RoadmapNode>,
     weights: Query<'_, '_, (&TransitionId, &Weight)>,
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
-    let mut all: Vec<_> = nodes.iter().collect();
-    all.sort_by_key(|(id, _)| **id);
-    assert_eq!(all.len(), roadmap.nodes().len(), "every node is an entity");
+    // In the order of their ids.
+    let all: Vec<_> = nodes.iter().collect();
     for mut candidate in &mut candidates {
         let turn = step.candidates as usize + candidate.index as usize;
-        let (node, state) = all[turn * 7919 % all.len()];
-        let leaving: Vec<_> = model.graph.leaving(state.0).map(|(id, _)| id).collect();
+        let node = turn * 7919 % all.len();
+        let leaving: Vec<_> = model.graph.leaving(all[node].state).map(|(id, _)| id).collect();
         let wanted = |id: &TransitionId| weights.iter().any(|(t, w)| t == id && w.0 > 0.0);
         let leaving: Vec<_> = leaving.into_iter().filter(wanted).collect();
         match leaving.get(turn % leaving.len().max(1)) {
             Some(&transition) => {
-                candidate.near = Some(*node);
+                candidate.near = Some(NodeId(node as u32));
                 candidate.transition = Some(transition);
             }
             None => candidate.reject(Rejection::NoTransition),

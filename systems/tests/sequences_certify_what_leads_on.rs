@@ -10,17 +10,18 @@ use foliate_components::graph::leaf::LeafId;
 use foliate_components::graph::{StateId, TransitionId};
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::problem::Goal;
-use foliate_components::roadmap::{ComponentId, EdgeId, NodeId, Roadmap};
+use foliate_components::roadmap::{
+    EdgeId, NodeId, Roadmap, RoadmapEdge, RoadmapNode, RoadmapStore, TreeId, UnvalidatedEdge,
+};
 use foliate_components::samples::{move_one_box, swap_two_boxes, swap_with_crossed_foliations};
-use foliate_systems::exploration::edges::{UnvalidatedEdge, UnvalidatedEdges};
-use foliate_systems::exploration::explored::SearchSides;
+use foliate_systems::exploration::edges::UnvalidatedByEnd;
 use foliate_systems::exploration::reached_leaves::ReachedLeaves;
 use foliate_systems::exploration::roots::Roots;
 use foliate_systems::schedulers::sequence::leaf_graph::LeafGraph;
 use foliate_systems::schedulers::{mrrt::Mrrt, sequence::Sequence};
 use foliate_systems::search::Search;
 
-fn nodes(roadmap: &Roadmap) -> impl Iterator<Item = NodeId> {
+fn nodes(roadmap: Roadmap<'_>) -> impl Iterator<Item = NodeId> {
     (0..roadmap.nodes().len() as u32).map(NodeId)
 }
 
@@ -53,16 +54,15 @@ fn what_was_planted_in_vain_hangs_together_with_nothing() {
     for seed in 1..=3 {
         let (_, search) = search(&model, &Sequence, seeded(seed), 1);
         let roadmap = search.roadmap();
-        let start = roadmap.component_of(search.world().resource::<Roots>().start.unwrap());
-        left += nodes(roadmap).filter(|&node| roadmap.component_of(node) != start).count();
-        // But its family knows the leaves that it is on.
-        let (search_sides, reached) =
-            (search.world().resource::<SearchSides>(), search.world().resource::<ReachedLeaves>());
+        let start = roadmap.tree_of(search.world().resource::<Roots>().start.unwrap());
+        left += nodes(roadmap).filter(|&node| roadmap.tree_of(node) != start).count();
+        // But its search side knows the leaves that it is on.
+        let reached = search.world().resource::<ReachedLeaves>();
         for node in nodes(roadmap) {
             let row = roadmap.node(node);
-            let search_side: ComponentId = search_sides.side_root(row.component);
-            assert!(reached.by_component[search_side.at()].contains(&row.leaf));
-            assert_eq!(search_sides.side_root(search_side), search_side, "a family's root was planted itself");
+            assert!(reached.by_born_tree[row.side.at()].contains(&row.leaf));
+            let root = roadmap.nodes().iter().find(|other| other.tree == row.side).unwrap();
+            assert_eq!(root.side, row.side, "the tree of a start or a goal grows for itself");
         }
     }
     assert!(left > 0, "everything that was planted was joined: nothing was lazy");
@@ -73,13 +73,13 @@ fn of_what_is_planted_only_what_a_sequence_needs_is_certified() {
     let model = model(swap_two_boxes().unwrap());
     let (mut open, mut made) = (0, 0);
     for seed in 1..=3 {
-        let (_, search) = search(&model, &Sequence, seeded(seed), 1);
-        let (roadmap, unvalidated_edges) = (search.roadmap(), search.world().resource::<UnvalidatedEdges>());
-        for node in nodes(roadmap) {
-            let Some(unvalidated_edge) = unvalidated_edges.to(node) else { continue };
+        let (_, mut search) = search(&model, &Sequence, seeded(seed), 1);
+        let mut unvalidated = search.world_mut().query::<&UnvalidatedEdge>();
+        let roadmap = search.roadmap();
+        for edge in unvalidated.iter(search.world()) {
             open += 1;
-            let certified = roadmap.edges_at(node).any(|edge| roadmap.edge(edge).from == unvalidated_edge.from);
-            assert!(!certified, "a passage that is an edge");
+            let validated = roadmap.edges_at(edge.to).any(|id| roadmap.edge(id).from == edge.from);
+            assert!(!validated, "an edge that is both");
         }
         let edges = (0..roadmap.edges().len() as u32).map(EdgeId);
         let crosses = |&edge: &EdgeId| {
@@ -87,9 +87,10 @@ fn of_what_is_planted_only_what_a_sequence_needs_is_certified() {
             roadmap.node(row.from).leaf != roadmap.node(row.to).leaf && row.motions > 0
         };
         made += edges.filter(crosses).count();
-        assert!(unvalidated_edges.bytes() > 0 || unvalidated_edges.is_empty());
+        let by_end = search.world().resource::<UnvalidatedByEnd>();
+        assert!(by_end.bytes() > 0 || by_end.is_empty());
     }
-    assert!(open > made, "{open} passages were left alone, {made} certified");
+    assert!(open > made, "{open} edges were left unvalidated, {made} certified");
 }
 
 #[test]
@@ -120,43 +121,80 @@ fn paths_pass_through_every_state_that_they_touch() {
     }
 }
 
-/// Adds a node at the start of [`move_one_box`], but for the first number, which is `at`.
-fn add(roadmap: &mut Roadmap, at: f64, leaf: u32, tree: Option<ComponentId>) -> NodeId {
-    let mut q = move_one_box().unwrap().start;
-    q[0] = at;
-    roadmap.add_node(&q, StateId(leaf), LeafId(leaf), tree)
+/// A roadmap without a world.
+struct Drawn {
+    store: RoadmapStore,
+    nodes: Vec<RoadmapNode>,
+    edges: Vec<RoadmapEdge>,
+    unvalidated: Vec<(NodeId, NodeId)>,
 }
 
-/// Adds a chain from leaf 0 to leaf 1; returns its two ends.
-fn add_chain(roadmap: &mut Roadmap, at: f64) -> (NodeId, NodeId) {
-    let enters = add(roadmap, at, 0, None);
-    let tree = roadmap.component_of(enters);
-    let leaves = add(roadmap, at, 1, Some(tree));
-    roadmap.add_edge(enters, leaves, TransitionId(0), Vec::new());
-    (enters, leaves)
+impl Drawn {
+    fn new(size: usize) -> Self {
+        Self { store: RoadmapStore::new(size), nodes: Vec::new(), edges: Vec::new(), unvalidated: Vec::new() }
+    }
+
+    /// Adds a node at the start of [`move_one_box`], but for the first number, which is `at`.
+    fn add(&mut self, at: f64, leaf: u32, tree: Option<TreeId>) -> NodeId {
+        let mut q = move_one_box().unwrap().start;
+        q[0] = at;
+        let tree = tree.unwrap_or(self.store.next_tree());
+        let node = RoadmapNode { state: StateId(leaf), leaf: LeafId(leaf), tree, side: tree };
+        self.nodes.push(node);
+        self.store.push_node(&q, &node)
+    }
+
+    fn add_edge(&mut self, from: NodeId, to: NodeId) {
+        let born = (self.nodes[from.at()].tree, self.nodes[to.at()].tree);
+        self.edges.push(self.store.push_edge((from, to), born, TransitionId(0), Vec::new()).1);
+    }
+
+    /// Adds a chain from leaf 0 to leaf 1; returns its two ends.
+    fn add_chain(&mut self, at: f64) -> (NodeId, NodeId) {
+        let enters = self.add(at, 0, None);
+        let leaves = self.add(at, 1, Some(self.nodes[enters.at()].tree));
+        self.add_edge(enters, leaves);
+        (enters, leaves)
+    }
+
+    /// The same with an unvalidated edge between two trees.
+    fn add_unvalidated(&mut self, at: f64) -> (NodeId, NodeId) {
+        let ends = (self.add(at, 0, None), self.add(at, 1, None));
+        self.unvalidated.push(ends);
+        ends
+    }
+
+    fn view(&self) -> Roadmap<'_> {
+        Roadmap::new(&self.store, &self.nodes, &self.edges, &[])
+    }
+
+    fn grow(&self, graph: &mut LeafGraph) {
+        let space = move_one_box().unwrap().robot.space;
+        let start_of = |node| self.unvalidated.iter().find(|(_, to)| *to == node).map(|&(from, _)| from);
+        graph.grow(self.view(), start_of, &space, &vec![1.0; space.dimension()]);
+    }
 }
 
 #[test]
 fn a_way_that_fails_makes_room_for_another_and_is_not_given_up() {
     let space = move_one_box().unwrap().robot.space;
-    let mut roadmap = Roadmap::new(space.size());
-    let (start, goal) = (add(&mut roadmap, 0.0, 0, None), add(&mut roadmap, 0.0, 1, None));
+    let mut roadmap = Drawn::new(space.size());
+    let (start, goal) = (roadmap.add(0.0, 0, None), roadmap.add(0.0, 1, None));
     let roots = Roots { start: Some(start), goals: vec![goal] };
     let mut graph = LeafGraph::default();
-    let weights = vec![1.0; space.dimension()];
-    graph.grow(&roadmap, &UnvalidatedEdges::default(), &space, &weights);
-    assert_eq!(graph.cheapest(&roadmap, &roots), None, "two leaves with nothing between them");
+    roadmap.grow(&mut graph);
+    assert_eq!(graph.cheapest(roadmap.view(), &roots), None, "two leaves with nothing between them");
 
-    let (near, far) = (add_chain(&mut roadmap, 0.1), add_chain(&mut roadmap, 1.0));
-    graph.grow(&roadmap, &UnvalidatedEdges::default(), &space, &weights);
+    let (near, far) = (roadmap.add_chain(0.1), roadmap.add_chain(1.0));
+    roadmap.grow(&mut graph);
     let ends = |graph: &LeafGraph| -> Vec<_> {
-        graph.cheapest(&roadmap, &roots).unwrap().into_iter().map(|join| graph.ends(join)).collect()
+        graph.cheapest(roadmap.view(), &roots).unwrap().into_iter().map(|join| graph.ends(join)).collect()
     };
     assert_eq!(ends(&graph), [(start, near.0), (goal, near.1)]);
     // Its first motion fails, and in the end the other way's does too.
     let mut ways = Vec::new();
     for _ in 0..40 {
-        let way = graph.cheapest(&roadmap, &roots).unwrap();
+        let way = graph.cheapest(roadmap.view(), &roots).unwrap();
         ways.push(graph.ends(way[0]).1);
         graph.count_tried(way[0], false);
     }
@@ -164,35 +202,28 @@ fn a_way_that_fails_makes_room_for_another_and_is_not_given_up() {
     assert!(ways[20..].contains(&near.0), "the first way was given up");
 
     // Where start and goal hang together nothing is missing.
-    roadmap.add_edge(start, goal, TransitionId(0), Vec::new());
-    assert_eq!(graph.cheapest(&roadmap, &roots), Some(Vec::new()));
+    roadmap.add_edge(start, goal);
+    assert_eq!(graph.cheapest(roadmap.view(), &roots), Some(Vec::new()));
 }
 
 #[test]
-fn a_passage_is_a_way_until_it_is_known_not_to_be_free() {
+fn an_unvalidated_edge_is_a_way_until_it_is_known_not_to_be_free() {
     let space = move_one_box().unwrap().robot.space;
-    let mut roadmap = Roadmap::new(space.size());
-    let mut unvalidated_edges = UnvalidatedEdges::default();
-    let (start, goal) = (add(&mut roadmap, 0.0, 0, None), add(&mut roadmap, 0.0, 1, None));
+    let mut roadmap = Drawn::new(space.size());
+    let (start, goal) = (roadmap.add(0.0, 0, None), roadmap.add(0.0, 1, None));
     let roots = Roots { start: Some(start), goals: vec![goal] };
-    let mut plant = |roadmap: &mut Roadmap, at: f64| {
-        let (from, to) = (add(roadmap, at, 0, None), add(roadmap, at, 1, None));
-        let unvalidated_edge = UnvalidatedEdge { from, transition: TransitionId(0), drawn: None, motions: Vec::new() };
-        unvalidated_edges.add(to, unvalidated_edge);
-        (from, to)
-    };
-    let (near, far) = (plant(&mut roadmap, 0.1), plant(&mut roadmap, 1.0));
+    let (near, far) = (roadmap.add_unvalidated(0.1), roadmap.add_unvalidated(1.0));
     let mut graph = LeafGraph::default();
-    graph.grow(&roadmap, &unvalidated_edges, &space, &vec![1.0; space.dimension()]);
-    let way = graph.cheapest(&roadmap, &roots).unwrap();
+    roadmap.grow(&mut graph);
+    let way = graph.cheapest(roadmap.view(), &roots).unwrap();
     let ends: Vec<_> = way.iter().map(|&join| graph.ends(join)).collect();
     assert_eq!(ends, [(start, near.0), near, (goal, near.1)]);
     assert_eq!(way.iter().map(|&join| graph.is_unvalidated(join)).collect::<Vec<_>>(), [false, true, false]);
-    assert!(graph.cost(way[1]) < graph.cost(way[0]), "passages come last");
+    assert!(graph.cost(way[1]) < graph.cost(way[0]), "unvalidated edges come last");
 
     graph.count_tried(way[1], false);
-    let way = graph.cheapest(&roadmap, &roots).unwrap();
+    let way = graph.cheapest(roadmap.view(), &roots).unwrap();
     assert_eq!(graph.ends(way[1]), far, "what is not free is no way");
     graph.count_tried(way[1], false);
-    assert_eq!(graph.cheapest(&roadmap, &roots), None, "nothing is left");
+    assert_eq!(graph.cheapest(roadmap.view(), &roots), None, "nothing is left");
 }

@@ -8,7 +8,7 @@
 use allocation_counter::measure;
 use foliate::batch::{Machine, today};
 use foliate_benches::{long_model, one_thread, scene_model, under_way};
-use foliate_components::roadmap::Roadmap;
+use foliate_components::roadmap::RoadmapStore;
 use foliate_systems::planning_model::PlanningModel;
 use foliate_systems::search::Search;
 use std::error::Error;
@@ -33,8 +33,8 @@ fn main() -> Result<()> {
     println!("size of the program: {:.1} MB", std::fs::metadata(&program)?.len() as f64 / 1e6);
     println!(
         "memory of a roadmap node beside its configuration, of an edge beside its motions: {} and {} bytes",
-        Roadmap::NODE_BYTES,
-        Roadmap::EDGE_BYTES
+        RoadmapStore::NODE_BYTES,
+        RoadmapStore::EDGE_BYTES
     );
     for scene in ["baxter-case1", "baxter-case4"] {
         match peak_memory(&program, &["solve", scene, "--json", "--time-limit", "300"])? {

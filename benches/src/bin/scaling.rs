@@ -78,7 +78,7 @@ fn measure(scene: &str, model: &PlanningModel, most: usize, settings: &SearchSet
             }
         }
         let leaves = search.world().resource::<LeafIndex>().leaves().len();
-        let (nodes, trees) = (search.roadmap().nodes().len(), search.roadmap().trees());
+        let (nodes, trees) = (search.roadmap().nodes().len(), search.roadmap().tree_count());
         search.world_mut().resource_mut::<Laps>().spent = [Duration::ZERO; SETS.len()];
         let (before, started) = (search.counter().candidates, processor_time());
         while search.counter().candidates < before + WINDOW && search.step().is_none() {}

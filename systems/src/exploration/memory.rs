@@ -1,18 +1,21 @@
 //! How much memory a search takes, counted from what it has done: budgets then depend on no clock, no thread and no other search.
 //!
 //! What is counted is what grows: the roadmap, unvalidated edges, a lazy graph, what is compiled of transitions when they are first
-//! tried, and what the scheduler `sequence` knows of joins. `tests/memory_has_a_limit.rs` holds it against the process.
+//! tried, and what the scheduler says of itself ([`SchedulerBytes`]). `tests/memory_has_a_limit.rs` holds it against the process.
 
-use crate::exploration::edges::UnvalidatedEdges;
+use crate::exploration::edges::UnvalidatedByEnd;
 use crate::planning_model::model::PlanningModel;
-use crate::schedulers::sequence::leaf_graph::LeafGraph;
 use bevy_ecs::prelude::{Resource, World};
 use foliate_components::graph::{StateId, TransitionId};
-use foliate_components::roadmap::Roadmap;
+use foliate_components::roadmap::RoadmapStore;
 
 /// A state that has come into being takes so many times what its graph's rows take: its case, entities of it and of what leaves
 /// it, places for what may be compiled, the heuristic, and an allocator's rounding (measured on 16 arms and 60 boxes: 4.2 kB of 1.4).
 const PER_GRAPH_BYTE: u64 = 3;
+
+/// What the resources of a scheduler take, bytes. A scheduler whose resources grow writes it before set Conclude.
+#[derive(Clone, Copy, Debug, Default, Resource)]
+pub struct SchedulerBytes(pub u64);
 
 /// What has been compiled for this search, whoever has compiled it.
 #[derive(Clone, Debug, Default, Resource)]
@@ -61,18 +64,17 @@ fn first(flags: &mut Vec<bool>, at: usize) -> bool {
 #[must_use]
 pub fn taken(
     model: &PlanningModel,
-    roadmap: &Roadmap,
-    unvalidated_edges: &UnvalidatedEdges,
+    roadmap: &RoadmapStore,
+    unvalidated_edges: &UnvalidatedByEnd,
     compiled: &Compiled,
-    joins: Option<&LeafGraph>,
+    scheduler: &SchedulerBytes,
 ) -> u64 {
     let graph = if model.graph.lazy { PER_GRAPH_BYTE * model.graph.bytes() } else { 0 };
-    roadmap.bytes() + unvalidated_edges.bytes() + compiled.bytes() + graph + joins.map_or(0, LeafGraph::bytes)
+    roadmap.bytes() + unvalidated_edges.bytes() + compiled.bytes() + graph + scheduler.0
 }
 
 /// As [`taken`], of the search in a world.
 #[must_use]
 pub fn taken_in(world: &World) -> u64 {
-    let joins = world.get_resource::<LeafGraph>();
-    taken(world.resource(), world.resource(), world.resource(), world.resource(), joins)
+    taken(world.resource(), world.resource(), world.resource(), world.resource(), world.resource())
 }

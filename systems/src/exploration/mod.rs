@@ -12,6 +12,7 @@ pub mod memory;
 pub mod neighbours;
 pub mod parameter_column;
 pub mod reached_leaves;
+pub mod roadmap_query;
 pub mod roots;
 pub(crate) mod visited_leaves;
 pub mod writer;

@@ -5,7 +5,7 @@ use crate::exploration::visited_leaves::VisitedLeaves;
 use bevy_ecs::prelude::Resource;
 use foliate_components::graph::StateId;
 use foliate_components::graph::leaf::{Leaf, LeafId};
-use foliate_components::roadmap::ComponentId;
+use foliate_components::roadmap::TreeId;
 use std::collections::HashSet;
 use std::ops::Range;
 
@@ -14,11 +14,11 @@ use std::ops::Range;
 #[derive(Clone, Debug, Default, Resource)]
 pub struct ReachedLeaves {
     /// By tree as it was born: its leaves in order of first visit.
-    pub by_component: Vec<Vec<LeafId>>,
+    pub by_born_tree: Vec<Vec<LeafId>>,
     /// The same by state, with the leaves' parameters in columns.
     columns: Vec<Vec<LeafParameterColumns>>,
     /// Which tree, as it was born, has reached which leaf.
-    seen: HashSet<(ComponentId, LeafId)>,
+    seen: HashSet<(TreeId, LeafId)>,
     /// By tree as it is now: its leaves by state. Empty for a tree that has been joined to another.
     trees: Vec<Vec<StateLeaves>>,
     /// How often each leaf has been reached, sorted by state.
@@ -40,7 +40,7 @@ pub struct StateLeaves {
 pub struct LeafParameterColumns {
     /// The state.
     pub state: StateId,
-    /// By leaf: its place in [`ReachedLeaves::by_component`].
+    /// By leaf: its place in [`ReachedLeaves::by_born_tree`].
     pub places: Vec<u32>,
     /// By foliating constraint of the state, then by leaf.
     pub parameters: Vec<ParameterColumn>,
@@ -50,7 +50,7 @@ pub struct LeafParameterColumns {
 
 impl ReachedLeaves {
     /// Remembers that the tree `born`, which belongs to `tree` by now, has got a node on a leaf.
-    pub(crate) fn visit(&mut self, born: ComponentId, tree: ComponentId, id: LeafId, leaf: &Leaf) {
+    pub(crate) fn visit(&mut self, born: TreeId, tree: TreeId, id: LeafId, leaf: &Leaf) {
         if self.seen.insert((born, id)) {
             self.add(born, tree, id, leaf);
         }
@@ -61,15 +61,15 @@ impl ReachedLeaves {
         self.visited[at].visit(tree, id, leaf);
     }
 
-    fn add(&mut self, born: ComponentId, tree: ComponentId, id: LeafId, leaf: &Leaf) {
+    fn add(&mut self, born: TreeId, tree: TreeId, id: LeafId, leaf: &Leaf) {
         let trees = born.max(tree).at() + 1;
-        if self.by_component.len() < trees {
-            self.by_component.resize_with(trees, Vec::new);
+        if self.by_born_tree.len() < trees {
+            self.by_born_tree.resize_with(trees, Vec::new);
             self.columns.resize_with(trees, Vec::new);
             self.trees.resize_with(trees, Vec::new);
         }
-        let place = self.by_component[born.at()].len() as u32;
-        self.by_component[born.at()].push(id);
+        let place = self.by_born_tree[born.at()].len() as u32;
+        self.by_born_tree[born.at()].push(id);
         let columns = &mut self.columns[born.at()];
         let known = columns.iter().position(|c| c.state == leaf.state);
         let at = known.unwrap_or_else(|| {
@@ -81,7 +81,7 @@ impl ReachedLeaves {
     }
 
     /// Gives what the tree `absorbed` has reached to the tree `tree`, to which it has been joined.
-    pub(crate) fn join(&mut self, tree: ComponentId, absorbed: ComponentId) {
+    pub(crate) fn join(&mut self, tree: TreeId, absorbed: TreeId) {
         if tree == absorbed || self.trees.len() <= tree.max(absorbed).at() {
             return;
         }
@@ -93,13 +93,13 @@ impl ReachedLeaves {
 
     /// What a tree has reached, by state; nothing where it has been joined to another.
     #[must_use]
-    pub fn of_tree(&self, tree: ComponentId) -> &[StateLeaves] {
+    pub fn of_tree(&self, tree: TreeId) -> &[StateLeaves] {
         self.trees.get(tree.at()).map_or(&[], Vec::as_slice)
     }
 
     /// What a tree reached while it had this id, by state in order of first visit.
     #[must_use]
-    pub fn columns_of(&self, born: ComponentId) -> &[LeafParameterColumns] {
+    pub fn columns_of(&self, born: TreeId) -> &[LeafParameterColumns] {
         self.columns.get(born.at()).map_or(&[], Vec::as_slice)
     }
 
@@ -181,14 +181,14 @@ mod tests {
     }
 
     fn seen(reached: &ReachedLeaves, tree: u32) -> Vec<(u32, Vec<u32>)> {
-        let states = reached.of_tree(ComponentId(tree)).iter();
+        let states = reached.of_tree(TreeId(tree)).iter();
         states.map(|s| (s.state.0, s.leaves.iter().map(|l| l.0).collect())).collect()
     }
 
     #[test]
     fn trees_that_are_joined_share_their_leaves_and_visits_keep_their_order() {
         let mut reached = ReachedLeaves::default();
-        let (a, b) = (ComponentId(0), ComponentId(1));
+        let (a, b) = (TreeId(0), TreeId(1));
         for (tree, id, state) in [(a, 5, 1), (a, 2, 0), (b, 5, 1), (b, 3, 1), (a, 9, 1), (a, 7, 1), (a, 9, 1)] {
             reached.visit(tree, tree, LeafId(id), &leaf(state, id));
         }
@@ -200,7 +200,7 @@ mod tests {
         reached.visit(b, a, LeafId(11), &leaf(2, 11));
         assert_eq!(seen(&reached, 0).last(), Some(&(2, vec![11])));
 
-        assert_eq!(reached.by_component[0], [5, 2, 9, 7].map(LeafId));
+        assert_eq!(reached.by_born_tree[0], [5, 2, 9, 7].map(LeafId));
         let columns = reached.columns_of(a);
         assert_eq!((columns[0].state, &columns[0].places), (StateId(1), &vec![0, 2, 3]));
         assert_eq!(columns[0].parameters[0].values(), [5, 9, 7].map(ParameterId));

@@ -20,8 +20,8 @@ pub struct Ending(pub Option<SearchOutcome>);
 impl Roots {
     /// The first goal that hangs together with the start.
     #[must_use]
-    pub fn reached_goal(&self, roadmap: &Roadmap) -> Option<NodeId> {
-        let start = roadmap.component_of(self.start?);
-        self.goals.iter().copied().find(|&goal| roadmap.component_of(goal) == start)
+    pub fn reached_goal(&self, roadmap: Roadmap<'_>) -> Option<NodeId> {
+        let start = roadmap.tree_of(self.start?);
+        self.goals.iter().copied().find(|&goal| roadmap.tree_of(goal) == start)
     }
 }

@@ -6,7 +6,7 @@
 use crate::exploration::parameter_column::ParameterColumn;
 use foliate_components::graph::StateId;
 use foliate_components::graph::leaf::{Leaf, LeafId, ParameterId};
-use foliate_components::roadmap::ComponentId;
+use foliate_components::roadmap::TreeId;
 use foliate_kernels::lanes::{Isa, Kernel, Level};
 
 /// Leaves whose visits are summed at once.
@@ -24,7 +24,7 @@ pub(crate) struct VisitedLeaves {
     /// By leaf: how many nodes lie on it.
     visits: Visits,
     /// The same by tree as it is now.
-    by_tree: Vec<(ComponentId, Visits)>,
+    by_tree: Vec<(TreeId, Visits)>,
 }
 
 /// How many nodes lie on each leaf, from the first to the last that has any. No sum of these exceeds the number of nodes,
@@ -50,7 +50,7 @@ impl VisitedLeaves {
     }
 
     /// Remembers that a tree has got a node on a leaf.
-    pub fn visit(&mut self, tree: ComponentId, id: LeafId, leaf: &Leaf) {
+    pub fn visit(&mut self, tree: TreeId, id: LeafId, leaf: &Leaf) {
         let at = match self.leaves.last() {
             Some(&last) if last >= id => self.leaves.partition_point(|&known| known < id),
             _ => self.leaves.len(),
@@ -68,7 +68,7 @@ impl VisitedLeaves {
     }
 
     /// Gives the visits of the tree `absorbed` to the tree `tree`, to which it has been joined.
-    pub fn join(&mut self, tree: ComponentId, absorbed: ComponentId) {
+    pub fn join(&mut self, tree: TreeId, absorbed: TreeId) {
         let Some(at) = self.by_tree.iter().position(|(known, _)| *known == absorbed) else { return };
         let (_, given) = self.by_tree.swap_remove(at);
         let kept = self.of(tree);
@@ -77,7 +77,7 @@ impl VisitedLeaves {
         }
     }
 
-    fn of(&mut self, tree: ComponentId) -> &mut Visits {
+    fn of(&mut self, tree: TreeId) -> &mut Visits {
         let known = self.by_tree.iter().position(|(known, _)| *known == tree);
         let at = known.unwrap_or_else(|| {
             self.by_tree.push((tree, Visits::default()));
@@ -87,7 +87,7 @@ impl VisitedLeaves {
     }
 
     /// The leaves that trees other than one have reached.
-    pub fn reached_by_others(&self, tree: ComponentId) -> Choices<'_> {
+    pub fn reached_by_others(&self, tree: TreeId) -> Choices<'_> {
         let own = self.by_tree.iter().find(|(known, _)| *known == tree).map(|(_, visits)| visits);
         Choices { of: self, own, wanted: Vec::new() }
     }
@@ -282,19 +282,19 @@ mod tests {
     #[test]
     fn a_draw_from_blocks_is_the_draw_from_a_list() {
         // Neither in order nor once each; the trees 1 and 3 are joined on the way.
-        let visits = |i: u32| (ComponentId([0, 1, 2, 3, 0][(i * 31 % 5) as usize]), LeafId(i * 387 % 500));
+        let visits = |i: u32| (TreeId([0, 1, 2, 3, 0][(i * 31 % 5) as usize]), LeafId(i * 387 % 500));
         let mut visited = VisitedLeaves::new(&leaf(0));
-        let mut counted: BTreeMap<(LeafId, ComponentId), f64> = BTreeMap::new();
+        let mut counted: BTreeMap<(LeafId, TreeId), f64> = BTreeMap::new();
         for i in 0..1500 {
             let (tree, id) = visits(i);
-            let joined = if i >= 700 && tree.0 == 3 { ComponentId(1) } else { tree };
+            let joined = if i >= 700 && tree.0 == 3 { TreeId(1) } else { tree };
             visited.visit(joined, id, &leaf(id.0));
-            *counted.entry((id, if tree.0 == 3 { ComponentId(1) } else { tree })).or_default() += 1.0;
+            *counted.entry((id, if tree.0 == 3 { TreeId(1) } else { tree })).or_default() += 1.0;
             if i == 700 {
-                visited.join(ComponentId(1), ComponentId(3));
+                visited.join(TreeId(1), TreeId(3));
             }
         }
-        for tree in [0, 1, 2, 9].map(ComponentId) {
+        for tree in [0, 1, 2, 9].map(TreeId) {
             for wanted in [vec![], vec![(0, ParameterId(5))], vec![(0, ParameterId(5)), (1, ParameterId(2))]] {
                 let agrees = |id: LeafId| wanted.iter().all(|&(row, value)| leaf(id.0).parameters[row] == value);
                 let list: Vec<(LeafId, f64)> = counted
@@ -312,21 +312,21 @@ mod tests {
                 }
             }
         }
-        assert!(visited.reached_by_others(ComponentId(0)).with([(0, ParameterId(99))].into_iter()).is_none());
+        assert!(visited.reached_by_others(TreeId(0)).with([(0, ParameterId(99))].into_iter()).is_none());
         assert_eq!(draw_by_visits(Level::scalar(), &[], 0.5), None);
         // 3 and 2 are there, but on no leaf together.
         let mut few = VisitedLeaves::new(&leaf(0));
-        [3, 5].iter().for_each(|&id| few.visit(ComponentId(0), LeafId(id), &leaf(id)));
-        let apart = few.reached_by_others(ComponentId(1)).with([(0, ParameterId(3)), (1, ParameterId(2))].into_iter());
+        [3, 5].iter().for_each(|&id| few.visit(TreeId(0), LeafId(id), &leaf(id)));
+        let apart = few.reached_by_others(TreeId(1)).with([(0, ParameterId(3)), (1, ParameterId(2))].into_iter());
         assert_eq!(draw_by_visits(Level::scalar(), &[apart.unwrap()], 0.5), None);
-        assert_eq!(draw_by_visits(Level::scalar(), &[few.reached_by_others(ComponentId(0))], 0.5), None);
+        assert_eq!(draw_by_visits(Level::scalar(), &[few.reached_by_others(TreeId(0))], 0.5), None);
     }
 
     #[test]
     fn a_tree_with_one_leaf_takes_one_number() {
         let mut visited = VisitedLeaves::new(&leaf(0));
-        (0..1000).for_each(|id| visited.visit(ComponentId(0), LeafId(id), &leaf(id)));
-        visited.visit(ComponentId(1), LeafId(900), &leaf(900));
+        (0..1000).for_each(|id| visited.visit(TreeId(0), LeafId(id), &leaf(id)));
+        visited.visit(TreeId(1), LeafId(900), &leaf(900));
         assert_eq!(visited.by_tree[1].1.visits, [1]);
         assert_eq!(visited.by_tree[1].1.sums, [0, 0, 0, 0, 0, 0, 0, 1]);
     }

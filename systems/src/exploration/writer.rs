@@ -2,23 +2,23 @@
 //!
 //! No other file adds to the roadmap. All functions here are serial, so ids do not depend on threads.
 
+use crate::exploration::edges::UnvalidatedByEnd;
 use crate::exploration::entities::{EntityTable, NewNodes};
-use crate::exploration::explored::SearchSides;
 use crate::exploration::neighbours::index::Neighbours;
 use crate::exploration::reached_leaves::ReachedLeaves;
+use crate::exploration::roadmap_query::roadmap_in;
 use crate::planning_model::model::PlanningModel;
-use bevy_ecs::prelude::{Mut, World};
+use bevy_ecs::prelude::{Entity, Mut, World};
 use foliate_components::candidate::Candidate;
 use foliate_components::graph::leaf::{Leaf, LeafId, LeafIndex};
 use foliate_components::graph::{StateId, TransitionId};
 use foliate_components::outcome::{StateStatistics, TransitionStatistics};
 use foliate_components::roadmap::{
-    Along, Between, ComponentId, ConfigurationId, EdgeId, InComponent, InState, Motion, NodeId, OfFoliation, OnLeaf,
-    Roadmap, Visits,
+    EdgeId, Motion, NodeId, RoadmapEdge, RoadmapLeaf, RoadmapNode, RoadmapStore, UnvalidatedEdge,
 };
 
 /// Makes the transitions that leave a state come into being, in the model of this search alone, and their entities.
-pub(crate) fn expand(world: &mut World, state: StateId) {
+pub fn expand(world: &mut World, state: StateId) {
     if !world.resource::<PlanningModel>().graph.is_expanded(state) {
         world.resource_mut::<PlanningModel>().expand(state);
         spawn_graph(world);
@@ -28,7 +28,7 @@ pub(crate) fn expand(world: &mut World, state: StateId) {
 /// Adds a root node: a start or a goal. Its parameters must be interned already.
 pub fn add_root(world: &mut World, q: &[f64], leaf: Leaf) -> NodeId {
     let leaf_id = intern_leaf(world, leaf);
-    let node = add_node(world, q, leaf_id, None);
+    let node = add_node(world, q, leaf_id, Born::AsRoot);
     world.resource_mut::<NewNodes>().0.push(node);
     node
 }
@@ -43,86 +43,131 @@ pub fn add_branch(
     leaf: Leaf,
     motions: Vec<(Leaf, Motion)>,
 ) -> NodeId {
-    let component = world.resource::<Roadmap>().node(near).component;
     let leaf_here = |(leaf, motion)| Motion { leaf: intern_leaf(world, leaf), ..motion };
     let motions = motions.into_iter().map(leaf_here).collect();
     let leaf = intern_leaf(world, leaf);
-    let node = add_node(world, q, leaf, Some(component));
+    let node = add_node(world, q, leaf, Born::InTreeOf(near));
     let (from, to) = if outwards { (near, node) } else { (node, near) };
-    add_edge(world, from, to, along, motions);
+    add_edge(world, (from, to), along, motions);
     world.resource_mut::<NewNodes>().0.push(node);
     node
 }
 
-pub(crate) fn count_in(world: &mut World, state: StateId, change: impl FnOnce(&mut StateStatistics)) {
+/// Counts something of a state.
+pub fn count_in(world: &mut World, state: StateId, change: impl FnOnce(&mut StateStatistics)) {
     let entity = world.resource::<EntityTable>().states[state.at()];
     if let Some(mut statistics) = world.get_mut::<StateStatistics>(entity) {
         change(&mut statistics);
     }
 }
 
-pub(crate) fn intern_leaf(world: &mut World, leaf: Leaf) -> LeafId {
+/// The id of a leaf; a leaf that is new gets an entity. Its parameters must be interned already.
+pub fn intern_leaf(world: &mut World, leaf: Leaf) -> LeafId {
     let state = leaf.state;
     let id = world.resource_mut::<LeafIndex>().intern(leaf);
     if world.resource::<EntityTable>().leaves.len() == id.at() {
-        let entity = world.spawn((id, OfFoliation(state), Visits::default())).id();
+        let entity = world.spawn(RoadmapLeaf { state, nodes: Vec::new() }).id();
         world.resource_mut::<EntityTable>().leaves.push(entity);
         count_in(world, state, |s| s.leaves += 1);
     }
     id
 }
 
-pub(crate) fn add_node(world: &mut World, q: &[f64], leaf: LeafId, component: Option<ComponentId>) -> NodeId {
+/// Where a node is born.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Born {
+    /// In the tree of another node.
+    InTreeOf(NodeId),
+    /// As the root of a tree that grows for itself.
+    AsRoot,
+    /// As the root of a tree that grows for the side of another node.
+    OnSideOf(NodeId),
+}
+
+/// Adds a node on a leaf that is interned already, with its entity and in all indices.
+pub fn add_node(world: &mut World, q: &[f64], leaf: LeafId, born: Born) -> NodeId {
     let state: StateId = world.resource::<LeafIndex>().leaf(leaf).state;
     expand(world, state);
-    let mut roadmap = world.resource_mut::<Roadmap>();
-    let node = roadmap.add_node(q, state, leaf, component);
-    let component = roadmap.node(node).component;
+    let new = world.resource::<RoadmapStore>().next_tree();
+    let (tree, side) = match born {
+        Born::InTreeOf(near) => {
+            let near = roadmap_in(world).node(near);
+            (near.tree, near.side)
+        }
+        Born::AsRoot => (new, new),
+        Born::OnSideOf(near) => (new, roadmap_in(world).node(near).side),
+    };
+    let row = RoadmapNode { state, leaf, tree, side };
+    let node = world.resource_mut::<RoadmapStore>().push_node(q, &row);
+    world.spawn(row);
+    let entity = world.resource::<EntityTable>().leaves[leaf.at()];
+    if let Some(mut leaf) = world.get_mut::<RoadmapLeaf>(entity) {
+        leaf.nodes.push(node);
+    }
     world.resource_scope(|world, mut neighbours: Mut<'_, Neighbours>| {
-        neighbours.add(world.resource::<Roadmap>(), node);
+        neighbours.add(roadmap_in(world), node);
     });
-    let search_side = world.resource::<SearchSides>().side_root(component);
-    visit(world, leaf, search_side);
+    // P0 eq. 12: a search side remembers how often it has reached which leaf.
+    world.resource_scope(|world, mut reached: Mut<'_, ReachedLeaves>| {
+        let tree = roadmap_in(world).tree(side);
+        reached.visit(side, tree, leaf, world.resource::<LeafIndex>().leaf(leaf));
+    });
     count_in(world, state, |s| s.nodes += 1);
-    world.spawn((node, InState(state), OnLeaf(leaf), InComponent(component), ConfigurationId(node.0)));
     node
 }
 
-/// Remembers that a tree has reached a leaf (P0 eq. 12).
-fn visit(world: &mut World, leaf: LeafId, component: ComponentId) {
-    let entity = world.resource::<EntityTable>().leaves[leaf.at()];
-    if let Some(mut visits) = world.get_mut::<Visits>(entity) {
-        match visits.by_component.iter_mut().find(|(c, _)| *c == component) {
-            Some((_, count)) => *count += 1,
-            None => {
-                // Most leaves are reached by one tree, few by more than two.
-                visits.by_component.reserve_exact(1);
-                visits.by_component.push((component, 1));
-            }
-        }
-    }
-    world.resource_scope(|world, mut reached: Mut<'_, ReachedLeaves>| {
-        let tree = world.resource::<Roadmap>().component(component);
-        reached.visit(component, tree, leaf, world.resource::<LeafIndex>().leaf(leaf));
-    });
+/// Adds a validated edge: its motions are certified and lead from the first node to the second, end to end. Joins the trees
+/// of its ends.
+pub fn add_edge(world: &mut World, (from, to): (NodeId, NodeId), along: TransitionId, motions: Vec<Motion>) -> EdgeId {
+    let (id, edge) = push_edge(world, (from, to), along, motions);
+    world.spawn(edge);
+    id
 }
 
-pub(crate) fn add_edge(
+/// Takes the motions of an edge into the store and joins the trees of its ends.
+fn push_edge(
     world: &mut World,
-    from: NodeId,
-    to: NodeId,
+    (from, to): (NodeId, NodeId),
     along: TransitionId,
     motions: Vec<Motion>,
-) -> EdgeId {
-    let mut roadmap = world.resource_mut::<Roadmap>();
-    let (a, b) = (roadmap.component_of(from), roadmap.component_of(to));
-    let edge = roadmap.add_edge(from, to, along, motions);
-    let first_motion = roadmap.edge(edge).first_motion;
+) -> (EdgeId, RoadmapEdge) {
+    let roadmap = roadmap_in(world);
+    let (a, b) = (roadmap.tree_of(from), roadmap.tree_of(to));
+    let born = (roadmap.node(from).tree, roadmap.node(to).tree);
     if a != b {
         world.resource_mut::<ReachedLeaves>().join(a.min(b), a.max(b));
     }
-    world.spawn((edge, Between { from, to }, Along(along), first_motion));
-    edge
+    world.resource_mut::<RoadmapStore>().push_edge((from, to), born, along, motions)
+}
+
+/// Adds an edge that is not validated yet, between the roots of two trees. No other leads to its end.
+pub fn add_unvalidated_edge(world: &mut World, edge: UnvalidatedEdge) {
+    let (to, bytes) = (edge.to, edge.bytes());
+    let entity = world.spawn(edge).id();
+    world.resource_mut::<UnvalidatedByEnd>().add(to, bytes, entity);
+}
+
+/// Takes the unvalidated edge between two nodes out of the world, if there is one: something is known of it now. Its entity is
+/// left without a component.
+pub fn take_unvalidated_edge(world: &mut World, (from, to): (NodeId, NodeId)) -> Option<(Entity, UnvalidatedEdge)> {
+    let entity = world.resource::<UnvalidatedByEnd>().to(to)?;
+    world.get::<UnvalidatedEdge>(entity).filter(|edge| edge.from == from)?;
+    let edge = world.entity_mut(entity).take::<UnvalidatedEdge>()?;
+    world.resource_mut::<UnvalidatedByEnd>().remove(&edge);
+    Some((entity, edge))
+}
+
+/// Makes a validated edge of the entity of one that was not validated.
+pub fn validate_edge(
+    world: &mut World,
+    entity: Entity,
+    ends: (NodeId, NodeId),
+    along: TransitionId,
+    motions: Vec<Motion>,
+) -> EdgeId {
+    let (id, edge) = push_edge(world, ends, along, motions);
+    world.entity_mut(entity).insert(edge);
+    id
 }
 
 /// Spawns what exists before the first step: transitions with weight and statistics, states with theirs, and the pool of
@@ -136,7 +181,7 @@ pub fn spawn_graph_and_candidates(world: &mut World, candidates: usize) {
 }
 
 /// Spawns the entities of what has come into being in the graph since this was last done.
-pub(crate) fn spawn_graph(world: &mut World) {
+pub fn spawn_graph(world: &mut World) {
     world.resource_scope(|world, model: Mut<'_, PlanningModel>| {
         world.resource_scope(|world, mut table: Mut<'_, EntityTable>| {
             let first = table.transitions.len();

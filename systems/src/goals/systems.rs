@@ -3,6 +3,7 @@
 //! It writes the roadmap, which the sampling in `region` and `sampler` does not know.
 
 use crate::events::StopSignal;
+use crate::exploration::roadmap_query::roadmap_in;
 use crate::exploration::roots::Roots;
 use crate::exploration::writer;
 use crate::goals::sampler::{GoalSampler, LATER_TRIES};
@@ -12,7 +13,7 @@ use crate::schedule::StepCounter;
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Mut, World};
 use foliate_components::graph::leaf::{Leaf, LeafIndex};
-use foliate_components::roadmap::{NodeId, Roadmap};
+use foliate_components::roadmap::NodeId;
 
 /// Makes a start or a goal the root of a tree.
 pub(crate) fn add_feasible_root(world: &mut World, root: Feasible) -> NodeId {
@@ -44,7 +45,7 @@ pub fn draw_more_goals(world: &mut World) {
 }
 
 fn add_goal_root(world: &mut World, goal: Feasible) {
-    let (roadmap, roots) = (world.resource::<Roadmap>(), world.resource::<Roots>());
+    let (roadmap, roots) = (roadmap_in(world), world.resource::<Roots>());
     if roots.goals.iter().any(|&root| roadmap.configuration(root) == goal.q) {
         return;
     }

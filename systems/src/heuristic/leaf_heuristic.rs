@@ -9,7 +9,7 @@ use crate::heuristic::weighted_sampling::{Reached, draw_weighted};
 use bevy_ecs::prelude::Resource;
 use foliate_components::graph::leaf::{Leaf, LeafId};
 use foliate_components::graph::{ConstraintGraph, StateId, Transition};
-use foliate_components::roadmap::{ComponentId, Roadmap};
+use foliate_components::roadmap::{Roadmap, TreeId};
 use foliate_kernels::lanes::Level;
 use rand::{Rng, RngExt};
 use std::borrow::Cow;
@@ -61,9 +61,9 @@ impl Nearest {
     }
 
     /// To the nearest leaf of any tree but `own`.
-    fn to_others(&self, roadmap: &Roadmap, own: ComponentId, leaf: usize) -> Option<u16> {
-        let others = (0u32..).map(ComponentId).zip(&self.by_tree);
-        let others = others.filter(|(c, row)| !row.is_empty() && roadmap.component(*c) != own);
+    fn to_others(&self, roadmap: Roadmap<'_>, own: TreeId, leaf: usize) -> Option<u16> {
+        let others = (0u32..).map(TreeId).zip(&self.by_tree);
+        let others = others.filter(|(c, row)| !row.is_empty() && roadmap.tree(*c) != own);
         others.map(|(_, row)| row.get(leaf).copied().unwrap_or(u16::MAX)).min()
     }
 }
@@ -71,7 +71,7 @@ impl Nearest {
 impl LeafHeuristic {
     /// Changes of grasp from a leaf that the tree `tree` has reached to the nearest leaf of any other tree.
     #[must_use]
-    pub fn to_others(&self, leaf: LeafId, tree: ComponentId) -> Option<u16> {
+    pub fn to_others(&self, leaf: LeafId, tree: TreeId) -> Option<u16> {
         self.trees.get(tree.at())?.iter().find_map(|state| state.get(leaf)).map(|weighted| weighted.far)
     }
 
@@ -95,11 +95,11 @@ impl LeafHeuristic {
     }
 
     /// The leaves that a tree has reached, with what is known of each.
-    fn gather(&self, reached: &ReachedLeaves, roadmap: &Roadmap, tree: ComponentId) -> Vec<WeightedLeaves> {
+    fn gather(&self, reached: &ReachedLeaves, roadmap: Roadmap<'_>, tree: TreeId) -> Vec<WeightedLeaves> {
         let mut states: Vec<(StateId, Vec<Weighted>)> = Vec::new();
-        let born = (0u32..).map(ComponentId).zip(&self.measured).filter(|&(c, _)| roadmap.component(c) == tree);
+        let born = (0u32..).map(TreeId).zip(&self.measured).filter(|&(c, _)| roadmap.tree(c) == tree);
         for (born, measured) in born {
-            let list = &reached.by_component[born.at()];
+            let list = &reached.by_born_tree[born.at()];
             for (nearest, columns) in measured.states.iter().zip(reached.columns_of(born)) {
                 let entry = |(index, &place): (usize, &u32)| {
                     let leaf = list[place as usize];
@@ -126,15 +126,15 @@ impl LeafHeuristic {
     pub(crate) fn target_leaf(
         &self,
         graph: &ConstraintGraph,
-        explored: &Explored<'_>,
-        (leaf, tree): (LeafId, ComponentId),
+        explored: &Explored<'_, '_>,
+        (leaf, tree): (LeafId, TreeId),
         level: Level,
         rng: &mut impl Rng,
         scratch: &mut HeuristicScratch,
     ) -> Option<LeafId> {
         let from = explored.leaves.leaf(leaf);
-        let lists = (0u32..).map(ComponentId).zip(&explored.reached.by_component);
-        let others = lists.filter(|&(born, _)| explored.roadmap.component(born) != tree);
+        let lists = (0u32..).map(TreeId).zip(&explored.reached.by_born_tree);
+        let others = lists.filter(|&(born, _)| explored.roadmap().tree(born) != tree);
         let others: Vec<_> =
             others.map(|(born, leaves)| Reached { leaves, columns: explored.reached.columns_of(born) }).collect();
         scratch.far.clear();
@@ -167,10 +167,10 @@ pub(crate) struct HeuristicScratch {
 
 impl LeafHeuristic {
     /// Weighs afresh what trees have reached that others have been joined to.
-    pub(crate) fn follow_joins(&mut self, explored: &Explored<'_>) {
+    pub(crate) fn follow_joins(&mut self, explored: &Explored<'_, '_>) {
         let mut joined = Vec::new();
-        for (born, states) in (0u32..).map(ComponentId).zip(&mut self.trees) {
-            let tree = explored.roadmap.component(born);
+        for (born, states) in (0u32..).map(TreeId).zip(&mut self.trees) {
+            let tree = explored.roadmap().tree(born);
             if tree != born && !states.is_empty() {
                 states.clear();
                 joined.push(tree);
@@ -179,12 +179,12 @@ impl LeafHeuristic {
         joined.sort_unstable();
         joined.dedup();
         for tree in joined {
-            self.trees[tree.at()] = self.gather(&explored.reached, &explored.roadmap, tree);
+            self.trees[tree.at()] = self.gather(&explored.reached, explored.roadmap(), tree);
         }
     }
 
     /// Weighs afresh the leaves on which candidates have started.
-    pub(crate) fn follow_tries(&mut self, explored: &Explored<'_>) {
+    pub(crate) fn follow_tries(&mut self, explored: &Explored<'_, '_>) {
         for leaf in std::mem::take(&mut self.touched) {
             let (state, tries) = (explored.leaves.leaf(leaf).state, self.tries[leaf.at()]);
             for tree in &mut self.trees {
@@ -199,15 +199,15 @@ impl LeafHeuristic {
     pub(crate) fn measure(
         &mut self,
         graph: &ConstraintGraph,
-        explored: &Explored<'_>,
+        explored: &Explored<'_, '_>,
         level: Level,
-        (born, id): (ComponentId, LeafId),
+        (born, id): (TreeId, LeafId),
     ) {
         let leaf = explored.leaves.leaf(id);
-        let own = explored.roadmap.component(born);
+        let own = explored.roadmap().tree(born);
         let mut from_here: Vec<(usize, u16)> = Vec::new();
-        for other in (0..self.measured.len() as u32).map(ComponentId) {
-            if explored.roadmap.component(other) == own {
+        for other in (0..self.measured.len() as u32).map(TreeId) {
+            if explored.roadmap().tree(other) == own {
                 continue;
             }
             let mut nearest = None;
@@ -229,12 +229,12 @@ impl LeafHeuristic {
     /// Measures the leaves of one state that the tree `born` has reached against a new leaf of the tree `to`.
     fn come_nearer(
         &mut self,
-        explored: &Explored<'_>,
+        explored: &Explored<'_, '_>,
         level: Level,
-        (born, state): (ComponentId, usize),
-        (to, leaf): (ComponentId, &Leaf),
+        (born, state): (TreeId, usize),
+        (to, leaf): (TreeId, &Leaf),
     ) {
-        let tree = explored.roadmap.component(born);
+        let tree = explored.roadmap().tree(born);
         let columns = &explored.reached.columns_of(born)[state];
         let distances =
             self.pairs[&(columns.state, leaf.state)].distances(&leaf.parameters, End::To, &columns.parameters);
@@ -247,14 +247,14 @@ impl LeafHeuristic {
         distances.lower(level, nearest.of(to.at()), &mut nearer);
         let Some(leaves) = in_state(&mut self.trees[tree.at()], columns.state) else { return };
         for index in nearer {
-            let leaf = explored.reached.by_component[born.at()][columns.places[index] as usize];
-            let far = nearest.to_others(&explored.roadmap, tree, index).unwrap_or(0);
+            let leaf = explored.reached.by_born_tree[born.at()][columns.places[index] as usize];
+            let far = nearest.to_others(explored.roadmap(), tree, index).unwrap_or(0);
             leaves.change(leaf, |weighted| weighted.far = far);
         }
     }
 
     /// Whether any leaf of a state that the tree `born` has reached has been measured in the graph as it is.
-    fn knows_state(&self, explored: &Explored<'_>, born: ComponentId, state: StateId) -> bool {
+    fn knows_state(&self, explored: &Explored<'_, '_>, born: TreeId, state: StateId) -> bool {
         let columns = explored.reached.columns_of(born).iter();
         columns
             .zip(&self.measured[born.at()].states)
@@ -262,13 +262,7 @@ impl LeafHeuristic {
     }
 
     /// Adds a leaf that is so far from other trees to what is known of its own.
-    fn add(
-        &mut self,
-        explored: &Explored<'_>,
-        (born, own): (ComponentId, ComponentId),
-        id: LeafId,
-        far: &[(usize, u16)],
-    ) {
+    fn add(&mut self, explored: &Explored<'_, '_>, (born, own): (TreeId, TreeId), id: LeafId, far: &[(usize, u16)]) {
         let state = explored.leaves.leaf(id).state;
         let columns = explored.reached.columns_of(born);
         let at = columns.iter().position(|c| c.state == state).unwrap_or(0);

@@ -9,7 +9,7 @@ use crate::schedule::StepCounter;
 use crate::settings::{SearchSettings, Selection};
 use bevy_ecs::prelude::{Query, Res, ResMut};
 use foliate_components::candidate::Candidate;
-use foliate_components::roadmap::ComponentId;
+use foliate_components::roadmap::TreeId;
 use rand::RngExt;
 use rand::seq::IndexedRandom;
 use rayon::prelude::*;
@@ -18,7 +18,7 @@ use rayon::prelude::*;
 pub fn measure_leaves(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
-    explored: Explored<'_>,
+    explored: Explored<'_, '_>,
     mut heuristic: ResMut<'_, LeafHeuristic>,
 ) {
     let heuristic = &mut *heuristic;
@@ -27,14 +27,14 @@ pub fn measure_leaves(
         let all = heuristic.measured.iter_mut().flat_map(|measured| &mut measured.states);
         all.for_each(|nearest| nearest.stale = nearest.known);
     }
-    let trees = explored.reached.by_component.len();
+    let trees = explored.reached.by_born_tree.len();
     heuristic.measured.resize_with(trees, Measured::default);
     heuristic.trees.resize_with(trees, Vec::new);
     heuristic.tries.resize(explored.leaves.leaves().len(), 0);
     heuristic.follow_joins(&explored);
     heuristic.follow_tries(&explored);
-    for born in (0..trees as u32).map(ComponentId) {
-        let list = &explored.reached.by_component[born.at()];
+    for born in (0..trees as u32).map(TreeId) {
+        let list = &explored.reached.by_born_tree[born.at()];
         for &leaf in &list[heuristic.measured[born.at()].known..] {
             heuristic.measure(&model.graph, &explored, settings.level, (born, leaf));
         }
@@ -46,18 +46,18 @@ pub fn choose_leaves(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
     step: Res<'_, StepCounter>,
-    explored: Explored<'_>,
+    explored: Explored<'_, '_>,
     heuristic: Res<'_, LeafHeuristic>,
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
     if settings.selection != Selection::Guided {
         return;
     }
-    let weigh = |tree: ComponentId| {
+    let weigh = |tree: TreeId| {
         let states = &heuristic.trees[tree.at()];
         (tree, states.iter().map(|state| (state, state.weight())).collect::<Vec<_>>())
     };
-    let trees: Vec<_> = explored.trees().map(weigh).collect();
+    let trees: Vec<_> = explored.roadmap().sides().map(weigh).collect();
     let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive() && c.near.is_none()).collect();
     pool.par_iter_mut().with_min_len(LEAST_SHARED).for_each_init(HeuristicScratch::default, |scratch, candidate| {
         let mut rng = stream(settings.seed, Purpose::Heuristic, step.step, candidate.index);
@@ -66,7 +66,7 @@ pub fn choose_leaves(
         }
         let Some((tree, states)) = trees.choose(&mut rng) else { return };
         let Some(leaf) = draw(states, rng.random()).and_then(|leaves| leaves.draw(rng.random())) else { return };
-        candidate.component = Some(*tree);
+        candidate.tree = Some(*tree);
         candidate.leaf = Some(leaf);
         candidate.target_leaf =
             heuristic.target_leaf(&model.graph, &explored, (leaf, *tree), settings.level, &mut rng, scratch);

@@ -137,20 +137,20 @@ mod tests {
     use crate::runtime::random::draw;
     use foliate_components::graph::StateId;
     use foliate_components::graph::leaf::{Leaf, ParameterId};
-    use foliate_components::roadmap::ComponentId;
+    use foliate_components::roadmap::TreeId;
 
     #[test]
     fn near_leaves_are_drawn_as_often_as_their_weights_say() {
         let far_of = |leaf: LeafId| (3 + leaf.0 * 7 % 4 + if leaf.0 % 100 == 50 { 60 } else { 0 }) as u16;
         // Two trees; states come in no order.
         let mut reached = ReachedLeaves::default();
-        let born = [ComponentId(0), ComponentId(1)];
+        let born = [TreeId(0), TreeId(1)];
         for id in 0..3000 {
             let leaf = Leaf { state: StateId(id * 13 % 5), parameters: Box::new([ParameterId(id)]) };
             reached.visit(born[(id % 3 == 0) as usize], born[(id % 3 == 0) as usize], LeafId(id), &leaf);
         }
         let trees =
-            born.map(|born| Reached { leaves: &reached.by_component[born.at()], columns: reached.columns_of(born) });
+            born.map(|born| Reached { leaves: &reached.by_born_tree[born.at()], columns: reached.columns_of(born) });
         let by_state = |tree: &Reached<'_>| -> Vec<u16> {
             let places = tree.columns.iter().flat_map(|columns| &columns.places);
             places.map(|&place| far_of(tree.leaves[place as usize])).collect()

@@ -261,7 +261,7 @@ impl Model {
     /// The node nearest to `q` among `nodes`, by weighted distance; ties by lowest id.
     pub fn nearest(
         &self,
-        roadmap: &Roadmap,
+        roadmap: Roadmap<'_>,
         q: &[f64],
         nodes: impl Iterator<Item = NodeId>,
         weights: &[f64],

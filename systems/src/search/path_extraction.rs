@@ -18,7 +18,7 @@ use std::f64::consts::TAU;
 pub fn extract_path(
     model: &PlanningModel,
     settings: &SearchSettings,
-    roadmap: &Roadmap,
+    roadmap: Roadmap<'_>,
     leaves: &LeafIndex,
     start: NodeId,
     goal: NodeId,
@@ -73,7 +73,12 @@ fn proved_clearance(
 }
 
 /// The states that motions of the path were to reach and that it leaves instead, since it travels them backwards.
-pub(crate) fn reached_backwards(model: &PlanningModel, roadmap: &Roadmap, start: NodeId, goal: NodeId) -> Vec<StateId> {
+pub(crate) fn reached_backwards(
+    model: &PlanningModel,
+    roadmap: Roadmap<'_>,
+    start: NodeId,
+    goal: NodeId,
+) -> Vec<StateId> {
     let mut at = start;
     let mut states = Vec::new();
     for edge in shortest_route(model, roadmap, start, goal).unwrap_or_default() {
@@ -183,7 +188,7 @@ impl PartialOrd for Frontier {
 }
 
 /// Dijkstra over the roadmap.
-fn shortest_route(model: &PlanningModel, roadmap: &Roadmap, start: NodeId, goal: NodeId) -> Option<Vec<EdgeId>> {
+fn shortest_route(model: &PlanningModel, roadmap: Roadmap<'_>, start: NodeId, goal: NodeId) -> Option<Vec<EdgeId>> {
     let mut best = vec![f64::INFINITY; roadmap.nodes().len()];
     let mut came_by: Vec<Option<EdgeId>> = vec![None; roadmap.nodes().len()];
     let mut frontier = BinaryHeap::from([Frontier { cost: 0.0, node: start }]);
@@ -209,7 +214,7 @@ fn shortest_route(model: &PlanningModel, roadmap: &Roadmap, start: NodeId, goal:
     None
 }
 
-fn route_back(roadmap: &Roadmap, came_by: &[Option<EdgeId>], start: NodeId, goal: NodeId) -> Vec<EdgeId> {
+fn route_back(roadmap: Roadmap<'_>, came_by: &[Option<EdgeId>], start: NodeId, goal: NodeId) -> Vec<EdgeId> {
     let mut route = Vec::new();
     let mut node = goal;
     while node != start {

@@ -1,6 +1,7 @@
 //! A search as a host embeds it: a world, a schedule, and the loop that steps it.
 
 use crate::events::{EventSink, StopSignal};
+use crate::exploration::roadmap_query::roadmap_in;
 use crate::exploration::roots::{Ending, Roots};
 use crate::exploration::{memory, writer};
 use crate::goals::sampler::GoalSampler;
@@ -119,7 +120,7 @@ impl Search {
         if self.ending != Some(SearchOutcome::Solved) {
             return None;
         }
-        let roadmap = self.world.resource::<Roadmap>();
+        let roadmap = roadmap_in(&self.world);
         let roots = self.world.resource::<Roots>();
         let settings = self.world.resource::<SearchSettings>();
         let goal = roots.reached_goal(roadmap)?;
@@ -146,8 +147,8 @@ impl Search {
 
     /// The roadmap.
     #[must_use]
-    pub fn roadmap(&self) -> &Roadmap {
-        self.world.resource::<Roadmap>()
+    pub fn roadmap(&self) -> Roadmap<'_> {
+        roadmap_in(&self.world)
     }
 
     /// About how much memory it takes beyond the model that it was given, see [`crate::exploration::memory`].

@@ -3,12 +3,12 @@
 //! It names every resource that a system of the crate may read, and therefore depends on all modules that define one.
 
 use crate::events::{EventSink, StopSignal};
-use crate::exploration::edges::{Connections, UnvalidatedEdges};
+use crate::exploration::edges::{Connections, UnvalidatedByEnd};
 use crate::exploration::entities::{NewNodes, TransitionWeights};
-use crate::exploration::explored::SearchSides;
-use crate::exploration::memory::Compiled;
+use crate::exploration::memory::{Compiled, SchedulerBytes};
 use crate::exploration::neighbours::index::Neighbours;
 use crate::exploration::reached_leaves::ReachedLeaves;
+use crate::exploration::roadmap_query::{insert_roadmap, roadmap_in};
 use crate::exploration::roots::{Ending, Roots};
 use crate::exploration::writer;
 use crate::goals::sampler::GoalSampler;
@@ -25,7 +25,6 @@ use foliate_components::candidate::CandidateArena;
 use foliate_components::graph::leaf::LeafIndex;
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::problem::Goal;
-use foliate_components::roadmap::Roadmap;
 
 /// A world with all resources in place, and no roots.
 pub(crate) fn empty_world(
@@ -40,16 +39,16 @@ pub(crate) fn empty_world(
     world.insert_resource(model.clone());
     writer::spawn_graph_and_candidates(&mut world, candidates);
     world.insert_resource(CandidateArena::new(candidates, size));
-    world.insert_resource(Roadmap::new(size));
+    insert_roadmap(&mut world, size);
     world.init_resource::<LeafIndex>();
     world.init_resource::<NewNodes>();
     world.init_resource::<Connections>();
-    world.init_resource::<UnvalidatedEdges>();
+    world.init_resource::<UnvalidatedByEnd>();
+    world.init_resource::<SchedulerBytes>();
     world.init_resource::<Compiled>();
     world.init_resource::<IdleTasks>();
     world.init_resource::<SpeculativeChecks>();
     world.init_resource::<ReachedLeaves>();
-    world.init_resource::<SearchSides>();
     world.init_resource::<crate::heuristic::leaf_heuristic::LeafHeuristic>();
     world.init_resource::<TransitionWeights>();
     world.init_resource::<StepCounter>();
@@ -65,8 +64,7 @@ pub(crate) fn empty_world(
 
 /// Start and goals as they stand in a world.
 pub(crate) fn roots_in(world: &World) -> (Option<Feasible>, Vec<Feasible>) {
-    let (roadmap, leaves, roots) =
-        (world.resource::<Roadmap>(), world.resource::<LeafIndex>(), world.resource::<Roots>());
+    let (roadmap, leaves, roots) = (roadmap_in(world), world.resource::<LeafIndex>(), world.resource::<Roots>());
     let root = |node| {
         let row = roadmap.node(node);
         let parameters = leaves.leaf(row.leaf).parameters.iter().map(|&id| *leaves.parameter(id)).collect();

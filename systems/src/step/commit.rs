@@ -1,19 +1,21 @@
 //! Set Commit, and the end of Connect: what was certified becomes nodes and edges, by `exploration::writer`. Serial, in candidate
 //! order.
 
-use crate::exploration::edges::{Connection, Connections, Obstacle, UnvalidatedEdge, UnvalidatedEdges};
+use crate::exploration::edges::{Connection, Connections, Obstacle};
 use crate::exploration::entities::{EntityTable, NewNodes};
-use crate::exploration::explored::SearchSides;
 use crate::exploration::memory::Compiled;
-use crate::exploration::writer::{add_edge, add_node, count_in, intern_leaf};
+use crate::exploration::roadmap_query::roadmap_in;
+use crate::exploration::writer::{
+    Born, add_edge, add_node, add_unvalidated_edge, count_in, intern_leaf, take_unvalidated_edge, validate_edge,
+};
 use crate::planning_model::model::PlanningModel;
 use crate::schedule::StepCounter;
 use bevy_ecs::prelude::{Mut, World};
-use foliate_components::candidate::{Candidate, CandidateArena, LegParameter, PlannedLeg};
+use foliate_components::candidate::{Candidate, CandidateArena, CommitAs, LegParameter, PlannedLeg};
 use foliate_components::graph::leaf::{Leaf, LeafId, LeafIndex, ParameterId};
 use foliate_components::graph::{ConstraintId, TransitionId};
 use foliate_components::outcome::{Rejection, TransitionStatistics};
-use foliate_components::roadmap::{ComponentId, Motion, NodeId, Roadmap};
+use foliate_components::roadmap::{Motion, NodeId, RoadmapStore, UnvalidatedEdge};
 
 /// Turns what is certified of each candidate into a node and an edge, and counts how each ended.
 pub fn commit_extensions(world: &mut World) {
@@ -26,10 +28,11 @@ pub fn commit_extensions(world: &mut World) {
             let legs = std::mem::take(&mut arena.legs[index]);
             count(world, &candidate, !legs.is_empty(), arena.complete[index]);
             if let (Some(near), Some(transition), false) = (candidate.near, candidate.transition, legs.is_empty()) {
-                if candidate.extends_lazily {
-                    new_nodes.extend(extend_lazily(world, (near, transition, candidate.drawn), legs));
-                } else {
-                    new_nodes.push(add_extension(world, near, transition, legs));
+                match candidate.commit_as {
+                    CommitAs::Extension => new_nodes.push(add_extension(world, near, transition, legs)),
+                    CommitAs::DetachedTrees => {
+                        new_nodes.extend(add_detached_trees(world, (near, transition, candidate.drawn), legs));
+                    }
                 }
             }
         }
@@ -42,36 +45,42 @@ pub fn commit_extensions(world: &mut World) {
     counter.candidates += pool;
 }
 
-/// Adds the edges of certified connections whose ends still lie in different trees, in the order of proposal. Unvalidated edges of
-/// which something is known now are so no longer.
+/// Adds the edges of certified connections whose ends still lie in different trees, in the order of proposal. An unvalidated edge
+/// of which something is known now becomes a validated one or is despawned.
 pub fn commit_connections(world: &mut World) {
     let proposals = std::mem::take(&mut world.resource_mut::<Connections>().0);
     world.resource_mut::<StepCounter>().connections += proposals.len() as u64;
     for Connection { from, to, verdict } in proposals {
-        let roadmap = world.resource::<Roadmap>();
+        let roadmap = roadmap_in(world);
         let state = roadmap.node(from).state;
-        let apart = roadmap.component_of(from) != roadmap.component_of(to);
-        let unvalidated_edge = verdict.as_ref().and_then(|_| world.resource_mut::<UnvalidatedEdges>().take(from, to));
-        if unvalidated_edge.is_none() {
+        let apart = roadmap.tree_of(from) != roadmap.tree_of(to);
+        let unvalidated = verdict.as_ref().and_then(|_| take_unvalidated_edge(world, (from, to)));
+        let Some((entity, edge)) = unvalidated else {
             count_in(world, state, |s| s.connections_tried += 1);
-        }
-        match (verdict, unvalidated_edge) {
-            (Some(Ok(motions)), unvalidated_edge) if apart => {
+            if let (Some(Ok(motions)), true) = (verdict, apart) {
                 let Some(along) = motions.first().map(|motion| motion.transition) else { continue };
-                add_edge(world, from, to, along, motions);
-                if unvalidated_edge.is_none() {
-                    count_in(world, state, |s| s.connections_made += 1);
+                add_edge(world, (from, to), along, motions);
+                count_in(world, state, |s| s.connections_made += 1);
+            }
+            continue;
+        };
+        match verdict {
+            Some(Ok(motions)) if apart => {
+                validate_edge(world, entity, (from, to), edge.transition, motions);
+            }
+            verdict => {
+                world.despawn(entity);
+                if let Some(Err(obstacle)) = verdict {
+                    count_obstacle(world, edge.transition, obstacle);
                 }
             }
-            (Some(Err(obstacle)), Some(unvalidated_edge)) => count_obstacle(world, &unvalidated_edge, obstacle),
-            _ => {}
         }
     }
 }
 
-/// What was planted has not reached the target after all.
-fn count_obstacle(world: &mut World, unvalidated_edge: &UnvalidatedEdge, obstacle: Obstacle) {
-    let entity = world.resource::<EntityTable>().transitions[unvalidated_edge.transition.at()];
+/// An extension that was counted as having reached its target has not done so after all.
+fn count_obstacle(world: &mut World, transition: TransitionId, obstacle: Obstacle) {
+    let entity = world.resource::<EntityTable>().transitions[transition.at()];
     if let Some(mut statistics) = world.get_mut::<TransitionStatistics>(entity) {
         statistics.reached = statistics.reached.saturating_sub(1);
         statistics.count_rejection(Rejection::MotionBlocked(obstacle.leg as u8), obstacle.blocked_by);
@@ -80,7 +89,7 @@ fn count_obstacle(world: &mut World, unvalidated_edge: &UnvalidatedEdge, obstacl
 
 pub(crate) fn count(world: &mut World, candidate: &Candidate, kept: bool, complete: bool) {
     if let Some(near) = candidate.near {
-        let state = world.resource::<Roadmap>().node(near).state;
+        let state = roadmap_in(world).node(near).state;
         count_in(world, state, |s| s.extended += 1);
     }
     let Some(transition) = candidate.transition else { return };
@@ -103,10 +112,10 @@ pub(crate) fn count(world: &mut World, candidate: &Candidate, kept: bool, comple
     }
 }
 
-/// Makes the end of the leg that was left out the root of a tree of its own, of the family of `near`, and what the legs behind
-/// it lead to that of another; what they are on the way is an unvalidated edge. Where no leg moves the two hang together at once.
-/// Returns the node that they lead to.
-fn extend_lazily(
+/// Adds what is left of a transition whose first leg was left out: where that leg ends is the root of a tree on the search
+/// side of `near`, and so is the node that the other legs lead to. The motions between the two are an unvalidated edge. Where
+/// no leg moves, the second node is an extension of the first. Returns the second node.
+fn add_detached_trees(
     world: &mut World,
     (near, transition, drawn): (NodeId, TransitionId, Option<LeafId>),
     mut legs: Vec<PlannedLeg>,
@@ -119,39 +128,24 @@ fn extend_lazily(
     };
     // It lies on the leaf of `near`, of which everything is known.
     let parameters = first.parameters.iter().map(known).collect::<Option<_>>()?;
-    let (size, born) = {
-        let roadmap = world.resource::<Roadmap>();
-        (roadmap.configuration_size(), roadmap.node(near).component)
-    };
-    let search_side = world.resource::<SearchSides>().side_root(born);
+    let size = world.resource::<RoadmapStore>().configuration_size();
     let leaf = intern_leaf(world, Leaf { state: first.state, parameters });
-    let from = add_detached_root(world, &first.knots[first.knots.len() - size..], leaf, search_side);
+    let from = add_node(world, &first.knots[first.knots.len() - size..], leaf, Born::OnSideOf(near));
     if behind.iter().all(|leg| leg.knots.len() <= size) {
         return Some(add_extension(world, from, transition, behind));
     }
     let (motions, end) = intern_legs(world, transition, behind);
     let (q, leaf) = end?;
-    let to = add_detached_root(world, &q, leaf, search_side);
-    world.resource_mut::<UnvalidatedEdges>().add(to, UnvalidatedEdge { from, transition, drawn, motions });
+    let to = add_node(world, &q, leaf, Born::OnSideOf(near));
+    add_unvalidated_edge(world, UnvalidatedEdge { from, to, transition, drawn, motions });
     Some(to)
-}
-
-/// Adds the root of a tree of a family.
-fn add_detached_root(world: &mut World, q: &[f64], leaf: LeafId, search_side: ComponentId) -> NodeId {
-    let trees = world.resource::<Roadmap>().trees() as u32;
-    let mut search_sides = world.resource_mut::<SearchSides>();
-    let known = search_sides.of.len() as u32;
-    search_sides.of.extend((known..trees).map(ComponentId));
-    search_sides.of.push(search_side);
-    add_node(world, q, leaf, None)
 }
 
 fn add_extension(world: &mut World, near: NodeId, transition: TransitionId, legs: Vec<PlannedLeg>) -> NodeId {
     let (motions, end) = intern_legs(world, transition, legs);
-    let component = world.resource::<Roadmap>().node(near).component;
     let Some((q, leaf)) = end else { return near };
-    let node = add_node(world, &q, leaf, Some(component));
-    add_edge(world, near, node, transition, motions);
+    let node = add_node(world, &q, leaf, Born::InTreeOf(near));
+    add_edge(world, (near, node), transition, motions);
     node
 }
 
@@ -162,7 +156,7 @@ fn intern_legs(
     legs: Vec<PlannedLeg>,
 ) -> (Vec<Motion>, Option<(Vec<f64>, LeafId)>) {
     let mut fresh = Vec::new();
-    let size = world.resource::<Roadmap>().configuration_size();
+    let size = world.resource::<RoadmapStore>().configuration_size();
     let mut motions = Vec::with_capacity(legs.len());
     let mut end = None;
     for leg in legs {

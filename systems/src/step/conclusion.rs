@@ -1,21 +1,21 @@
 //! Set Conclude: is it over, and what does the host hear?
 
 use crate::events::{EventSink, Feedback, MOST_STATES, MOST_TRANSITIONS, SearchEvent, StopSignal, TransitionFeedback};
-use crate::exploration::edges::UnvalidatedEdges;
+use crate::exploration::edges::UnvalidatedByEnd;
 use crate::exploration::memory;
-use crate::exploration::memory::Compiled;
+use crate::exploration::memory::{Compiled, SchedulerBytes};
+use crate::exploration::roadmap_query::RoadmapQuery;
 use crate::exploration::roots::{Ending, Roots};
 use crate::goals::sampler::GoalSampler;
 use crate::planning_model::model::PlanningModel;
 use crate::schedule::StepCounter;
-use crate::schedulers::sequence::leaf_graph::LeafGraph;
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Query, Res, ResMut};
 use foliate_components::candidate::Candidate;
 use foliate_components::graph::leaf::LeafIndex;
 use foliate_components::graph::{StateId, TransitionId};
 use foliate_components::outcome::{Prior, SearchOutcome, StateStatistics, TransitionStatistics};
-use foliate_components::roadmap::Roadmap;
+use foliate_components::roadmap::RoadmapStore;
 
 /// Ends the search when a goal is reached, a budget is spent, or the host or its clock says so.
 #[allow(clippy::too_many_arguments, reason = "a system's parameters are what it reads and writes")]
@@ -25,14 +25,16 @@ pub fn conclude(
     counter: Res<'_, StepCounter>,
     stop: Res<'_, StopSignal>,
     roots: Res<'_, Roots>,
-    roadmap: Res<'_, Roadmap>,
-    unvalidated_edges: Res<'_, UnvalidatedEdges>,
+    roadmap: RoadmapQuery<'_, '_>,
+    store: Res<'_, RoadmapStore>,
+    unvalidated_edges: Res<'_, UnvalidatedByEnd>,
     goals: Res<'_, GoalSampler>,
     compiled: Res<'_, Compiled>,
-    joins: Option<Res<'_, LeafGraph>>,
+    scheduler: Res<'_, SchedulerBytes>,
     mut ending: ResMut<'_, Ending>,
 ) {
-    let solved = roots.reached_goal(&roadmap).is_some();
+    let roadmap = roadmap.view();
+    let solved = roots.reached_goal(roadmap).is_some();
     // A signal raised during the step has cut some of its candidates short: what the step found is no answer then, even
     // if it solves the problem, because another run would have found another.
     ending.0 = if stop.token.is_cancelled() {
@@ -44,7 +46,7 @@ pub fn conclude(
     } else if solved {
         Some(SearchOutcome::Solved)
     } else if roadmap.nodes().len() >= settings.max_nodes
-        || memory::taken(&model, &roadmap, &unvalidated_edges, &compiled, joins.as_deref()) >= settings.max_bytes
+        || memory::taken(&model, &store, &unvalidated_edges, &compiled, &scheduler) >= settings.max_bytes
     {
         Some(SearchOutcome::MemoryLimit)
     } else if let Some(why) = no_goal(&roots, &goals, &model, &settings) {
@@ -64,11 +66,12 @@ fn no_goal(roots: &Roots, goals: &GoalSampler, model: &PlanningModel, settings: 
 /// Tells the host, where it listens, what became of the step's candidates and how far the search is.
 pub fn report_progress(
     counter: Res<'_, StepCounter>,
-    roadmap: Res<'_, Roadmap>,
+    roadmap: RoadmapQuery<'_, '_>,
     leaves: Res<'_, LeafIndex>,
     candidates: Query<'_, '_, &Candidate>,
     mut events: ResMut<'_, EventSink>,
 ) {
+    let roadmap = roadmap.view();
     if !events.is_open() {
         return;
     }

@@ -19,7 +19,7 @@ use foliate_components::candidate::Candidate;
 use foliate_components::graph::leaf::{Leaf, LeafId, ParameterId};
 use foliate_components::graph::{ConstraintId, StateId, Transition, TransitionKind};
 use foliate_components::outcome::Rejection;
-use foliate_components::roadmap::ComponentId;
+use foliate_components::roadmap::TreeId;
 use foliate_kernels::lanes::Level;
 use rand::RngExt;
 use rayon::prelude::*;
@@ -29,7 +29,7 @@ pub fn draw_leaves(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
     step: Res<'_, StepCounter>,
-    explored: Explored<'_>,
+    explored: Explored<'_, '_>,
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
     let crossed = |candidate: &Candidate| {
@@ -50,8 +50,8 @@ pub fn draw_leaves(
         let choice = Draw {
             model: &model,
             explored: &explored,
-            source: explored.leaves.leaf(explored.roadmap.node(near).leaf),
-            tree: explored.search_sides.side_of(&explored.roadmap, near),
+            source: explored.leaves.leaf(explored.roadmap().node(near).leaf),
+            tree: explored.roadmap().side_of(near),
             level: settings.level,
         };
         let u = rng.random();
@@ -70,9 +70,9 @@ fn has_added(model: &PlanningModel, state: StateId, transition: &Transition) -> 
 
 struct Draw<'a> {
     model: &'a PlanningModel,
-    explored: &'a Explored<'a>,
+    explored: &'a Explored<'a, 'a>,
     source: &'a Leaf,
-    tree: ComponentId,
+    tree: TreeId,
     level: Level,
 }
 

@@ -15,7 +15,7 @@ use bevy_ecs::prelude::{Query, Res, ResMut};
 use foliate_components::candidate::{Candidate, CandidateArena};
 use foliate_components::graph::{Transition, TransitionId, TransitionKind};
 use foliate_components::outcome::Rejection;
-use foliate_components::roadmap::ComponentId;
+use foliate_components::roadmap::TreeId;
 use rand::RngExt;
 use rand::seq::IndexedRandom;
 use rayon::prelude::*;
@@ -44,16 +44,15 @@ pub fn select_nodes(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
     step: Res<'_, StepCounter>,
-    explored: Explored<'_>,
+    explored: Explored<'_, '_>,
     neighbours: Res<'_, Neighbours>,
     arena: Res<'_, CandidateArena>,
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
-    let trees: Vec<ComponentId> = explored.trees().collect();
-    let search_sides = &*explored.search_sides;
-    let (reached, roadmap) = (&*explored.reached, &*explored.roadmap);
+    let (reached, roadmap) = (&*explored.reached, explored.roadmap());
+    let trees: Vec<TreeId> = roadmap.sides().collect();
     let region_of = |candidate: &Candidate| {
-        if let (Some(leaf), Some(tree)) = (candidate.leaf, candidate.component) {
+        if let (Some(leaf), Some(tree)) = (candidate.leaf, candidate.tree) {
             return Some((Region::Leaf(leaf), Some(tree)));
         }
         let mut rng = stream(settings.seed, Purpose::Select, step.step, candidate.index);
@@ -83,12 +82,12 @@ pub fn select_nodes(
             None => candidate.reject(Rejection::NoNode),
         }
     }
-    neighbours.answer(&model, roadmap, &mut questions, |born| search_sides.search_side(roadmap, born));
+    neighbours.answer(&model, roadmap, &mut questions, |born| roadmap.side(born));
     for Question { asker, nearest, .. } in questions {
         match nearest {
             Some(node) => {
                 pool[asker].near = Some(node);
-                pool[asker].component = Some(search_sides.side_of(roadmap, node));
+                pool[asker].tree = Some(roadmap.side_of(node));
             }
             None => pool[asker].reject(Rejection::NoNode),
         }
@@ -100,7 +99,7 @@ pub fn select_transitions(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
     step: Res<'_, StepCounter>,
-    explored: Explored<'_>,
+    explored: Explored<'_, '_>,
     weights: Res<'_, TransitionWeights>,
     mut heuristic: ResMut<'_, LeafHeuristic>,
     mut candidates: Query<'_, '_, &mut Candidate>,
@@ -111,7 +110,7 @@ pub fn select_transitions(
             return candidate.reject(Rejection::NoNode);
         };
         let mut rng = stream(settings.seed, Purpose::Select, step.step, candidate.index | 1 << 31);
-        let row = explored.roadmap.node(near);
+        let row = explored.roadmap().node(near);
         let from = explored.leaves.leaf(row.leaf);
         let target_leaf = candidate.target_leaf.map(|target_leaf| explored.leaves.leaf(target_leaf));
         let weigh = |(id, transition): (TransitionId, &Transition)| {
@@ -126,6 +125,6 @@ pub fn select_transitions(
         }
     });
     for near in pool.iter().filter_map(|candidate| candidate.near) {
-        heuristic.count_try(explored.roadmap.node(near).leaf);
+        heuristic.count_try(explored.roadmap().node(near).leaf);
     }
 }

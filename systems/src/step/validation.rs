@@ -91,7 +91,7 @@ fn certify_candidate(
         return false;
     }
     let whole = candidate.is_alive();
-    if whole && candidate.extends_lazily {
+    if whole && !candidate.commit_as.needs_certificate() {
         return true;
     }
     for index in 0..legs.len() {

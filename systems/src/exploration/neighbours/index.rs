@@ -4,7 +4,7 @@ use crate::planning_model::model::PlanningModel;
 use crate::settings::{SearchSettings, Selection};
 use bevy_ecs::prelude::Resource;
 use foliate_components::graph::leaf::LeafId;
-use foliate_components::roadmap::{ComponentId, NodeId, Roadmap};
+use foliate_components::roadmap::{NodeId, Roadmap, TreeId};
 use foliate_kernels::lanes::Level;
 use foliate_kernels::nearest::{Bucket, Metric};
 use std::collections::HashMap;
@@ -13,7 +13,7 @@ use std::collections::HashMap;
 const CROWD: usize = 32;
 
 /// The nodes of a leaf or a state, by the tree in which they were born.
-pub(crate) type ByTree = Vec<(ComponentId, Bucket)>;
+pub(crate) type ByTree = Vec<(TreeId, Bucket)>;
 
 /// The nodes of the roadmap, as whoever looks for near ones wants them.
 #[derive(Clone, Debug, Resource)]
@@ -44,7 +44,7 @@ impl Neighbours {
     }
 
     /// Adds the node that the roadmap has got last.
-    pub(crate) fn add(&mut self, roadmap: &Roadmap, node: NodeId) {
+    pub(crate) fn add(&mut self, roadmap: Roadmap<'_>, node: NodeId) {
         let row = roadmap.node(node);
         if let Some(states) = &mut self.states {
             if states.len() <= row.state.at() {
@@ -67,12 +67,12 @@ impl Neighbours {
     #[must_use]
     pub fn bytes(&self) -> usize {
         let all = self.leaves.values().chain(self.states.iter().flatten());
-        all.flatten().map(|(_, bucket)| size_of::<(ComponentId, Bucket)>() + bucket.bytes()).sum()
+        all.flatten().map(|(_, bucket)| size_of::<(TreeId, Bucket)>() + bucket.bytes()).sum()
     }
 }
 
-fn push(buckets: &mut ByTree, metric: &Metric, roadmap: &Roadmap, node: NodeId) {
-    let born = roadmap.node(node).component;
+fn push(buckets: &mut ByTree, metric: &Metric, roadmap: Roadmap<'_>, node: NodeId) {
+    let born = roadmap.node(node).tree;
     let at = buckets.iter().position(|(tree, _)| *tree == born).unwrap_or_else(|| {
         buckets.push((born, Bucket::default()));
         buckets.len() - 1

@@ -5,7 +5,7 @@ use crate::planning_model::model::PlanningModel;
 use crate::runtime::parallel::runs;
 use foliate_components::graph::StateId;
 use foliate_components::graph::leaf::LeafId;
-use foliate_components::roadmap::{ComponentId, NodeId, Roadmap};
+use foliate_components::roadmap::{NodeId, Roadmap, TreeId};
 use foliate_kernels::nearest::{BucketQueries, nearest};
 
 /// Among which nodes the nearest is looked for.
@@ -27,7 +27,7 @@ pub struct Question<'q> {
     /// Where to look.
     pub region: Region,
     /// Only in this tree, if any.
-    pub tree: Option<ComponentId>,
+    pub tree: Option<TreeId>,
     /// The configuration.
     pub q: &'q [f64],
     /// The nearest node, ties by lowest id; `None` where there is none, and as long as nobody has looked.
@@ -35,7 +35,7 @@ pub struct Question<'q> {
 }
 
 impl Region {
-    fn nodes(self, roadmap: &Roadmap) -> impl Iterator<Item = NodeId> {
+    fn nodes(self, roadmap: Roadmap<'_>) -> impl Iterator<Item = NodeId> {
         let (listed, all) = match self {
             Self::Leaf(leaf) => (roadmap.nodes_on(leaf), 0),
             Self::State(_) | Self::Roadmap => (&[][..], roadmap.nodes().len() as u32),
@@ -54,9 +54,9 @@ impl Neighbours {
     pub fn answer(
         &self,
         model: &PlanningModel,
-        roadmap: &Roadmap,
+        roadmap: Roadmap<'_>,
         questions: &mut [Question<'_>],
-        tree_of: impl Fn(ComponentId) -> ComponentId + Sync,
+        tree_of: impl Fn(TreeId) -> TreeId + Sync,
     ) {
         let kind = |question: &Question<'_>| (question.region, question.tree);
         questions.sort_unstable_by_key(|question| (kind(question), question.asker));
@@ -74,7 +74,7 @@ impl Neighbours {
                 let wanted = |born| tree.is_none_or(|tree| tree_of(born) == tree);
                 let Some(crowd) = self.crowd(region) else {
                     return run.iter_mut().for_each(|question| {
-                        let nodes = region.nodes(roadmap).filter(|&node| wanted(roadmap.node(node).component));
+                        let nodes = region.nodes(roadmap).filter(|&node| wanted(roadmap.node(node).tree));
                         question.nearest = model.nearest(roadmap, question.q, nodes, weights);
                     });
                 };

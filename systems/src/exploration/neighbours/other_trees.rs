@@ -4,13 +4,13 @@ use crate::exploration::neighbours::index::Neighbours;
 use crate::planning_model::model::PlanningModel;
 use crate::runtime::parallel::runs;
 use foliate_components::graph::leaf::LeafId;
-use foliate_components::roadmap::{ComponentId, NodeId, Roadmap};
+use foliate_components::roadmap::{NodeId, Roadmap, TreeId};
 use foliate_kernels::nearest::{Bucket, BucketQueries, Seeker};
 
 /// A node that asks, and what it gets.
 struct Asker {
     leaf: LeafId,
-    tree: ComponentId,
+    tree: TreeId,
     /// Its place in the caller's list.
     place: usize,
     node: NodeId,
@@ -31,12 +31,12 @@ impl Neighbours {
     pub fn of_other_trees(
         &self,
         model: &PlanningModel,
-        roadmap: &Roadmap,
+        roadmap: Roadmap<'_>,
         nodes: &[NodeId],
         count: usize,
     ) -> Vec<(NodeId, NodeId)> {
         let asker = |(place, &node): (usize, &NodeId)| {
-            let (leaf, tree) = (roadmap.node(node).leaf, roadmap.component_of(node));
+            let (leaf, tree) = (roadmap.node(node).leaf, roadmap.tree_of(node));
             Asker { leaf, tree, place, node, nearest: Vec::new() }
         };
         let mut askers: Vec<_> = nodes.iter().enumerate().map(asker).collect();
@@ -57,7 +57,7 @@ impl Neighbours {
     /// The same for nodes of one leaf and tree.
     fn of_other_trees_together(
         &self,
-        (model, roadmap): (&PlanningModel, &Roadmap),
+        (model, roadmap): (&PlanningModel, Roadmap<'_>),
         queries: &mut BucketQueries,
         askers: &mut [Asker],
         count: usize,
@@ -68,7 +68,7 @@ impl Neighbours {
             |a: NodeId, b: NodeId| space.distance(roadmap.configuration(a), roadmap.configuration(b), weights);
         let Some(buckets) = self.leaves.get(&leaf) else {
             return askers.iter_mut().for_each(|asker| {
-                let others = roadmap.nodes_on(leaf).iter().map(|&node| (roadmap.component_of(node), node));
+                let others = roadmap.nodes_on(leaf).iter().map(|&node| (roadmap.tree_of(node), node));
                 let others = others.filter(|&(of, _)| of != tree);
                 let mut others: Vec<_> = others.map(|(of, node)| (of, distance(asker.node, node), node)).collect();
                 others.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
@@ -76,8 +76,8 @@ impl Neighbours {
                 asker.nearest.extend(trees.flat_map(|tree| tree.iter().take(count)).map(|&(_, _, node)| node));
             });
         };
-        let others = buckets.iter().map(|(born, bucket)| (roadmap.component(*born), bucket));
-        let mut others: Vec<(ComponentId, &Bucket)> = others.filter(|&(of, _)| of != tree).collect();
+        let others = buckets.iter().map(|(born, bucket)| (roadmap.tree(*born), bucket));
+        let mut others: Vec<(TreeId, &Bucket)> = others.filter(|&(of, _)| of != tree).collect();
         if others.is_empty() {
             return;
         }

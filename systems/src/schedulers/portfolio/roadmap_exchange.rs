@@ -4,6 +4,7 @@
 //! of the worlds, so what a world learns, and which ids it gives it, depends on counted work alone. Who has adopted a
 //! branch extends it, aims at it and connects to it as if it had grown it itself.
 
+use crate::exploration::roadmap_query::roadmap_in;
 use crate::exploration::roots::Roots;
 use crate::exploration::writer;
 use crate::schedulers::portfolio::rooted::{Rooted, other_end};
@@ -108,7 +109,7 @@ impl Correspondence {
     /// Opens the correspondence of a world that has nothing but its roots, and its queue.
     pub fn open(world: &mut World, number: u32) -> Receiver<Branch> {
         let (outbox, queue) = unbounded();
-        let nodes = Register::common(world.resource::<Roadmap>().nodes().len());
+        let nodes = Register::common(roadmap_in(world).nodes().len());
         let parameters = Register::common(world.resource::<LeafIndex>().parameters().len());
         let mut this = Self { number, outbox, nodes, parameters, told: Told::default() };
         // The others begin with the same roots.
@@ -119,7 +120,7 @@ impl Correspondence {
 
     /// Gives an origin to whatever has been born in this world.
     fn register(&mut self, world: &World) {
-        self.nodes.fill(self.number, world.resource::<Roadmap>().nodes().len());
+        self.nodes.fill(self.number, roadmap_in(world).nodes().len());
         self.parameters.fill(self.number, world.resource::<LeafIndex>().parameters().len());
     }
 
@@ -139,7 +140,7 @@ impl Correspondence {
     }
 
     fn branches(&self, world: &World, told: &mut Told) -> Vec<Branch> {
-        let (roadmap, leaves) = (world.resource::<Roadmap>(), world.resource::<LeafIndex>());
+        let (roadmap, leaves) = (roadmap_in(world), world.resource::<LeafIndex>());
         let common = |&node: &usize| self.nodes.origins[node].world == COMMON;
         told.nodes.extend((told.nodes.len()..roadmap.nodes().len()).map(|node| common(&node)));
         let mut branches = Vec::new();
@@ -153,7 +154,7 @@ impl Correspondence {
     }
 
     /// The way to a node, from the first node that the others do not have.
-    fn branch(&self, roadmap: &Roadmap, leaves: &LeafIndex, told: &mut Told, mut node: NodeId) -> Branch {
+    fn branch(&self, roadmap: Roadmap<'_>, leaves: &LeafIndex, told: &mut Told, mut node: NodeId) -> Branch {
         let mut nodes = Vec::new();
         while !std::mem::replace(&mut told.nodes[node.at()], true) {
             let edge = told.rooted.edge(node);
@@ -170,7 +171,7 @@ impl Correspondence {
         Branch(nodes)
     }
 
-    fn way(&self, roadmap: &Roadmap, leaves: &LeafIndex, edge: EdgeId, node: NodeId) -> Way {
+    fn way(&self, roadmap: Roadmap<'_>, leaves: &LeafIndex, edge: EdgeId, node: NodeId) -> Way {
         let row = roadmap.edge(edge);
         let motions = roadmap.motions_of(edge).iter();
         let motions = motions.map(|motion| (self.posted(leaves, motion.leaf), motion.clone())).collect();

@@ -15,7 +15,7 @@ pub(crate) struct Rooted {
 
 impl Rooted {
     /// Nodes that hang on a root by now and did not before, those nearer to it first.
-    pub(crate) fn grow(&mut self, roadmap: &Roadmap, roots: &Roots) -> Vec<NodeId> {
+    pub(crate) fn grow(&mut self, roadmap: Roadmap<'_>, roots: &Roots) -> Vec<NodeId> {
         self.ways.resize(roadmap.nodes().len(), None);
         let mut hung = Vec::new();
         let all: Vec<NodeId> = roots.start.iter().chain(&roots.goals).copied().collect();
@@ -36,7 +36,7 @@ impl Rooted {
     }
 
     /// Hangs a node on a root, and breadth first what hangs on the node, unless it hangs on one already.
-    fn hang(&mut self, roadmap: &Roadmap, node: NodeId, way: (NodeId, Option<EdgeId>), hung: &mut Vec<NodeId>) {
+    fn hang(&mut self, roadmap: Roadmap<'_>, node: NodeId, way: (NodeId, Option<EdgeId>), hung: &mut Vec<NodeId>) {
         let mut waiting = VecDeque::from([(node, way)]);
         while let Some((node, way)) = waiting.pop_front() {
             if self.ways[node.at()].is_none() {
@@ -60,7 +60,7 @@ impl Rooted {
 }
 
 /// The end of an edge at which `node` does not lie.
-pub(crate) fn other_end(roadmap: &Roadmap, edge: EdgeId, node: NodeId) -> NodeId {
+pub(crate) fn other_end(roadmap: Roadmap<'_>, edge: EdgeId, node: NodeId) -> NodeId {
     let row = roadmap.edge(edge);
     if row.from == node { row.to } else { row.from }
 }

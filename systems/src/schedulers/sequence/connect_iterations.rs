@@ -1,12 +1,14 @@
 //! Rounds of joining in one step: a motion that fails may leave another sequence whose motions are all untried.
 
+use crate::exploration::memory::SchedulerBytes;
 use crate::runtime::system_sequence::SystemSequence;
 use crate::schedule::StepCounter;
 use crate::schedulers::sequence::joining;
+use crate::schedulers::sequence::leaf_graph::LeafGraph;
 use crate::step::commit;
 use crate::step::connection::connect;
 use bevy_ecs::error::Result;
-use bevy_ecs::prelude::{Mut, Resource, World};
+use bevy_ecs::prelude::{Mut, Res, ResMut, Resource, World};
 
 /// Rounds in a step at most.
 const MOST_ITERATIONS: usize = 6;
@@ -25,6 +27,11 @@ impl Default for ConnectIterations {
             commit::commit_connections,
         )))
     }
+}
+
+/// Tells how much memory the leaf graph takes.
+pub fn count_memory(graph: Res<'_, LeafGraph>, mut bytes: ResMut<'_, SchedulerBytes>) {
+    bytes.0 = graph.bytes();
 }
 
 /// Proposes, certifies and commits joins, round after round until nothing is left to propose.

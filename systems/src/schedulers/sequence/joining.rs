@@ -3,7 +3,7 @@
 
 use crate::exploration::edges::{Connection, Connections, UnvalidatedEdges};
 use crate::exploration::entities::NewNodes;
-use crate::exploration::explored::SearchSides;
+use crate::exploration::roadmap_query::RoadmapQuery;
 use crate::exploration::roots::Roots;
 use crate::planning_model::model::PlanningModel;
 use crate::runtime::idle_tasks::IdleTasks;
@@ -17,7 +17,7 @@ use crate::step::connection::speculative_checks::SpeculativeChecks;
 use bevy_ecs::prelude::{Query, Res, ResMut, Resource};
 use foliate_components::candidate::{Candidate, CandidateArena};
 use foliate_components::graph::leaf::LeafIndex;
-use foliate_components::roadmap::{ComponentId, NodeId, Roadmap};
+use foliate_components::roadmap::{NodeId, Roadmap, TreeId};
 use rand::RngExt;
 
 /// Candidates that make up one effort.
@@ -53,13 +53,13 @@ pub fn grow_joins(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
     step: Res<'_, StepCounter>,
-    roadmap: Res<'_, Roadmap>,
-    search_sides: Res<'_, SearchSides>,
+    roadmap: RoadmapQuery<'_, '_>,
     growing: Res<'_, Growing>,
     mut graph: ResMut<'_, LeafGraph>,
     mut arena: ResMut<'_, CandidateArena>,
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
+    let roadmap = roadmap.view();
     if growing.0.is_empty() {
         return;
     }
@@ -72,7 +72,7 @@ pub fn grow_joins(
     for (turn, candidate) in (first..).zip(&mut chosen) {
         let join = growing.0[turn / 2 % growing.0.len()];
         let (a, b) = graph.ends(join);
-        if roadmap.component_of(a) == roadmap.component_of(b) {
+        if roadmap.tree_of(a) == roadmap.tree_of(b) {
             continue;
         }
         let from = if turn % 2 == 0 { a } else { b };
@@ -80,8 +80,8 @@ pub fn grow_joins(
         let q = &mut arena.random[candidate.index as usize * size..][..size];
         let mut rng = stream(settings.seed, Purpose::Join, step.step, candidate.index);
         draw_between(&model, (roadmap.configuration(a), roadmap.configuration(b)), q, &mut rng);
-        candidate.near = nearest(&model, &roadmap, q, roadmap.nodes_on(leaf), roadmap.component_of(from));
-        candidate.component = candidate.near.map(|near| search_sides.side_of(&roadmap, near));
+        candidate.near = nearest(&model, roadmap, q, roadmap.nodes_on(leaf), roadmap.tree_of(from));
+        candidate.tree = candidate.near.map(|near| roadmap.side_of(near));
         candidate.transition = model.graph.loop_of(roadmap.node(from).state);
         graph.count_failure(join, 1.0 / EFFORT);
     }
@@ -106,13 +106,13 @@ fn draw_between(model: &PlanningModel, (a, b): (&[f64], &[f64]), q: &mut [f64], 
 /// The nodes of a tree nearest to `q`, nearest first; ties by lowest id.
 fn nearest_few(
     model: &PlanningModel,
-    roadmap: &Roadmap,
+    roadmap: Roadmap<'_>,
     q: &[f64],
     nodes: &[NodeId],
-    tree: ComponentId,
+    tree: TreeId,
 ) -> impl Iterator<Item = NodeId> {
     let space = &model.problem.robot.space;
-    let own = nodes.iter().copied().filter(|&node| roadmap.component_of(node) == tree);
+    let own = nodes.iter().copied().filter(|&node| roadmap.tree_of(node) == tree);
     let far = |node| space.distance(q, roadmap.configuration(node), &model.robot_weights);
     let mut near: Vec<_> = own.map(|node| (far(node), node)).collect();
     near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -120,8 +120,8 @@ fn nearest_few(
 }
 
 /// The node of a tree nearest to `q`; ties by lowest id.
-fn nearest(model: &PlanningModel, roadmap: &Roadmap, q: &[f64], nodes: &[NodeId], tree: ComponentId) -> Option<NodeId> {
-    let own = nodes.iter().copied().filter(|&node| roadmap.component_of(node) == tree);
+fn nearest(model: &PlanningModel, roadmap: Roadmap<'_>, q: &[f64], nodes: &[NodeId], tree: TreeId) -> Option<NodeId> {
+    let own = nodes.iter().copied().filter(|&node| roadmap.tree_of(node) == tree);
     model.nearest(roadmap, q, own, &model.robot_weights)
 }
 
@@ -130,9 +130,9 @@ fn nearest(model: &PlanningModel, roadmap: &Roadmap, q: &[f64], nodes: &[NodeId]
 #[allow(clippy::too_many_arguments, reason = "a system's parameters are what it reads and writes")]
 pub fn propose_joins(
     model: Res<'_, PlanningModel>,
-    roadmap: Res<'_, Roadmap>,
+    roadmap: RoadmapQuery<'_, '_>,
     roots: Res<'_, Roots>,
-    unvalidated_edges: Res<'_, UnvalidatedEdges>,
+    unvalidated_edges: UnvalidatedEdges<'_, '_>,
     mut new: ResMut<'_, NewNodes>,
     mut growing: ResMut<'_, Growing>,
     mut graph: ResMut<'_, LeafGraph>,
@@ -140,7 +140,13 @@ pub fn propose_joins(
     mut later: ResMut<'_, Next>,
     mut connections: ResMut<'_, Connections>,
 ) {
-    graph.grow(&roadmap, &unvalidated_edges, &model.problem.robot.space, &model.robot_weights);
+    let roadmap = roadmap.view();
+    graph.grow(
+        roadmap,
+        |to| unvalidated_edges.to(to).map(|edge| edge.from),
+        &model.problem.robot.space,
+        &model.robot_weights,
+    );
     connections.0.clear();
     if !graph.take_changes() && tried.0.is_empty() {
         return;
@@ -148,23 +154,23 @@ pub fn propose_joins(
     tried.0.clear();
     later.0.clear();
     for node in std::mem::take(&mut new.0) {
-        let (leaf, tree) = (roadmap.node(node).leaf, roadmap.component_of(node));
+        let (leaf, tree) = (roadmap.node(node).leaf, roadmap.tree_of(node));
         for &join in growing.0.iter().filter(|&&join| graph.leaf(join) == leaf) {
             let (a, b) = graph.ends(join);
-            let (a, b) = (roadmap.component_of(a), roadmap.component_of(b));
+            let (a, b) = (roadmap.tree_of(a), roadmap.tree_of(b));
             let other = if a == tree { b } else { a };
             if a == b || (a != tree && b != tree) {
                 continue;
             }
             let q = roadmap.configuration(node);
-            for to in nearest_few(&model, &roadmap, q, roadmap.nodes_on(leaf), other) {
+            for to in nearest_few(&model, roadmap, q, roadmap.nodes_on(leaf), other) {
                 connections.0.push(Connection::between(node, to));
                 tried.0.push(None);
             }
         }
     }
     let (failed, untried): (Vec<_>, Vec<_>) =
-        graph.cheapest(&roadmap, &roots).unwrap_or_default().into_iter().partition(|&join| graph.effort(join) > 0.0);
+        graph.cheapest(roadmap, &roots).unwrap_or_default().into_iter().partition(|&join| graph.effort(join) > 0.0);
     growing.0 = failed;
     let (unvalidated_edges, mut long): (Vec<_>, Vec<_>) =
         untried.into_iter().partition(|&join| graph.is_unvalidated(join));
@@ -188,28 +194,30 @@ pub fn check_ahead(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
     idle_tasks: Res<'_, IdleTasks>,
-    roadmap: Res<'_, Roadmap>,
+    roadmap: RoadmapQuery<'_, '_>,
     leaves: Res<'_, LeafIndex>,
-    unvalidated_edges: Res<'_, UnvalidatedEdges>,
+    unvalidated_edges: UnvalidatedEdges<'_, '_>,
     graph: Res<'_, LeafGraph>,
     connections: Res<'_, Connections>,
     next: Res<'_, Next>,
     mut speculative_checks: ResMut<'_, SpeculativeChecks>,
 ) {
+    let roadmap = roadmap.view();
     let next: Vec<_> = next.0.iter().map(|&join| graph.ends(join)).collect();
     let asked: Vec<_> = connections.0.iter().map(|connection| (connection.from, connection.to)).collect();
-    speculative_checks.expect((&model, &settings, &idle_tasks), (&roadmap, &leaves, &unvalidated_edges), &next, &asked);
+    speculative_checks.expect((&model, &settings, &idle_tasks), (roadmap, &leaves, &unvalidated_edges), &next, &asked);
 }
 
 /// Remembers which joins were free and which were not.
 pub fn learn_from_joins(
-    roadmap: Res<'_, Roadmap>,
-    unvalidated_edges: Res<'_, UnvalidatedEdges>,
+    roadmap: RoadmapQuery<'_, '_>,
+    unvalidated_edges: UnvalidatedEdges<'_, '_>,
     connections: Res<'_, Connections>,
     tried: Res<'_, Tried>,
     mut graph: ResMut<'_, LeafGraph>,
     mut lazy_extensions: ResMut<'_, LazyExtensions>,
 ) {
+    let roadmap = roadmap.view();
     for (connection, join) in connections.0.iter().zip(&tried.0) {
         // One that was not asked about, because another joined the same trees, says nothing of what was planted.
         if let Connection { from, to, verdict: Some(Err(_)) } = *connection

@@ -3,6 +3,7 @@
 
 use crate::exploration::entities::TransitionWeights;
 use crate::exploration::explored::Explored;
+use crate::exploration::roadmap_query::RoadmapQuery;
 use crate::heuristic::leaf_heuristic::LeafHeuristic;
 use crate::planning_model::model::PlanningModel;
 use crate::runtime::parallel::each;
@@ -13,11 +14,10 @@ use crate::schedulers::sequence::candidate_roles::CandidateRole;
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Local, Query, Res, ResMut, Resource};
 use foliate_components::Pose;
-use foliate_components::candidate::{Candidate, CandidateArena, PlannedLeg};
+use foliate_components::candidate::{Candidate, CandidateArena, CommitAs, PlannedLeg};
 use foliate_components::graph::leaf::LeafId;
 use foliate_components::graph::{Leg, Transition, TransitionId, TransitionKind};
 use foliate_components::outcome::Rejection;
-use foliate_components::roadmap::Roadmap;
 use foliate_kernels::collision::{CollisionScratch, PairId};
 use rand::RngExt;
 use std::collections::BTreeMap;
@@ -86,7 +86,7 @@ pub fn choose_lazy_extensions(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
     step: Res<'_, StepCounter>,
-    explored: Explored<'_>,
+    explored: Explored<'_, '_>,
     arena: Res<'_, CandidateArena>,
     weights: Res<'_, TransitionWeights>,
     lazy_extensions: Res<'_, LazyExtensions>,
@@ -99,7 +99,7 @@ pub fn choose_lazy_extensions(
             continue;
         }
         let mut rng = stream(settings.seed, Purpose::Select, step.step, candidate.index | 1 << 31);
-        let row = explored.roadmap.node(near);
+        let row = explored.roadmap().node(near);
         let from = explored.leaves.leaf(row.leaf);
         let target_leaf = candidate.target_leaf.map(|target_leaf| explored.leaves.leaf(target_leaf));
         let weigh = |(id, transition): (TransitionId, &Transition)| {
@@ -120,7 +120,9 @@ pub fn choose_lazy_extensions(
                 continue;
             }
             candidate.transition = Some(id);
-            candidate.extends_lazily = starts_far(transition);
+            if starts_far(transition) {
+                candidate.commit_as = CommitAs::DetachedTrees;
+            }
         }
     }
 }
@@ -136,12 +138,13 @@ pub fn stay_near(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
     step: Res<'_, StepCounter>,
-    roadmap: Res<'_, Roadmap>,
+    roadmap: RoadmapQuery<'_, '_>,
     mut arena: ResMut<'_, CandidateArena>,
     candidates: Query<'_, '_, &Candidate>,
 ) {
+    let roadmap = roadmap.view();
     let size = arena.configuration_size();
-    for candidate in candidates.iter().filter(|c| c.is_alive() && c.extends_lazily) {
+    for candidate in candidates.iter().filter(|c| c.is_alive() && c.commit_as == CommitAs::DetachedTrees) {
         let Some(near) = candidate.near else { continue };
         let mut rng = stream(settings.seed, Purpose::LazyExtension, step.step, candidate.index);
         let away = rng.random::<f64>().powf(AWAY);
@@ -164,7 +167,8 @@ pub fn leave_out_first_legs(
     let buffers = &*buffers;
     let size = arena.configuration_size();
     let mut succeeded = Vec::new();
-    let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive() && c.extends_lazily).collect();
+    let mut pool: Vec<_> =
+        candidates.iter_mut().filter(|c| c.is_alive() && c.commit_as == CommitAs::DetachedTrees).collect();
     pool.sort_unstable_by_key(|c| c.index);
     let mut legs = arena.legs.iter_mut().enumerate();
     for candidate in pool {
@@ -205,23 +209,24 @@ fn breaks_margin(
 
 /// Drops what steering cut short of what is to be planted: nothing but the whole joins two leaves.
 pub fn drop_what_was_cut_short(mut arena: ResMut<'_, CandidateArena>, candidates: Query<'_, '_, &Candidate>) {
-    for candidate in candidates.iter().filter(|c| c.extends_lazily && !c.is_alive()) {
+    for candidate in candidates.iter().filter(|c| c.commit_as == CommitAs::DetachedTrees && !c.is_alive()) {
         arena.legs[candidate.index as usize].clear();
     }
 }
 
 /// Drops what is not certified to its end of what is to be planted, and remembers what came of each transition.
 pub fn keep_whole_lazy_extensions(
-    roadmap: Res<'_, Roadmap>,
+    roadmap: RoadmapQuery<'_, '_>,
     mut lazy_extensions: ResMut<'_, LazyExtensions>,
     mut arena: ResMut<'_, CandidateArena>,
     candidates: Query<'_, '_, &Candidate>,
 ) {
+    let roadmap = roadmap.view();
     let CandidateArena { legs, complete, .. } = &mut *arena;
     for candidate in &candidates {
         let (Some(near), Some(transition)) = (candidate.near, candidate.transition) else { continue };
         let index = candidate.index as usize;
-        if candidate.extends_lazily && !complete[index] {
+        if candidate.commit_as == CommitAs::DetachedTrees && !complete[index] {
             legs[index].clear();
         }
         let attempt = (roadmap.node(near).leaf, transition, candidate.drawn);

@@ -4,11 +4,10 @@
 //! join them there is an estimate that rises with each failed effort; or where an unvalidated edge leads from one to the other. The
 //! cheapest way from the start's tree to a goal's is the sequence of transitions to work on.
 
-use crate::exploration::edges::UnvalidatedEdges;
 use crate::exploration::roots::Roots;
 use foliate_components::graph::StateId;
 use foliate_components::graph::leaf::LeafId;
-use foliate_components::roadmap::{ComponentId, NodeId, Roadmap};
+use foliate_components::roadmap::{NodeId, Roadmap, TreeId};
 use foliate_components::robot::configuration::ConfigurationSpace;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
@@ -66,12 +65,12 @@ pub struct LeafGraph {
 }
 
 impl LeafGraph {
-    /// Takes in the nodes that are new in the roadmap, and the unvalidated edges to them. `weights` are metres per unit of each
+    /// Takes in the nodes that are new in the roadmap, and the unvalidated edges that lead to them: by node, where the edge starts. `weights` are metres per unit of each
     /// velocity coordinate.
     pub fn grow(
         &mut self,
-        roadmap: &Roadmap,
-        unvalidated_edges: &UnvalidatedEdges,
+        roadmap: Roadmap<'_>,
+        start_of_unvalidated: impl Fn(NodeId) -> Option<NodeId>,
         space: &ConfigurationSpace,
         weights: &[f64],
     ) {
@@ -85,8 +84,8 @@ impl LeafGraph {
             if !grown {
                 self.add(node, row.leaf, roadmap, space, weights);
             }
-            if let Some(unvalidated_edge) = unvalidated_edges.to(node) {
-                self.lead(unvalidated_edge.from, node);
+            if let Some(from) = start_of_unvalidated(node) {
+                self.lead(from, node);
             }
         }
         self.has_changed |= self.known < roadmap.nodes().len();
@@ -113,7 +112,7 @@ impl LeafGraph {
         std::mem::take(&mut self.has_changed)
     }
 
-    fn add(&mut self, node: NodeId, leaf: LeafId, roadmap: &Roadmap, space: &ConfigurationSpace, weights: &[f64]) {
+    fn add(&mut self, node: NodeId, leaf: LeafId, roadmap: Roadmap<'_>, space: &ConfigurationSpace, weights: &[f64]) {
         if self.by_leaf.len() <= leaf.at() {
             self.by_leaf.resize_with(leaf.at() + 1, Vec::new);
         }
@@ -213,14 +212,14 @@ impl LeafGraph {
     /// The joins on the cheapest way from the start's tree to a goal's, the start's first; `None` where there is no way yet,
     /// nothing where start and goal hang together. Ties go to the older tree.
     #[must_use]
-    pub fn cheapest(&self, roadmap: &Roadmap, roots: &Roots) -> Option<Vec<Join>> {
-        let start = roadmap.component_of(roots.start?);
-        let goals: Vec<_> = roots.goals.iter().map(|&goal| roadmap.component_of(goal)).collect();
-        let trees: Vec<ComponentId> = self.anchors.iter().map(|anchor| roadmap.component_of(anchor.node)).collect();
-        let mut members: Vec<Vec<u32>> = vec![Vec::new(); roadmap.trees()];
+    pub fn cheapest(&self, roadmap: Roadmap<'_>, roots: &Roots) -> Option<Vec<Join>> {
+        let start = roadmap.tree_of(roots.start?);
+        let goals: Vec<_> = roots.goals.iter().map(|&goal| roadmap.tree_of(goal)).collect();
+        let trees: Vec<TreeId> = self.anchors.iter().map(|anchor| roadmap.tree_of(anchor.node)).collect();
+        let mut members: Vec<Vec<u32>> = vec![Vec::new(); roadmap.tree_count()];
         (0u32..).zip(&trees).for_each(|(anchor, tree)| members[tree.at()].push(anchor));
-        let mut best = vec![f64::INFINITY; roadmap.trees()];
-        let mut came_by: Vec<Option<(Join, ComponentId)>> = vec![None; roadmap.trees()];
+        let mut best = vec![f64::INFINITY; roadmap.tree_count()];
+        let mut came_by: Vec<Option<(Join, TreeId)>> = vec![None; roadmap.tree_count()];
         // Costs are never negative, so their bits are in their order.
         let mut frontier = BinaryHeap::from([Reverse((0.0f64.to_bits(), start))]);
         best[start.at()] = 0.0;
@@ -253,7 +252,7 @@ impl LeafGraph {
     }
 }
 
-fn way_back(came_by: &[Option<(Join, ComponentId)>], mut tree: ComponentId) -> Vec<Join> {
+fn way_back(came_by: &[Option<(Join, TreeId)>], mut tree: TreeId) -> Vec<Join> {
     let mut way = Vec::new();
     while let Some((join, before)) = came_by[tree.at()] {
         way.push(join);

@@ -62,7 +62,8 @@ impl Scheduler for Sequence {
                 .in_set(SearchSet::Validate),
             system_sequence((commit::commit_extensions, crate::goals::systems::draw_more_goals))
                 .in_set(SearchSet::Commit),
-            connect_iterations::join_iteratively.in_set(SearchSet::Connect),
+            system_sequence((connect_iterations::join_iteratively, connect_iterations::count_memory))
+                .in_set(SearchSet::Connect),
             system_sequence((
                 conclusion::conclude,
                 conclusion::report_progress,

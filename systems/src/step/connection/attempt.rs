@@ -40,7 +40,7 @@ impl Attempt {
     /// `None` where there is no unvalidated edge, nor any motion within the leaf.
     pub(crate) fn new(
         model: &PlanningModel,
-        (roadmap, leaves, unvalidated_edges): (&Roadmap, &LeafIndex, &UnvalidatedEdges),
+        (roadmap, leaves, unvalidated_edges): (Roadmap<'_>, &LeafIndex, &UnvalidatedEdges<'_, '_>),
         (from, to): (NodeId, NodeId),
     ) -> Option<Self> {
         if let Some(unvalidated_edge) = unvalidated_edges.between(from, to) {

@@ -4,6 +4,7 @@ use crate::events::StopSignal;
 use crate::exploration::edges::{Connection, Connections, UnvalidatedEdges};
 use crate::exploration::entities::NewNodes;
 use crate::exploration::neighbours::index::Neighbours;
+use crate::exploration::roadmap_query::RoadmapQuery;
 use crate::planning_model::model::PlanningModel;
 use crate::runtime::idle_tasks::IdleTasks;
 use crate::runtime::parallel::each;
@@ -20,13 +21,14 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 pub fn propose_connections(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
-    roadmap: Res<'_, Roadmap>,
+    roadmap: RoadmapQuery<'_, '_>,
     neighbours: Res<'_, Neighbours>,
     mut new: ResMut<'_, NewNodes>,
     mut connections: ResMut<'_, Connections>,
 ) {
+    let roadmap = roadmap.view();
     let new = std::mem::take(&mut new.0);
-    let pairs = neighbours.of_other_trees(&model, &roadmap, &new, settings.connect_neighbours);
+    let pairs = neighbours.of_other_trees(&model, roadmap, &new, settings.connect_neighbours);
     connections.0.clear();
     connections.0.extend(pairs.into_iter().map(|(from, to)| Connection::between(from, to)));
 }
@@ -39,16 +41,17 @@ pub fn certify_connections(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
     stop: Res<'_, StopSignal>,
-    roadmap: Res<'_, Roadmap>,
+    roadmap: RoadmapQuery<'_, '_>,
     leaves: Res<'_, LeafIndex>,
-    unvalidated_edges: Res<'_, UnvalidatedEdges>,
+    unvalidated_edges: UnvalidatedEdges<'_, '_>,
     speculative_checks: Res<'_, SpeculativeChecks>,
     idle_tasks: Res<'_, IdleTasks>,
     mut connections: ResMut<'_, Connections>,
     buffers: Local<'_, ScratchPool<ConnectionScratch>>,
 ) {
+    let roadmap = roadmap.view();
     let buffers = &*buffers;
-    let bridges = Bridges::new(&connections.0, &roadmap);
+    let bridges = Bridges::new(&connections.0, roadmap);
     // In order: what stands in front makes what is behind needless. What another thread is at already comes last, so that
     // nobody waits for it who could do something else.
     let mut proposals: Vec<_> = connections.0.iter_mut().enumerate().collect();
@@ -66,7 +69,7 @@ pub fn certify_connections(
                 let ends = (connection.from, connection.to);
                 connection.verdict = match speculative_checks.of(ends.0, ends.1) {
                     Some(speculation) => Some(speculation.certify(scratch)),
-                    None => Attempt::new(&model, (&roadmap, &leaves, &unvalidated_edges), ends)
+                    None => Attempt::new(&model, (roadmap, &leaves, &unvalidated_edges), ends)
                         .map(|attempt| attempt.certify(&model, &settings, scratch)),
                 };
                 if connection.is_certified() {
@@ -89,9 +92,9 @@ struct Bridges {
 }
 
 impl Bridges {
-    fn new(proposals: &[Connection], roadmap: &Roadmap) -> Self {
+    fn new(proposals: &[Connection], roadmap: Roadmap<'_>) -> Self {
         let joined = |proposal: &Connection| {
-            let (a, b) = (roadmap.component_of(proposal.from), roadmap.component_of(proposal.to));
+            let (a, b) = (roadmap.tree_of(proposal.from), roadmap.tree_of(proposal.to));
             (a.min(b), a.max(b))
         };
         let joined: Vec<_> = proposals.iter().map(joined).collect();

@@ -81,7 +81,7 @@ impl SpeculativeChecks {
     pub fn expect(
         &mut self,
         (model, settings, idle_tasks): (&PlanningModel, &SearchSettings, &IdleTasks),
-        known: (&Roadmap, &LeafIndex, &UnvalidatedEdges),
+        known: (Roadmap<'_>, &LeafIndex, &UnvalidatedEdges<'_, '_>),
         next: &[(NodeId, NodeId)],
         asked: &[(NodeId, NodeId)],
     ) {
@@ -152,11 +152,12 @@ mod tests {
         let settings = SearchSettings::default();
         let mut search = Search::new(&model, &Mrrt, settings.clone(), StopSignal::default(), EventSink::default());
         (0..4).for_each(|_| assert!(search.step().is_none()));
+        let mut unvalidated = bevy_ecs::system::SystemState::<UnvalidatedEdges<'_, '_>>::new(search.world_mut());
         let (roadmap, leaves) = (search.roadmap(), search.world().resource::<LeafIndex>());
         let on = |node: NodeId| roadmap.nodes_on(roadmap.node(node).leaf);
         let nodes = || (0..roadmap.nodes().len() as u32).map(NodeId);
         let pairs: Vec<_> = nodes().flat_map(|a| on(a).iter().map(move |&b| (a, b))).filter(|(a, b)| a < b).collect();
-        let unvalidated_edges = UnvalidatedEdges::default();
+        let Ok(unvalidated_edges) = unvalidated.get(search.world()) else { return };
         let known = (roadmap, leaves, &unvalidated_edges);
         let mut scratch = ConnectionScratch::default();
         let mut direct = |ends| Attempt::new(&model, known, ends).map(|it| it.certify(&model, &settings, &mut scratch));

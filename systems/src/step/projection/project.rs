@@ -1,6 +1,7 @@
 //! The system of set Project: groups candidates by transition and projects the end of each leg in lanes.
 
 use crate::events::StopSignal;
+use crate::exploration::roadmap_query::RoadmapQuery;
 use crate::planning_model::leg_program::LegProgram;
 use crate::planning_model::model::PlanningModel;
 use crate::runtime::parallel::{LEAST_SHARED, each};
@@ -31,7 +32,7 @@ pub(crate) struct Context<'a> {
     pub(crate) model: &'a PlanningModel,
     pub(crate) settings: &'a SearchSettings,
     stop: &'a StopSignal,
-    roadmap: &'a Roadmap,
+    roadmap: Roadmap<'a>,
     pub(crate) leaves: &'a LeafIndex,
     step: u64,
 }
@@ -61,20 +62,15 @@ pub fn project_waypoints(
     settings: Res<'_, SearchSettings>,
     stop: Res<'_, StopSignal>,
     step: Res<'_, StepCounter>,
-    roadmap: Res<'_, Roadmap>,
+    roadmap: RoadmapQuery<'_, '_>,
     leaves: Res<'_, LeafIndex>,
     mut arena: ResMut<'_, CandidateArena>,
     mut candidates: Query<'_, '_, &mut Candidate>,
     buffers: Local<'_, ScratchPool<ProjectionScratch>>,
 ) {
-    let context = Context {
-        model: &model,
-        settings: &settings,
-        stop: &stop,
-        roadmap: &roadmap,
-        leaves: &leaves,
-        step: step.step,
-    };
+    let roadmap = roadmap.view();
+    let context =
+        Context { model: &model, settings: &settings, stop: &stop, roadmap: roadmap, leaves: &leaves, step: step.step };
     let size = arena.configuration_size();
     let CandidateArena { legs, random, .. } = &mut *arena;
     let mut pool: Vec<_> = candidates.iter_mut().collect();
