@@ -24,10 +24,10 @@ use foliate::Planner;
 use foliate::components::graph::{TransitionId, TransitionKind};
 use foliate::components::outcome::{Prior, TransitionStatistics};
 use foliate::components::samples::swap_two_boxes;
+use foliate::schedulers::{Scheduler, mrrt::Mrrt};
 use foliate::systems::exploration::entities::Weight;
 use foliate::systems::planning_model::PlanningModel;
 use foliate::systems::schedule::SearchSet;
-use foliate::systems::schedulers::{Scheduler, mrrt::Mrrt};
 
 /// The rate that is assumed before anything was tried, and how many attempts it takes to change that mind.
 const PRIOR: Prior = Prior { successes: 4.0, attempts: 8.0 };

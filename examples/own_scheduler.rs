@@ -10,9 +10,9 @@ use bevy_ecs::prelude::*;
 use foliate::Planner;
 use foliate::components::outcome::TransitionStatistics;
 use foliate::components::samples::swap_two_boxes;
+use foliate::schedulers::{Scheduler, mrrt::Mrrt};
 use foliate::systems::exploration::entities::Weight;
 use foliate::systems::schedule::SearchSet;
-use foliate::systems::schedulers::{Scheduler, mrrt::Mrrt};
 
 /// `mrrt`, with weights that follow success.
 struct Curious;

@@ -13,4 +13,7 @@ pub mod planner;
 pub mod scene;
 
 pub use crate::planner::{FunnelRow, GoalReport, Planner, Report, Solution, StateRow};
-pub use {foliate_components as components, foliate_kernels as kernels, foliate_systems as systems};
+pub use {
+    foliate_components as components, foliate_kernels as kernels, foliate_schedulers as schedulers,
+    foliate_systems as systems,
+};

@@ -8,10 +8,10 @@ use foliate_components::outcome::{
 use foliate_components::path::ManipulationPath;
 use foliate_components::problem::Problem;
 use foliate_components::robot::PartIndex;
+use foliate_schedulers::Scheduler;
+use foliate_schedulers::portfolio::{MemberCount, MemberCounts};
 use foliate_systems::events::{CancelToken, EventSink, SearchEvent, StopSignal};
 use foliate_systems::planning_model::{Model, ModelError, PlanningModel, ProblemTables};
-use foliate_systems::schedulers::portfolio::{MemberCount, MemberCounts};
-use foliate_systems::schedulers::{self, Scheduler};
 use foliate_systems::search::Search;
 use foliate_systems::search::path_clearance::{PathClearance, path_clearance};
 use foliate_systems::settings::SearchSettings;
@@ -184,7 +184,7 @@ impl Planner {
         Self {
             model,
             settings: SearchSettings::default(),
-            scheduler: schedulers::default_scheduler().into(),
+            scheduler: foliate_schedulers::default_scheduler().into(),
             time_limit: None,
             memory_limit: None,
             token: CancelToken::default(),
@@ -217,7 +217,7 @@ impl Planner {
     /// Uses a shipped scheduler by name; `None` where there is none of that name.
     #[must_use]
     pub fn scheduler_named(mut self, name: &str) -> Option<Self> {
-        self.scheduler = schedulers::named(name)?.into();
+        self.scheduler = foliate_schedulers::named(name)?.into();
         Some(self)
     }
 

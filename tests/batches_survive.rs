@@ -4,7 +4,7 @@
 use bevy_ecs::prelude::{Res, Schedule, World};
 use foliate::batch::{Batch, BatchError, COLUMNS, Entry, Row, Seeds, Settings};
 use foliate::components::samples::{boxes_on_a_table, move_one_box};
-use foliate::systems::schedulers::{Scheduler, mrrt::Mrrt};
+use foliate::schedulers::{Scheduler, mrrt::Mrrt};
 use foliate::systems::settings::SearchSettings;
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -14,9 +14,8 @@ use crate::path_file::save;
 use crate::path_file::write::{PathContext, write_path};
 use crate::planner::{Planner, Solution, panic_message};
 use foliate_components::outcome::SearchOutcome;
+use foliate_schedulers::Scheduler;
 use foliate_systems::events::CancelToken;
-use foliate_systems::schedulers;
-use foliate_systems::schedulers::Scheduler;
 use foliate_systems::settings::SearchSettings;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -64,7 +63,7 @@ impl Batch {
         if solves > MOST_SOLVES {
             return Err(BatchError::TooMany(solves));
         }
-        let scheduler = schedulers::default_scheduler().into();
+        let scheduler = foliate_schedulers::default_scheduler().into();
         Ok(Self { entries, settings, scheduler, token: CancelToken::default(), memory_limit: None })
     }
 

@@ -3,7 +3,8 @@
 //! [`planning_model`] makes the constraint graph of a problem, compiles what it demands, and holds both with the other
 //! tables. A search ([`search`]) is a world whose [`schedule`] runs the sets of [`schedule::SearchSet`] step after step; the
 //! systems of these sets are in [`step`], what they have reached in [`exploration`]. [`goals`] draws configurations of goals,
-//! [`heuristic`] tells which leaves are worth extending. [`schedulers`] are the compositions that ship. [`runtime`] shares work
+//! [`heuristic`] tells which leaves are worth extending. The crate
+//! `foliate_schedulers` composes them. [`runtime`] shares work
 //! among threads.
 #![forbid(unsafe_code)]
 // Frames stand in names as the field writes them: `X_WG` is the pose of G in W, so that `X_WG * X_GH` reads right.
@@ -16,7 +17,6 @@ pub mod heuristic;
 pub mod planning_model;
 pub mod runtime;
 pub mod schedule;
-pub mod schedulers;
 pub mod search;
 pub mod settings;
 pub mod step;

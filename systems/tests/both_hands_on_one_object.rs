@@ -20,7 +20,7 @@ use foliate_kernels::collision::{
 };
 use foliate_kernels::constrained_motion::{ConstraintProgram, Scratch, Settings, project};
 use foliate_kernels::kinematics::Kinematics;
-use foliate_systems::schedulers::shipped;
+use foliate_schedulers::shipped;
 use foliate_systems::search::Search;
 use glam::{DQuat, DVec3};
 use rand::SeedableRng;

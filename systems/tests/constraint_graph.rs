@@ -14,10 +14,10 @@ use foliate_components::robot::{Gripper, GripperIndex};
 use foliate_components::samples::{
     boxes_on_a_table, hold_a_lid_by_a_magnet, make_a_step, put_a_lid_on_a_box, swap_two_boxes,
 };
+use foliate_schedulers::mrrt::Mrrt;
 use foliate_systems::planning_model::graph::checks::GraphError;
 use foliate_systems::planning_model::graph::enumeration::build_constraint_graph;
 use foliate_systems::planning_model::{Model, PlanningModel};
-use foliate_systems::schedulers::mrrt::Mrrt;
 use std::sync::Arc;
 
 /// Two boxes, and a second gripper on the same link as the first.

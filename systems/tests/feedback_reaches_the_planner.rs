@@ -10,8 +10,8 @@ use foliate_components::graph::TransitionId;
 use foliate_components::graph::leaf::LeafIndex;
 use foliate_components::outcome::{Prior, SearchOutcome};
 use foliate_components::samples::{boxes_on_a_table, swap_two_boxes};
+use foliate_schedulers::mrrt::Mrrt;
 use foliate_systems::events::{EventSink, Feedback, SearchEvent};
-use foliate_systems::schedulers::mrrt::Mrrt;
 use foliate_systems::search::Search;
 use foliate_systems::settings::SearchSettings;
 

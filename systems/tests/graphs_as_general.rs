@@ -17,9 +17,9 @@ use foliate_components::samples::{
     open_a_box_and_move_it, open_a_drawer, open_a_drawer_with_a_box_in_it, put_a_lid_on_a_box,
 };
 use foliate_kernels::collision::CollisionScratch;
+use foliate_schedulers::mrrt::Mrrt;
 use foliate_systems::planning_model::PlanningModel;
 use foliate_systems::planning_model::state_classification::residual;
-use foliate_systems::schedulers::mrrt::Mrrt;
 use foliate_systems::settings::SearchSettings;
 
 /// Solves a problem with some seeds and returns the paths.

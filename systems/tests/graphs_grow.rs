@@ -15,10 +15,10 @@ use foliate_components::samples::{
     move_one_box_with_a_level_hand, open_a_box_and_move_it, open_a_drawer_with_a_box_in_it, put_a_lid_on_a_box,
     swap_two_boxes, swap_with_crossed_foliations,
 };
+use foliate_schedulers::mrrt::Mrrt;
 use foliate_systems::planning_model::graph::checks::GraphError;
 use foliate_systems::planning_model::graph::enumeration::build_constraint_graph;
 use foliate_systems::planning_model::{Model, ModelError, PlanningModel};
-use foliate_systems::schedulers::mrrt::Mrrt;
 use foliate_systems::settings::SearchSettings;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;

@@ -12,12 +12,12 @@ use foliate_components::graph::{ConstraintGraph, StateId, Transition, Transition
 use foliate_components::problem::JointRest;
 use foliate_components::roadmap::TreeId;
 use foliate_components::samples::{boxes_on_a_table, open_a_drawer, swap_two_boxes};
+use foliate_schedulers::mrrt::Mrrt;
 use foliate_systems::exploration::reached_leaves::ReachedLeaves;
 use foliate_systems::heuristic::grasp_distance::GraspDistance;
 use foliate_systems::heuristic::leaf_heuristic::LeafHeuristic;
 use foliate_systems::heuristic::systems::measure_leaves;
 use foliate_systems::planning_model::PlanningModel;
-use foliate_systems::schedulers::mrrt::Mrrt;
 use foliate_systems::settings::SearchSettings;
 
 /// A leaf of the state of that name, with a new value for every foliating constraint.

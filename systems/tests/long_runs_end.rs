@@ -11,9 +11,9 @@ use foliate_components::outcome::{Rejection, SearchOutcome};
 use foliate_components::problem::{Goal, PartialGoal};
 use foliate_components::roadmap::RoadmapStore;
 use foliate_components::samples::{boxes_on_a_table, move_one_box};
+use foliate_schedulers::{Scheduler, mrrt::Mrrt};
 use foliate_systems::events::{EventSink, StopSignal};
 use foliate_systems::schedule::SearchSet;
-use foliate_systems::schedulers::{Scheduler, mrrt::Mrrt};
 use foliate_systems::search::Search;
 use foliate_systems::settings::SearchSettings;
 

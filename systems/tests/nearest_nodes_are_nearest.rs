@@ -10,11 +10,11 @@ use common::{model, search, seeded};
 use foliate_components::graph::TransitionId;
 use foliate_components::roadmap::{NodeId, Roadmap, TreeId};
 use foliate_components::samples::boxes_on_a_table;
+use foliate_schedulers::{Scheduler, mrrt::Mrrt, sequence::Sequence};
 use foliate_systems::exploration::neighbours::{Neighbours, Question, Region};
 use foliate_systems::exploration::writer;
 use foliate_systems::planning_model::PlanningModel;
 use foliate_systems::schedule::SearchSet;
-use foliate_systems::schedulers::{Scheduler, mrrt::Mrrt, sequence::Sequence};
 use foliate_systems::settings::{SearchSettings, Selection};
 
 fn all(roadmap: Roadmap<'_>) -> impl Iterator<Item = NodeId> + Clone {

@@ -11,12 +11,12 @@ use foliate_components::candidate::{Candidate, CandidateArena, LegParameter, Pla
 use foliate_components::graph::leaf::LeafIndex;
 use foliate_components::roadmap::{NodeId, RoadmapStore};
 use foliate_components::samples::swap_two_boxes;
+use foliate_schedulers::mrrt::Mrrt;
 use foliate_systems::events::EventSink;
 use foliate_systems::exploration::entities::NewNodes;
 use foliate_systems::exploration::neighbours::Neighbours;
 use foliate_systems::exploration::roadmap_query::roadmap_in;
 use foliate_systems::planning_model::PlanningModel;
-use foliate_systems::schedulers::mrrt::Mrrt;
 use foliate_systems::search::Search;
 use foliate_systems::step::commit::commit_extensions;
 

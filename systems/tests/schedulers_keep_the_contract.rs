@@ -11,9 +11,9 @@ use foliate_components::outcome::SearchOutcome;
 use foliate_components::path::ManipulationPath;
 use foliate_components::problem::{Goal, Problem};
 use foliate_components::samples::{boxes_on_a_table, move_one_box, swap_two_boxes, swap_with_crossed_foliations};
+use foliate_schedulers::{Scheduler, shipped};
 use foliate_systems::events::{EventSink, SearchEvent, StopSignal};
 use foliate_systems::planning_model::PlanningModel;
-use foliate_systems::schedulers::{Scheduler, shipped};
 use foliate_systems::search::Search;
 use foliate_systems::settings::SearchSettings;
 

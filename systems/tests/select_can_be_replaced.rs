@@ -13,10 +13,10 @@ use foliate_components::graph::TransitionId;
 use foliate_components::outcome::{Rejection, SearchOutcome};
 use foliate_components::roadmap::{NodeId, RoadmapNode};
 use foliate_components::samples::swap_two_boxes;
+use foliate_schedulers::{Scheduler, mrrt::Mrrt};
 use foliate_systems::exploration::entities::Weight;
 use foliate_systems::planning_model::PlanningModel;
 use foliate_systems::schedule::{SearchSet, StepCounter};
-use foliate_systems::schedulers::{Scheduler, mrrt::Mrrt};
 
 /// Every candidate takes any node of the roadmap in turn, and the transitions of its state in turn.
 fn take_turns(

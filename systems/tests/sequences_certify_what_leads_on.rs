@@ -14,11 +14,11 @@ use foliate_components::roadmap::{
     EdgeId, NodeId, Roadmap, RoadmapEdge, RoadmapNode, RoadmapStore, TreeId, UnvalidatedEdge,
 };
 use foliate_components::samples::{move_one_box, swap_two_boxes, swap_with_crossed_foliations};
+use foliate_schedulers::sequence::leaf_graph::LeafGraph;
+use foliate_schedulers::{mrrt::Mrrt, sequence::Sequence};
 use foliate_systems::exploration::edges::UnvalidatedByEnd;
 use foliate_systems::exploration::reached_leaves::ReachedLeaves;
 use foliate_systems::exploration::roots::Roots;
-use foliate_systems::schedulers::sequence::leaf_graph::LeafGraph;
-use foliate_systems::schedulers::{mrrt::Mrrt, sequence::Sequence};
 use foliate_systems::search::Search;
 
 fn nodes(roadmap: Roadmap<'_>) -> impl Iterator<Item = NodeId> {
@@ -35,7 +35,7 @@ fn long_motions(search: &Search) -> usize {
 #[test]
 fn fewer_long_motions_are_certified() {
     let model = model(swap_two_boxes().unwrap());
-    let sum = |scheduler: &dyn foliate_systems::schedulers::Scheduler| -> usize {
+    let sum = |scheduler: &dyn foliate_schedulers::Scheduler| -> usize {
         let runs = (1..=6).map(|seed| search(&model, scheduler, seeded(seed), 1));
         runs.map(|(outcome, search)| {
             assert_eq!(outcome, SearchOutcome::Solved);

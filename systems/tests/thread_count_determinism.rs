@@ -11,7 +11,7 @@ use common::{model, search, seeded};
 use foliate_components::samples::{
     boxes_on_a_table, hold_a_lid_by_a_magnet, make_a_step, open_a_box_and_move_it, put_a_lid_on_a_box, swap_two_boxes,
 };
-use foliate_systems::schedulers::shipped;
+use foliate_schedulers::shipped;
 use foliate_systems::settings::{SearchSettings, Selection};
 
 #[test]
@@ -66,7 +66,7 @@ fn unsolved_searches_agree_too_under_every_selection() {
 #[test]
 fn different_seeds_give_different_roadmaps() {
     let model = model(swap_two_boxes().unwrap());
-    let scheduler = foliate_systems::schedulers::mrrt::Mrrt;
+    let scheduler = foliate_schedulers::mrrt::Mrrt;
     let (_, one) = search(&model, &scheduler, seeded(1), 1);
     let (_, two) = search(&model, &scheduler, seeded(2), 1);
     assert_ne!(one.roadmap().fingerprint(), two.roadmap().fingerprint());

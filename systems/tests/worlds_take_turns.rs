@@ -9,10 +9,10 @@ use bevy_ecs::schedule::ScheduleCleanupPolicy;
 use common::{model, search, seeded, stop_within};
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::samples::{boxes_on_a_table, eight_arms_and_ten_boxes, swap_two_boxes};
+use foliate_schedulers::portfolio::{Member, MemberCounts};
+use foliate_schedulers::{Scheduler, mrrt::Mrrt, portfolio::Portfolio};
 use foliate_systems::events::EventSink;
 use foliate_systems::schedule::{SearchSet, empty_schedule};
-use foliate_systems::schedulers::portfolio::{Member, MemberCounts};
-use foliate_systems::schedulers::{Scheduler, mrrt::Mrrt, portfolio::Portfolio};
 use foliate_systems::search::Search;
 use foliate_systems::settings::{SearchSettings, Selection};
 use foliate_systems::step::connection::connect::{certify_connections, propose_connections};
@@ -119,7 +119,7 @@ fn who_enters_late_learns_what_is_known() {
         assert_eq!(search.step(), None);
     }
     let portfolio_members = |search: &Search| {
-        let portfolio_members = search.world().resource::<foliate_systems::schedulers::portfolio::PortfolioMembers>();
+        let portfolio_members = search.world().resource::<foliate_schedulers::portfolio::PortfolioMembers>();
         portfolio_members.searches().map(|search| search.roadmap().nodes().len()).collect::<Vec<_>>()
     };
     assert_eq!(portfolio_members(&search).len(), 1);
@@ -135,7 +135,7 @@ fn budgets_hold_for_all_worlds_together() {
     let mut limited = Search::new(&model, &trio(), settings, stop_within(60), EventSink::default());
     let mut most = 0;
     while limited.step().is_none() {
-        let portfolio_members = limited.world().resource::<foliate_systems::schedulers::portfolio::PortfolioMembers>();
+        let portfolio_members = limited.world().resource::<foliate_schedulers::portfolio::PortfolioMembers>();
         most = portfolio_members.searches().map(|search| search.roadmap().nodes().len()).sum();
     }
     assert_eq!(limited.ending(), Some(&SearchOutcome::MemoryLimit));

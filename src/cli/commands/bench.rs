@@ -5,7 +5,7 @@ use crate::cli::console::print::{Ending, Refusal, print, print_json, say};
 use crate::cli::console::{interrupt, loading};
 use foliate::batch::{Batch, Row, Seeds, Settings, Spread, Table};
 use foliate::scene::PackagePath;
-use foliate::systems::schedulers;
+use foliate::schedulers;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::time::Instant;

@@ -1,50 +1,52 @@
 //! The roadmap of a world: as a parameter of systems, and for functions that have the whole world.
 
-use bevy_ecs::prelude::{Component, Query, QueryState, Res, Resource, World};
+use bevy_ecs::prelude::{AnyOf, Query, QueryState, Res, Resource, World};
 use bevy_ecs::query::QueryContiguousIter;
 use bevy_ecs::system::SystemParam;
 use foliate_components::graph::leaf::LeafId;
 use foliate_components::graph::{StateId, TransitionId};
 use foliate_components::roadmap::{NodeId, Roadmap, RoadmapEdge, RoadmapLeaf, RoadmapNode, RoadmapStore, TreeId};
 
+/// The components of a roadmap: each entity has one of them. One query for all of them costs a third of three, and every search
+/// makes its queries anew.
+type Rows = AnyOf<(&'static RoadmapNode, &'static RoadmapEdge, &'static RoadmapLeaf)>;
+
 /// Nodes, edges and leaves of the world, for a system that reads them.
 #[derive(SystemParam)]
 pub struct RoadmapQuery<'w, 's> {
     store: Res<'w, RoadmapStore>,
-    nodes: Query<'w, 's, &'static RoadmapNode>,
-    edges: Query<'w, 's, &'static RoadmapEdge>,
-    leaves: Query<'w, 's, &'static RoadmapLeaf>,
+    rows: Query<'w, 's, Rows>,
 }
 
 impl RoadmapQuery<'_, '_> {
     /// All components, by id.
     #[must_use]
     pub fn view(&self) -> Roadmap<'_> {
-        Roadmap::new(
-            &self.store,
-            rows(self.nodes.contiguous_iter().ok()),
-            rows(self.edges.contiguous_iter().ok()),
-            rows(self.leaves.contiguous_iter().ok()),
-        )
+        view(&self.store, self.rows.contiguous_iter().ok())
     }
 }
 
-/// The rows of the one archetype that has the component; rows in other archetypes are missing in the answer.
-fn rows<'w, C: Component>(tables: Option<QueryContiguousIter<'w, '_, &'static C, ()>>) -> &'w [C] {
-    tables.into_iter().flatten().find(|rows| !rows.is_empty()).unwrap_or_default()
+/// Each kind of entity has one archetype, so that its rows are one slice in the order in which they were spawned.
+fn view<'w>(store: &'w RoadmapStore, tables: Option<QueryContiguousIter<'w, '_, Rows, ()>>) -> Roadmap<'w> {
+    let (mut nodes, mut edges, mut leaves): (&[_], &[_], &[_]) = (&[], &[], &[]);
+    for table in tables.into_iter().flatten() {
+        match table {
+            (Some(rows), _, _) if !rows.is_empty() => nodes = rows,
+            (_, Some(rows), _) if !rows.is_empty() => edges = rows,
+            (_, _, Some(rows)) if !rows.is_empty() => leaves = rows,
+            _ => {}
+        }
+    }
+    Roadmap::new(store, nodes, edges, leaves)
 }
 
-/// The queries of [`roadmap_in`], kept since making one takes longer than a commit of a node.
+/// The query of [`roadmap_in`], kept since making one takes longer than adding a node.
 #[derive(Resource)]
-pub struct RoadmapStates {
-    nodes: QueryState<&'static RoadmapNode>,
-    edges: QueryState<&'static RoadmapEdge>,
-    leaves: QueryState<&'static RoadmapLeaf>,
-}
+pub struct RoadmapRows(QueryState<Rows>);
 
-impl RoadmapStates {
-    /// Their archetypes come into being with the first entity of each kind. So that the queries know them, one of each kind
-    /// is spawned and despawned here.
+impl RoadmapRows {
+    /// An archetype comes into being with the first entity of its kind. So that the query knows all of them, one entity of each
+    /// kind is spawned and despawned here.
     fn new(world: &mut World) -> Self {
         let (node, tree, along) = (NodeId(0), TreeId(0), TransitionId(0));
         let state = StateId(0);
@@ -53,19 +55,19 @@ impl RoadmapStates {
             world.spawn(RoadmapEdge { from: node, to: node, along, first_motion: 0, motions: 0 }).id(),
             world.spawn(RoadmapLeaf { state, nodes: Vec::new() }).id(),
         ];
-        let states = Self { nodes: world.query(), edges: world.query(), leaves: world.query() };
+        let rows = world.query();
         for kind in kinds {
             world.despawn(kind);
         }
-        states
+        Self(rows)
     }
 }
 
 /// Makes a world ready for a roadmap of configurations with `size` numbers.
 pub fn insert_roadmap(world: &mut World, size: usize) {
     world.insert_resource(RoadmapStore::new(size));
-    let states = RoadmapStates::new(world);
-    world.insert_resource(states);
+    let rows = RoadmapRows::new(world);
+    world.insert_resource(rows);
 }
 
 /// The roadmap of a world, for exclusive systems and hosts.
@@ -74,11 +76,6 @@ pub fn insert_roadmap(world: &mut World, size: usize) {
 /// If the world has none: [`insert_roadmap`] was not called.
 #[must_use]
 pub fn roadmap_in(world: &World) -> Roadmap<'_> {
-    let states = world.resource::<RoadmapStates>();
-    Roadmap::new(
-        world.resource::<RoadmapStore>(),
-        rows(states.nodes.query_manual(world).contiguous_iter_inner().ok()),
-        rows(states.edges.query_manual(world).contiguous_iter_inner().ok()),
-        rows(states.leaves.query_manual(world).contiguous_iter_inner().ok()),
-    )
+    let rows = world.resource::<RoadmapRows>();
+    view(world.resource::<RoadmapStore>(), rows.0.query_manual(world).contiguous_iter_inner().ok())
 }

@@ -76,18 +76,12 @@ impl LeafHeuristic {
     }
 
     /// How much likelier a transition gets by what it leads to.
-    pub(crate) fn preference(
-        &self,
-        graph: &ConstraintGraph,
-        from: &Leaf,
-        transition: &Transition,
-        target_leaf: &Leaf,
-    ) -> f64 {
+    pub fn preference(&self, graph: &ConstraintGraph, from: &Leaf, transition: &Transition, target_leaf: &Leaf) -> f64 {
         FOCUS.powi(-i32::from(self.distance.after(graph, from, transition, target_leaf)))
     }
 
     /// Remembers that a candidate has started on a leaf.
-    pub(crate) fn count_try(&mut self, leaf: LeafId) {
+    pub fn count_try(&mut self, leaf: LeafId) {
         if let Some(tries) = self.tries.get_mut(leaf.at()) {
             *tries += 1;
             self.touched.push(leaf);

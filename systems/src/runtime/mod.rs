@@ -4,7 +4,7 @@
 //! each candidate its own stream, `scratch_pool` lends buffers between steps, `system_sequence` runs several systems as one.
 
 pub mod idle_tasks;
-pub(crate) mod parallel;
+pub mod parallel;
 pub mod random;
 pub mod scratch_pool;
 pub mod system_sequence;

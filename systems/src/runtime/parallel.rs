@@ -6,13 +6,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// Fewer candidates than these are not worth another thread.
-pub(crate) const LEAST_SHARED: usize = 8;
+pub const LEAST_SHARED: usize = 8;
 
 /// Does `work` on every item: threads take one item after another from the front, each with a scratch of its own, so that
 /// nobody waits while items are left and the first are begun first. Items are of unequal length (one candidate's motions
 /// take a hundred times another's), so that halves of the list would not be halves of the work. What comes out must not
 /// depend on the scratch, and then does not depend on the threads.
-pub(crate) fn each<T: Send, S>(items: &mut [T], scratch: impl Fn() -> S + Sync, work: impl Fn(&mut S, &mut T) + Sync) {
+pub fn each<T: Send, S>(items: &mut [T], scratch: impl Fn() -> S + Sync, work: impl Fn(&mut S, &mut T) + Sync) {
     let workers = rayon::current_num_threads().min(items.len());
     if workers <= 1 {
         let mut scratch = scratch();
@@ -38,7 +38,7 @@ pub(crate) fn each<T: Send, S>(items: &mut [T], scratch: impl Fn() -> S + Sync, 
 
 /// Does `work` on every run of neighbouring items that are of the `same` kind. Each thread takes one part of the list, so that a
 /// long run may come in two; what comes out must not depend on that, nor on the scratch.
-pub(crate) fn runs<T: Send, S>(
+pub fn runs<T: Send, S>(
     items: &mut [T],
     same: impl Fn(&T, &T) -> bool + Sync,
     scratch: impl Fn() -> S + Sync,

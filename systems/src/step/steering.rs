@@ -45,7 +45,6 @@ pub fn steer_legs(
     buffers: Local<'_, ScratchPool<MotionScratch>>,
 ) {
     let mut pool: Vec<_> = candidates.iter_mut().collect();
-    pool.sort_unstable_by_key(|c| c.index);
     let mut plans: Vec<_> = pool.iter_mut().zip(&mut arena.legs).map(|(c, legs)| Plan { candidate: c, legs }).collect();
     let most = plans.iter().map(|plan| plan.legs.len()).max().unwrap_or(0);
     let buffers = &*buffers;

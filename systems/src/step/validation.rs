@@ -49,7 +49,6 @@ pub fn certify_legs(
     buffers: Local<'_, ScratchPool<ValidationScratch>>,
 ) {
     let mut pool: Vec<_> = candidates.iter_mut().collect();
-    pool.sort_unstable_by_key(|c| c.index);
     let buffers = &*buffers;
     let projected = |c: &Candidate| c.is_alive() || matches!(c.rejected, Some(Rejection::WaypointBlocked(_)));
     counter.validated += pool.iter().filter(|c| projected(c)).count() as u64;

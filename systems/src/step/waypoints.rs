@@ -92,7 +92,6 @@ pub fn check_waypoints(
     mut batches: Local<'_, Batches>,
 ) {
     let mut pool: Vec<_> = candidates.iter_mut().collect();
-    pool.sort_unstable_by_key(|c| c.index);
     let mut alive: Vec<_> = pool.iter_mut().zip(&mut arena.legs).filter(|(c, _)| c.is_alive()).collect();
     let (buffers, batches) = (&*buffers, &mut *batches);
     batches.clear();

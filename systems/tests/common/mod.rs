@@ -4,9 +4,9 @@
 
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::problem::Problem;
+use foliate_schedulers::Scheduler;
 use foliate_systems::events::{EventSink, StopSignal};
 use foliate_systems::planning_model::{Model, PlanningModel};
-use foliate_systems::schedulers::Scheduler;
 use foliate_systems::search::Search;
 use foliate_systems::settings::SearchSettings;
 use std::sync::Arc;

@@ -6,7 +6,7 @@ use foliate::batch::Entry;
 use foliate::components::outcome::SearchOutcome;
 use foliate::path_file::{PathContext, PathFile, save, write_path};
 use foliate::scene::{MeshCache, PackagePath, Scene, shipped_scenes};
-use foliate::systems::schedulers;
+use foliate::schedulers;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;

@@ -5,7 +5,7 @@ use crate::cli::commands::solve::{coverage, story};
 use foliate::components::outcome::{Rejection, SearchOutcome};
 use foliate::components::robot::ShapeIndex;
 use foliate::scene::Scene;
-use foliate::systems::schedulers::portfolio::MemberCount;
+use foliate::schedulers::portfolio::MemberCount;
 use foliate::systems::search::path_clearance::PathClearance;
 use foliate::{FunnelRow, Solution};
 use std::fmt::Write;

@@ -4,7 +4,7 @@ use crate::cli::commands::solve::arguments::SearchArguments;
 use crate::cli::commands::solve::coverage;
 use crate::cli::commands::solve::summary::{Loaded, name};
 use foliate::components::outcome::SearchOutcome;
-use foliate::systems::schedulers::portfolio::MemberCount;
+use foliate::schedulers::portfolio::MemberCount;
 use foliate::{FunnelRow, GoalReport, Solution, StateRow};
 use serde_json::{Value, json};
 

@@ -73,8 +73,7 @@ pub fn project_waypoints(
         Context { model: &model, settings: &settings, stop: &stop, roadmap: roadmap, leaves: &leaves, step: step.step };
     let size = arena.configuration_size();
     let CandidateArena { legs, random, .. } = &mut *arena;
-    let mut pool: Vec<_> = candidates.iter_mut().collect();
-    pool.sort_unstable_by_key(|c| c.index);
+    let pool: Vec<_> = candidates.iter_mut().collect();
     let mut lanes: Vec<Lane<'_>> = pool
         .into_iter()
         .zip(legs.iter_mut())

@@ -1,17 +1,7 @@
 //! Candidates that are planted: waypoints and the short motions between them, without the long motion that leads there. The
 //! short ones become an unvalidated edge, certified when a sequence needs it.
 
-use crate::exploration::entities::TransitionWeights;
-use crate::exploration::explored::Explored;
-use crate::exploration::roadmap_query::RoadmapQuery;
-use crate::heuristic::leaf_heuristic::LeafHeuristic;
-use crate::planning_model::model::PlanningModel;
-use crate::runtime::parallel::each;
-use crate::runtime::random::{Purpose, draw, stream};
-use crate::runtime::scratch_pool::ScratchPool;
-use crate::schedule::StepCounter;
-use crate::schedulers::sequence::candidate_roles::CandidateRole;
-use crate::settings::SearchSettings;
+use crate::sequence::candidate_roles::CandidateRole;
 use bevy_ecs::prelude::{Local, Query, Res, ResMut, Resource};
 use foliate_components::Pose;
 use foliate_components::candidate::{Candidate, CandidateArena, CommitAs, PlannedLeg};
@@ -19,6 +9,16 @@ use foliate_components::graph::leaf::LeafId;
 use foliate_components::graph::{Leg, Transition, TransitionId, TransitionKind};
 use foliate_components::outcome::Rejection;
 use foliate_kernels::collision::{CollisionScratch, PairId};
+use foliate_systems::exploration::entities::TransitionWeights;
+use foliate_systems::exploration::explored::Explored;
+use foliate_systems::exploration::roadmap_query::RoadmapQuery;
+use foliate_systems::heuristic::leaf_heuristic::LeafHeuristic;
+use foliate_systems::planning_model::model::PlanningModel;
+use foliate_systems::runtime::parallel::each;
+use foliate_systems::runtime::random::{Purpose, draw, stream};
+use foliate_systems::runtime::scratch_pool::ScratchPool;
+use foliate_systems::schedule::StepCounter;
+use foliate_systems::settings::SearchSettings;
 use rand::RngExt;
 use std::collections::BTreeMap;
 
@@ -167,9 +167,8 @@ pub fn leave_out_first_legs(
     let buffers = &*buffers;
     let size = arena.configuration_size();
     let mut succeeded = Vec::new();
-    let mut pool: Vec<_> =
+    let pool: Vec<_> =
         candidates.iter_mut().filter(|c| c.is_alive() && c.commit_as == CommitAs::DetachedTrees).collect();
-    pool.sort_unstable_by_key(|c| c.index);
     let mut legs = arena.legs.iter_mut().enumerate();
     for candidate in pool {
         let own = legs.find(|&(index, _)| index == candidate.index as usize);

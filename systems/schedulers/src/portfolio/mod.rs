@@ -14,7 +14,7 @@ pub mod roadmap_exchange;
 pub(crate) mod rooted;
 pub mod scheduler;
 
-pub use crate::schedulers::portfolio::members::{
+pub use crate::portfolio::members::{
     Member, MemberCount, MemberCounts, PortfolioMembers, enter, pass_branches, take_turns,
 };
-pub use crate::schedulers::portfolio::scheduler::Portfolio;
+pub use crate::portfolio::scheduler::Portfolio;

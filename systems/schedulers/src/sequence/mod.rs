@@ -8,4 +8,4 @@ pub mod lazy_extension;
 pub mod leaf_graph;
 pub mod scheduler;
 
-pub use crate::schedulers::sequence::scheduler::Sequence;
+pub use crate::sequence::scheduler::Sequence;

@@ -4,15 +4,15 @@
 //! of the worlds, so what a world learns, and which ids it gives it, depends on counted work alone. Who has adopted a
 //! branch extends it, aims at it and connects to it as if it had grown it itself.
 
-use crate::exploration::roadmap_query::roadmap_in;
-use crate::exploration::roots::Roots;
-use crate::exploration::writer;
-use crate::schedulers::portfolio::rooted::{Rooted, other_end};
+use crate::portfolio::rooted::{Rooted, other_end};
 use bevy_ecs::prelude::{Mut, Resource, World};
 use crossbeam_channel::{Receiver, Sender, unbounded};
 use foliate_components::graph::leaf::{Leaf, LeafId, LeafIndex, Parameter, ParameterId};
 use foliate_components::graph::{StateId, TransitionId};
 use foliate_components::roadmap::{EdgeId, Motion, NodeId, Roadmap};
+use foliate_systems::exploration::roadmap_query::roadmap_in;
+use foliate_systems::exploration::roots::Roots;
+use foliate_systems::exploration::writer;
 use std::collections::{HashMap, HashSet};
 
 /// Where a node or a parameter was born: ids differ from world to world, this does not.

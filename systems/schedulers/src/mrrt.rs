@@ -1,13 +1,13 @@
 //! `mrrt`: Manipulation RRT, the papers' algorithm (P0 Alg. 1, P1 §III), batched.
 
-use crate::heuristic::systems;
-use crate::search::scheduler::Scheduler;
-use crate::step::connection::connect;
-use crate::step::projection::project;
+use foliate_systems::heuristic::systems;
+use foliate_systems::search::scheduler::Scheduler;
+use foliate_systems::step::connection::connect;
+use foliate_systems::step::projection::project;
 
-use crate::schedule::{SearchSet, empty_schedule};
-use crate::step::{commit, conclusion, rendezvous, sampling, selection, steering, validation, waypoints};
 use bevy_ecs::prelude::{IntoScheduleConfigs, Schedule, World};
+use foliate_systems::schedule::{SearchSet, empty_schedule};
+use foliate_systems::step::{commit, conclusion, rendezvous, sampling, selection, steering, validation, waypoints};
 
 /// Random trees from the start and every goal, grown leaf by leaf through regular and crossed transitions.
 #[derive(Clone, Copy, Debug, Default)]
@@ -35,7 +35,9 @@ impl Scheduler for Mrrt {
             project::project_waypoints.in_set(SearchSet::Project),
             (waypoints::check_waypoints, steering::steer_legs).chain().in_set(SearchSet::Steer),
             validation::certify_legs.in_set(SearchSet::Validate),
-            (commit::commit_extensions, crate::goals::systems::draw_more_goals).chain().in_set(SearchSet::Commit),
+            (commit::commit_extensions, foliate_systems::goals::systems::draw_more_goals)
+                .chain()
+                .in_set(SearchSet::Commit),
             (connect::propose_connections, connect::certify_connections, commit::commit_connections)
                 .chain()
                 .in_set(SearchSet::Connect),

@@ -1,14 +1,14 @@
 //! Rounds of joining in one step: a motion that fails may leave another sequence whose motions are all untried.
 
-use crate::exploration::memory::SchedulerBytes;
-use crate::runtime::system_sequence::SystemSequence;
-use crate::schedule::StepCounter;
-use crate::schedulers::sequence::joining;
-use crate::schedulers::sequence::leaf_graph::LeafGraph;
-use crate::step::commit;
-use crate::step::connection::connect;
+use crate::sequence::joining;
+use crate::sequence::leaf_graph::LeafGraph;
 use bevy_ecs::error::Result;
 use bevy_ecs::prelude::{Mut, Res, ResMut, Resource, World};
+use foliate_systems::exploration::memory::SchedulerBytes;
+use foliate_systems::runtime::system_sequence::SystemSequence;
+use foliate_systems::schedule::StepCounter;
+use foliate_systems::step::commit;
+use foliate_systems::step::connection::connect;
 
 /// Rounds in a step at most.
 const MOST_ITERATIONS: usize = 6;

@@ -1,8 +1,8 @@
 //! The schedulers that ship, by name, and which of them is the default.
 
-use crate::schedulers::mrrt;
-use crate::schedulers::sequence::scheduler;
-use crate::search::scheduler::Scheduler;
+use crate::mrrt;
+use crate::sequence::scheduler;
+use foliate_systems::search::scheduler::Scheduler;
 
 /// Name of the shipped scheduler that is used where none is asked for: the best over all shipped scenes
 /// (docs/decisions/0005).
@@ -20,7 +20,7 @@ pub fn shipped() -> Vec<Box<dyn Scheduler>> {
     vec![
         Box::new(scheduler::Sequence),
         Box::new(mrrt::Mrrt),
-        Box::new(crate::schedulers::portfolio::scheduler::Portfolio::default()),
+        Box::new(crate::portfolio::scheduler::Portfolio::default()),
     ]
 }
 
@@ -32,7 +32,7 @@ pub fn named(name: &str) -> Option<Box<dyn Scheduler>> {
 
 #[cfg(test)]
 mod tests {
-    use crate::schedulers::shipped::{DEFAULT, default_scheduler, named, shipped};
+    use crate::shipped::{DEFAULT, default_scheduler, named, shipped};
 
     #[test]
     fn schedulers_are_found_by_their_names() {

@@ -1,14 +1,14 @@
 //! When a portfolio is over, what its host hears, and which world answers.
 
-use crate::events::{EventSink, SearchEvent, StopSignal};
-use crate::exploration::roots::Ending;
-use crate::schedule::StepCounter;
-use crate::schedulers::portfolio::members::{MemberCounts, PortfolioMembers};
-use crate::search::session::{AnswerIn, Search};
-use crate::settings::SearchSettings;
+use crate::portfolio::members::{MemberCounts, PortfolioMembers};
 use bevy_ecs::prelude::{Res, ResMut, World};
 use foliate_components::graph::leaf::LeafIndex;
 use foliate_components::outcome::SearchOutcome;
+use foliate_systems::events::{EventSink, SearchEvent, StopSignal};
+use foliate_systems::exploration::roots::Ending;
+use foliate_systems::schedule::StepCounter;
+use foliate_systems::search::session::{AnswerIn, Search};
+use foliate_systems::settings::SearchSettings;
 
 /// Ends the portfolio when a world has solved the problem, when all together have spent a budget, when none of them goes on,
 /// or when the host or its clock says so. Budgets are looked at between rounds.

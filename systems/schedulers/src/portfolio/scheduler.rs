@@ -1,21 +1,21 @@
 //! `portfolio`: several searches of one problem, interleaved by counted work, that tell each other what they have reached.
 
-use crate::schedule::{SearchSet, empty_schedule};
-use crate::schedulers::mrrt::Mrrt;
-use crate::schedulers::portfolio::conclusion;
-use crate::schedulers::portfolio::members::{Member, PortfolioMembers, enter, pass_branches, take_turns};
-use crate::schedulers::sequence::scheduler::Sequence;
-use crate::search::scheduler::Scheduler;
+use crate::mrrt::Mrrt;
+use crate::portfolio::conclusion;
+use crate::portfolio::members::{Member, PortfolioMembers, enter, pass_branches, take_turns};
+use crate::sequence::scheduler::Sequence;
 use bevy_ecs::prelude::{IntoScheduleConfigs, Schedule, World};
+use foliate_systems::schedule::{SearchSet, empty_schedule};
+use foliate_systems::search::scheduler::Scheduler;
 
-/// Searches that take turns in worlds of their own ([`crate::schedulers::portfolio`]). The one that answers may depend on the members, on
+/// Searches that take turns in worlds of their own ([`crate::portfolio`]). The one that answers may depend on the members, on
 /// their order and on the length of a turn, never on the clock or the number of threads.
 #[derive(Clone)]
 pub struct Portfolio {
     /// The searches. The first is alone until the second enters; in a round in which several succeed, the first of them
     /// answers.
     pub members: Vec<Member>,
-    /// Work of a turn, [`crate::schedule::StepCounter::work`]. The shorter the turns, the sooner worlds learn from each other.
+    /// Work of a turn, [`foliate_systems::schedule::StepCounter::work`]. The shorter the turns, the sooner worlds learn from each other.
     pub quantum: u64,
 }
 

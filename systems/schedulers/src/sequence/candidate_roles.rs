@@ -1,7 +1,7 @@
 //! What each candidate of a step is for.
 
-use crate::schedule::StepCounter;
 use foliate_components::candidate::Candidate;
+use foliate_systems::schedule::StepCounter;
 
 /// Of so many candidates one is an extension as `mrrt` makes them, so that nothing is given up for good.
 const ORDINARY: u64 = 64;

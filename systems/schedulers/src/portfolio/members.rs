@@ -1,16 +1,16 @@
 //! The worlds of a portfolio, and the systems of a round: enter, take turns, pass branches on.
 
-use crate::events::{EventSink, SearchEvent};
-use crate::planning_model::model::PlanningModel;
-use crate::schedule::StepCounter;
-use crate::schedulers::portfolio::roadmap_exchange;
-use crate::schedulers::portfolio::roadmap_exchange::{Branch, Correspondence};
-use crate::search::scheduler::Scheduler;
-use crate::search::session::Search;
-use crate::settings::SearchSettings;
+use crate::portfolio::roadmap_exchange;
+use crate::portfolio::roadmap_exchange::{Branch, Correspondence};
 use bevy_ecs::prelude::{Mut, Res, ResMut, Resource, World};
 use crossbeam_channel::Receiver;
 use foliate_components::outcome::SearchOutcome;
+use foliate_systems::events::{EventSink, SearchEvent};
+use foliate_systems::planning_model::model::PlanningModel;
+use foliate_systems::schedule::StepCounter;
+use foliate_systems::search::scheduler::Scheduler;
+use foliate_systems::search::session::Search;
+use foliate_systems::settings::SearchSettings;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};

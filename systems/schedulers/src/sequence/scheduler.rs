@@ -1,18 +1,18 @@
 //! `sequence`: sequences of transitions first, long motions last.
 
-use crate::heuristic::systems;
-use crate::schedulers::mrrt::Mrrt;
-use crate::schedulers::sequence::{connect_iterations, lazy_extension};
-use crate::search::scheduler::Scheduler;
-use crate::step::projection::project;
+use crate::mrrt::Mrrt;
+use crate::sequence::{connect_iterations, lazy_extension};
+use foliate_systems::heuristic::systems;
+use foliate_systems::search::scheduler::Scheduler;
+use foliate_systems::step::projection::project;
 
-use crate::planning_model::model::PlanningModel;
-use crate::runtime::system_sequence::system_sequence;
-use crate::schedule::{SearchSet, empty_schedule};
-use crate::schedulers::sequence::{joining, leaf_graph};
-use crate::step::{commit, conclusion, rendezvous, sampling, selection, steering, validation, waypoints};
+use crate::sequence::{joining, leaf_graph};
 use bevy_ecs::prelude::{IntoScheduleConfigs, Schedule, World};
 use foliate_components::graph::TransitionKind;
+use foliate_systems::planning_model::model::PlanningModel;
+use foliate_systems::runtime::system_sequence::system_sequence;
+use foliate_systems::schedule::{SearchSet, empty_schedule};
+use foliate_systems::step::{commit, conclusion, rendezvous, sampling, selection, steering, validation, waypoints};
 
 /// Short motions between leaves are planted where `mrrt` would first certify how to get there; only the long motions of
 /// sequences that reach from the start to a goal are certified, those estimated to be easiest first. A problem whose only
@@ -60,7 +60,7 @@ impl Scheduler for Sequence {
             .in_set(SearchSet::Steer),
             system_sequence((validation::certify_legs, lazy_extension::keep_whole_lazy_extensions))
                 .in_set(SearchSet::Validate),
-            system_sequence((commit::commit_extensions, crate::goals::systems::draw_more_goals))
+            system_sequence((commit::commit_extensions, foliate_systems::goals::systems::draw_more_goals))
                 .in_set(SearchSet::Commit),
             system_sequence((connect_iterations::join_iteratively, connect_iterations::count_memory))
                 .in_set(SearchSet::Connect),

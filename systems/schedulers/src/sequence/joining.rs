@@ -1,23 +1,23 @@
 //! Joins the trees that a sequence of transitions needs to hang together: by a straight motion first, then by two trees
 //! that grow towards one another on the leaf.
 
-use crate::exploration::edges::{Connection, Connections, UnvalidatedEdges};
-use crate::exploration::entities::NewNodes;
-use crate::exploration::roadmap_query::RoadmapQuery;
-use crate::exploration::roots::Roots;
-use crate::planning_model::model::PlanningModel;
-use crate::runtime::idle_tasks::IdleTasks;
-use crate::runtime::random::{Purpose, stream};
-use crate::schedule::StepCounter;
-use crate::schedulers::sequence::candidate_roles::CandidateRole;
-use crate::schedulers::sequence::lazy_extension::LazyExtensions;
-use crate::schedulers::sequence::leaf_graph::{Join, LeafGraph};
-use crate::settings::SearchSettings;
-use crate::step::connection::speculative_checks::SpeculativeChecks;
+use crate::sequence::candidate_roles::CandidateRole;
+use crate::sequence::lazy_extension::LazyExtensions;
+use crate::sequence::leaf_graph::{Join, LeafGraph};
 use bevy_ecs::prelude::{Query, Res, ResMut, Resource};
 use foliate_components::candidate::{Candidate, CandidateArena};
 use foliate_components::graph::leaf::LeafIndex;
 use foliate_components::roadmap::{NodeId, Roadmap, TreeId};
+use foliate_systems::exploration::edges::{Connection, Connections, UnvalidatedEdges};
+use foliate_systems::exploration::entities::NewNodes;
+use foliate_systems::exploration::roadmap_query::RoadmapQuery;
+use foliate_systems::exploration::roots::Roots;
+use foliate_systems::planning_model::model::PlanningModel;
+use foliate_systems::runtime::idle_tasks::IdleTasks;
+use foliate_systems::runtime::random::{Purpose, stream};
+use foliate_systems::schedule::StepCounter;
+use foliate_systems::settings::SearchSettings;
+use foliate_systems::step::connection::speculative_checks::SpeculativeChecks;
 use rand::RngExt;
 
 /// Candidates that make up one effort.
@@ -67,7 +67,6 @@ pub fn grow_joins(
     let size = arena.configuration_size();
     let grows = |c: &Candidate| CandidateRole::of(&step, pool, c).grows();
     let mut chosen: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive() && grows(c)).collect();
-    chosen.sort_unstable_by_key(|c| c.index);
     let first = (CandidateRole::of(&step, pool, &Candidate::default()).number() / 4) as usize;
     for (turn, candidate) in (first..).zip(&mut chosen) {
         let join = growing.0[turn / 2 % growing.0.len()];

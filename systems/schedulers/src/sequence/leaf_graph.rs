@@ -4,11 +4,11 @@
 //! join them there is an estimate that rises with each failed effort; or where an unvalidated edge leads from one to the other. The
 //! cheapest way from the start's tree to a goal's is the sequence of transitions to work on.
 
-use crate::exploration::roots::Roots;
 use foliate_components::graph::StateId;
 use foliate_components::graph::leaf::LeafId;
 use foliate_components::roadmap::{NodeId, Roadmap, TreeId};
 use foliate_components::robot::configuration::ConfigurationSpace;
+use foliate_systems::exploration::roots::Roots;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 

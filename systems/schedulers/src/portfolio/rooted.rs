@@ -1,7 +1,7 @@
 //! Which nodes of a roadmap hang together with the start or a goal, and by which edge the way to it begins.
 
-use crate::exploration::roots::Roots;
 use foliate_components::roadmap::{EdgeId, NodeId, Roadmap};
+use foliate_systems::exploration::roots::Roots;
 use std::collections::VecDeque;
 
 /// Grows with the roadmap; every node and edge is looked at a bounded number of times.
