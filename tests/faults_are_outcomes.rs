@@ -201,8 +201,7 @@ fn a_panic_in_the_middle_of_a_projection_is_an_outcome() {
         let solution = planner.solve_on(threads).unwrap();
         match &solution.outcome {
             SearchOutcome::Crashed(why) => assert_eq!(why, "a fault", "{number}"),
-            // A speculative check on the second thread may have met the fault: it ends alone, and changes no answer.
-            _ => assert_eq!((threads, told(&solution)), (2, reference.clone()), "{number}"),
+            outcome => panic!("{number} on {threads} threads: {outcome:?}"),
         }
         if number % 5 == 0 {
             own.nth.store(0, Ordering::Relaxed);

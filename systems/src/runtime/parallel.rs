@@ -1,6 +1,6 @@
 //! Work on many slots by all threads of the pool.
 
-use crate::runtime::idle_tasks::wait_for;
+use crate::runtime::watch::wait_for;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -29,7 +29,7 @@ pub fn each<T: Send, S>(items: &mut [T], scratch: impl Fn() -> S + Sync, work: i
             work(own.get_or_insert_with(&scratch), item);
             unfinished.fetch_sub(1, Ordering::Relaxed);
         }
-        // Who goes on when all is done had better not fall asleep over the last items.
+        // The caller goes on when all is done: it must not fall asleep over the last items.
         if caller.is_some() && rayon::current_thread_index() == caller {
             wait_for(|| unfinished.load(Ordering::Relaxed) == 0);
         }

@@ -7,7 +7,7 @@ use crate::exploration::{memory, writer};
 use crate::goals::sampler::GoalSampler;
 use crate::goals::systems::add_feasible_root;
 use crate::planning_model::model::PlanningModel;
-use crate::runtime::idle_tasks::{IdleTasks, Watch};
+use crate::runtime::watch::Watch;
 use crate::schedule::StepCounter;
 use crate::search::path_extraction::{extract_path, reached_backwards};
 use crate::search::scheduler::Scheduler;
@@ -85,9 +85,10 @@ impl Search {
     /// Steps until the search ends, on the threads of the pool in which it is called.
     ///
     /// Call it inside `rayon::ThreadPool::install` of a pool that the host owns; the answer does not depend on its size. The
-    /// pool's other threads do not sleep meanwhile, as far as there are cores for them: see [`crate::runtime::idle_tasks`].
+    /// pool's other threads do not sleep meanwhile, as far as there are cores for them: a thread that sleeps between two parallel
+    /// sections of a step is woken too late.
     pub fn run(&mut self) -> SearchOutcome {
-        let watch = Watch::begin(self.world.resource::<IdleTasks>());
+        let watch = Watch::begin();
         loop {
             watch.call();
             if let Some(outcome) = self.step() {

@@ -21,7 +21,6 @@ impl Default for ConnectIterations {
     fn default() -> Self {
         Self(SystemSequence::of((
             joining::propose_joins,
-            joining::check_ahead,
             connect::certify_connections,
             joining::learn_from_joins,
             commit::commit_connections,

@@ -6,18 +6,15 @@ use crate::sequence::lazy_extension::LazyExtensions;
 use crate::sequence::leaf_graph::{Join, LeafGraph};
 use bevy_ecs::prelude::{Query, Res, ResMut, Resource};
 use foliate_components::candidate::{Candidate, CandidateArena};
-use foliate_components::graph::leaf::LeafIndex;
 use foliate_components::roadmap::{NodeId, Roadmap, TreeId};
 use foliate_systems::exploration::edges::{Connection, Connections, UnvalidatedEdges};
 use foliate_systems::exploration::entities::NewNodes;
 use foliate_systems::exploration::roadmap_query::RoadmapQuery;
 use foliate_systems::exploration::roots::Roots;
 use foliate_systems::planning_model::model::PlanningModel;
-use foliate_systems::runtime::idle_tasks::IdleTasks;
 use foliate_systems::runtime::random::{Purpose, stream};
 use foliate_systems::schedule::StepCounter;
 use foliate_systems::settings::SearchSettings;
-use foliate_systems::step::connection::speculative_checks::SpeculativeChecks;
 use rand::RngExt;
 
 /// Candidates that make up one effort.
@@ -25,9 +22,6 @@ const EFFORT: f64 = 8.0;
 
 /// Straight motions that are tried in one round.
 const AT_ONCE: usize = 2;
-
-/// Straight motions beyond those of a round that threads may try meanwhile which have nothing else to do.
-const AHEAD: usize = 4;
 
 /// A node that has grown for a join is tried against so many nodes of the other side.
 const NEIGHBOURS: usize = 3;
@@ -42,10 +36,6 @@ pub struct Growing(pub Vec<Join>);
 /// The joins of this round, in the order of the proposals; `None` for what grew.
 #[derive(Clone, Debug, Default, Resource)]
 pub struct Tried(Vec<Option<Join>>);
-
-/// The joins of the sequence that is worked on for which it is not yet the turn, in order.
-#[derive(Clone, Debug, Default, Resource)]
-pub struct Next(Vec<Join>);
 
 /// Sets a part of the candidates to growing the trees of joins that a straight motion could not make.
 #[allow(clippy::too_many_arguments, reason = "a system's parameters are what it reads and writes")]
@@ -136,7 +126,6 @@ pub fn propose_joins(
     mut growing: ResMut<'_, Growing>,
     mut graph: ResMut<'_, LeafGraph>,
     mut tried: ResMut<'_, Tried>,
-    mut later: ResMut<'_, Next>,
     mut connections: ResMut<'_, Connections>,
 ) {
     let roadmap = roadmap.view();
@@ -151,7 +140,6 @@ pub fn propose_joins(
         return;
     }
     tried.0.clear();
-    later.0.clear();
     for node in std::mem::take(&mut new.0) {
         let (leaf, tree) = (roadmap.node(node).leaf, roadmap.tree_of(node));
         for &join in growing.0.iter().filter(|&&join| graph.leaf(join) == leaf) {
@@ -175,36 +163,13 @@ pub fn propose_joins(
         untried.into_iter().partition(|&join| graph.is_unvalidated(join));
     // What is most likely to fail comes first: then the rest need not be tried. Unvalidated edges hardly ever do.
     long.sort_by(|&a, &b| graph.cost(b).total_cmp(&graph.cost(a)).then(a.cmp(&b)));
-    let at_once = if long.is_empty() { unvalidated_edges.len() } else { AT_ONCE.min(long.len()) };
-    long.extend(unvalidated_edges);
-    let ahead = long.split_off(at_once);
-    for join in long {
+    long.truncate(AT_ONCE);
+    let proposed = if long.is_empty() { unvalidated_edges } else { long };
+    for join in proposed {
         let (from, to) = graph.ends(join);
         connections.0.push(Connection::between(from, to));
         tried.0.push(Some(join));
     }
-    later.0.extend(ahead.into_iter().take(AHEAD));
-}
-
-/// Leaves the straight motions that come next to threads that have nothing else to do. Most of them are tried whatever
-/// becomes of those before them: the next way shares them.
-#[allow(clippy::too_many_arguments, reason = "a system's parameters are what it reads and writes")]
-pub fn check_ahead(
-    model: Res<'_, PlanningModel>,
-    settings: Res<'_, SearchSettings>,
-    idle_tasks: Res<'_, IdleTasks>,
-    roadmap: RoadmapQuery<'_, '_>,
-    leaves: Res<'_, LeafIndex>,
-    unvalidated_edges: UnvalidatedEdges<'_, '_>,
-    graph: Res<'_, LeafGraph>,
-    connections: Res<'_, Connections>,
-    next: Res<'_, Next>,
-    mut speculative_checks: ResMut<'_, SpeculativeChecks>,
-) {
-    let roadmap = roadmap.view();
-    let next: Vec<_> = next.0.iter().map(|&join| graph.ends(join)).collect();
-    let asked: Vec<_> = connections.0.iter().map(|connection| (connection.from, connection.to)).collect();
-    speculative_checks.expect((&model, &settings, &idle_tasks), (roadmap, &leaves, &unvalidated_edges), &next, &asked);
 }
 
 /// Remembers which joins were free and which were not.

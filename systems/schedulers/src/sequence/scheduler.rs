@@ -33,7 +33,6 @@ impl Scheduler for Sequence {
         world.init_resource::<lazy_extension::LazyExtensions>();
         world.init_resource::<joining::Growing>();
         world.init_resource::<joining::Tried>();
-        world.init_resource::<joining::Next>();
         world.init_resource::<connect_iterations::ConnectIterations>();
         let mut schedule = empty_schedule();
         schedule.add_systems((

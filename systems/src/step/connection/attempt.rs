@@ -1,115 +1,71 @@
-//! One connection to be certified: a straight motion on a leaf, or the motions of an unvalidated edge.
-//!
-//! It holds copies of all that it needs, so that a thread can certify it without the world.
+//! One connection, certified: the motions of an unvalidated edge, or the straight motion between two nodes of a leaf.
 
 use crate::exploration::edges::{Obstacle, UnvalidatedEdges, Verdict};
 use crate::planning_model::model::PlanningModel;
 use crate::settings::SearchSettings;
 use crate::step::{steering, validation};
-use foliate_components::Pose;
-use foliate_components::graph::leaf::{LeafId, LeafIndex};
-use foliate_components::graph::{StateId, TransitionId};
-use foliate_components::roadmap::{Motion, NodeId, Roadmap};
+use foliate_components::graph::leaf::LeafIndex;
+use foliate_components::roadmap::{Motion, NodeId, Roadmap, UnvalidatedEdge};
 use foliate_kernels::collision::CollisionScratch;
 use foliate_kernels::constrained_motion::MotionScratch;
-use foliate_kernels::kinematics::RigidAttachment;
 
 /// Buffers of one thread.
 pub(crate) type ConnectionScratch = (CollisionScratch, MotionScratch);
 
-/// What is to be tried between two nodes, with all that it takes: whoever certifies it needs no world.
-pub(crate) enum Attempt {
-    /// The straight motion between two nodes of one leaf.
-    Straight(Straight),
-    /// The motions of an unvalidated edge.
-    UnvalidatedEdge(Vec<(Motion, StateId, Vec<RigidAttachment>)>),
+/// What the attempts of a step read.
+pub(crate) struct Attempts<'a> {
+    pub(crate) model: &'a PlanningModel,
+    pub(crate) settings: &'a SearchSettings,
+    pub(crate) roadmap: Roadmap<'a>,
+    pub(crate) leaves: &'a LeafIndex,
+    pub(crate) unvalidated_edges: &'a UnvalidatedEdges<'a, 'a>,
 }
 
-/// A motion to be steered and certified within a leaf.
-pub(crate) struct Straight {
-    transition: TransitionId,
-    state: StateId,
-    leaf: LeafId,
-    rigid_attachments: Vec<RigidAttachment>,
-    /// Right-hand sides of the rows that are left on the leaf.
-    arguments: Vec<Pose>,
-    ends: (Vec<f64>, Vec<f64>),
-}
-
-impl Attempt {
-    /// `None` where there is no unvalidated edge, nor any motion within the leaf.
-    pub(crate) fn new(
-        model: &PlanningModel,
-        (roadmap, leaves, unvalidated_edges): (Roadmap<'_>, &LeafIndex, &UnvalidatedEdges<'_, '_>),
-        (from, to): (NodeId, NodeId),
-    ) -> Option<Self> {
-        if let Some(unvalidated_edge) = unvalidated_edges.between(from, to) {
-            let with_attachments = |motion: &Motion| {
-                let leaf = leaves.leaf(motion.leaf);
-                (motion.clone(), leaf.state, model.attachments_of_leaf(leaf, leaves))
-            };
-            return Some(Self::UnvalidatedEdge(unvalidated_edge.motions.iter().map(with_attachments).collect()));
+impl Attempts<'_> {
+    /// The certified motions between two nodes, whole or not at all. `None` where there is no unvalidated edge, nor any motion
+    /// within the leaf.
+    pub(crate) fn certify(&self, from: NodeId, to: NodeId, scratch: &mut ConnectionScratch) -> Option<Verdict> {
+        scratch.0.set_level(self.settings.level);
+        match self.unvalidated_edges.between(from, to) {
+            Some(edge) => Some(self.certify_unvalidated(edge, &mut scratch.0)),
+            None => self.certify_straight(from, to, scratch),
         }
-        let row = roadmap.node(from);
-        let leaf = leaves.leaf(row.leaf);
-        Some(Self::Straight(Straight {
-            transition: model.graph.loop_of(row.state)?,
-            state: row.state,
-            leaf: row.leaf,
-            rigid_attachments: model.attachments_of_leaf(leaf, leaves),
-            arguments: steering::arguments_on(model, leaf, leaves)?,
-            ends: (roadmap.configuration(from).to_vec(), roadmap.configuration(to).to_vec()),
-        }))
     }
 
-    /// The certified motions, whole or not at all.
-    pub(crate) fn certify(
+    fn certify_unvalidated(&self, edge: &UnvalidatedEdge, collision: &mut CollisionScratch) -> Verdict {
+        let Self { model, settings, leaves, .. } = *self;
+        let certify = |motion: &Motion| {
+            let leaf = leaves.leaf(motion.leaf);
+            let (along, rigid_attachments) = ((motion.transition, leaf.state), model.attachments_of_leaf(leaf, leaves));
+            validation::certify_whole(model, settings, along, &rigid_attachments, &motion.knots, collision)
+                .map(|clearance| Motion { clearance, ..motion.clone() })
+                .map_err(|blocked_by| Obstacle { leg: motion.leg, blocked_by })
+        };
+        edge.motions.iter().map(certify).collect()
+    }
+
+    fn certify_straight(
         &self,
-        model: &PlanningModel,
-        settings: &SearchSettings,
+        from: NodeId,
+        to: NodeId,
         (collision, motion): &mut ConnectionScratch,
-    ) -> Verdict {
-        collision.set_level(settings.level);
-        match self {
-            Self::Straight(straight) => {
-                straight.certify(model, settings, (collision, motion)).map(|motion| vec![motion])
-            }
-            Self::UnvalidatedEdge(motions) => motions
-                .iter()
-                .map(|(motion, state, rigid_attachments)| {
-                    let (transition, knots) = (motion.transition, &motion.knots);
-                    validation::certify_whole(
-                        model,
-                        settings,
-                        (transition, *state),
-                        rigid_attachments,
-                        knots,
-                        collision,
-                    )
-                    .map(|clearance| Motion { clearance, ..motion.clone() })
-                    .map_err(|blocked_by| Obstacle { leg: motion.leg, blocked_by })
-                })
-                .collect(),
-        }
-    }
-}
-
-impl Straight {
-    fn certify(
-        &self,
-        model: &PlanningModel,
-        settings: &SearchSettings,
-        (collision, motion): (&mut CollisionScratch, &mut MotionScratch),
-    ) -> Result<Motion, Obstacle> {
-        let ends = (&*self.ends.0, &*self.ends.1);
+    ) -> Option<Verdict> {
+        let Self { model, settings, roadmap, leaves, .. } = *self;
+        let row = roadmap.node(from);
+        let (transition, leaf) = (model.graph.loop_of(row.state)?, leaves.leaf(row.leaf));
+        let arguments = steering::arguments_on(model, leaf, leaves)?;
+        let ends = (roadmap.configuration(from), roadmap.configuration(to));
         let obstacle = |blocked_by| Obstacle { leg: 0, blocked_by };
-        let steered = steering::steer_whole(model, settings, self.state, &self.arguments, ends, motion)
-            .ok_or_else(|| obstacle(None))?;
-        let (rigid_attachments, knots) = (&self.rigid_attachments, steered.knots);
-        let along = (self.transition, self.state);
-        let clearance = validation::certify_whole(model, settings, along, rigid_attachments, &knots, collision)
-            .map_err(obstacle)?;
-        let residual = steered.residual;
-        Ok(Motion { transition: self.transition, leg: 0, leaf: self.leaf, knots, clearance, residual })
+        let mut certify = || {
+            let steered = steering::steer_whole(model, settings, row.state, &arguments, ends, motion)
+                .ok_or_else(|| obstacle(None))?;
+            let (along, rigid_attachments) = ((transition, row.state), model.attachments_of_leaf(leaf, leaves));
+            let clearance =
+                validation::certify_whole(model, settings, along, &rigid_attachments, &steered.knots, collision)
+                    .map_err(obstacle)?;
+            let (knots, residual) = (steered.knots, steered.residual);
+            Ok(vec![Motion { transition, leg: 0, leaf: row.leaf, knots, clearance, residual }])
+        };
+        Some(certify())
     }
 }

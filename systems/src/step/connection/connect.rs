@@ -6,12 +6,10 @@ use crate::exploration::entities::NewNodes;
 use crate::exploration::neighbours::index::Neighbours;
 use crate::exploration::roadmap_query::RoadmapQuery;
 use crate::planning_model::model::PlanningModel;
-use crate::runtime::idle_tasks::IdleTasks;
 use crate::runtime::parallel::each;
 use crate::runtime::scratch_pool::ScratchPool;
 use crate::settings::SearchSettings;
-use crate::step::connection::attempt::{Attempt, ConnectionScratch};
-use crate::step::connection::speculative_checks::{SpeculativeCheck, SpeculativeChecks};
+use crate::step::connection::attempt::{Attempts, ConnectionScratch};
 use bevy_ecs::prelude::{Local, Res, ResMut};
 use foliate_components::graph::leaf::LeafIndex;
 use foliate_components::roadmap::Roadmap;
@@ -34,8 +32,7 @@ pub fn propose_connections(
 }
 
 /// Steers and certifies the proposals; whole or not at all. Of those that would join the same two trees all behind the
-/// first that is certified are left out: its edge makes them needless. Threads for which none is left go on with what is
-/// predicted.
+/// first that is certified are left out: its edge makes them needless.
 #[allow(clippy::too_many_arguments, reason = "a system's parameters are what it reads and writes")]
 pub fn certify_connections(
     model: Res<'_, PlanningModel>,
@@ -44,36 +41,29 @@ pub fn certify_connections(
     roadmap: RoadmapQuery<'_, '_>,
     leaves: Res<'_, LeafIndex>,
     unvalidated_edges: UnvalidatedEdges<'_, '_>,
-    speculative_checks: Res<'_, SpeculativeChecks>,
-    idle_tasks: Res<'_, IdleTasks>,
     mut connections: ResMut<'_, Connections>,
     buffers: Local<'_, ScratchPool<ConnectionScratch>>,
 ) {
     let roadmap = roadmap.view();
     let buffers = &*buffers;
     let bridges = Bridges::new(&connections.0, roadmap);
-    // In order: what stands in front makes what is behind needless. What another thread is at already comes last, so that
-    // nobody waits for it who could do something else.
+    let attempts = Attempts {
+        model: &model,
+        settings: &settings,
+        roadmap,
+        leaves: &leaves,
+        unvalidated_edges: &unvalidated_edges,
+    };
+    // In order: a proposal that is certified makes those behind it needless.
     let mut proposals: Vec<_> = connections.0.iter_mut().enumerate().collect();
-    proposals.sort_by_key(|(_, c)| speculative_checks.of(c.from, c.to).is_some_and(SpeculativeCheck::is_under_way));
-    let left = AtomicUsize::new(proposals.len());
     each(
         &mut proposals,
         || buffers.borrow(),
         |scratch, (index, connection)| {
-            let index = *index;
-            if left.fetch_sub(1, Ordering::Relaxed) == 1 {
-                speculative_checks.release(&idle_tasks);
-            }
-            if !stop.is_raised() && !bridges.is_needless(index) {
-                let ends = (connection.from, connection.to);
-                connection.verdict = match speculative_checks.of(ends.0, ends.1) {
-                    Some(speculation) => Some(speculation.certify(scratch)),
-                    None => Attempt::new(&model, (roadmap, &leaves, &unvalidated_edges), ends)
-                        .map(|attempt| attempt.certify(&model, &settings, scratch)),
-                };
+            if !stop.is_raised() && !bridges.is_needless(*index) {
+                connection.verdict = attempts.certify(connection.from, connection.to, scratch);
                 if connection.is_certified() {
-                    bridges.build(index);
+                    bridges.build(*index);
                 }
             }
         },

@@ -4,9 +4,7 @@
 //! leaf ids, and the transition is the loop of their state. (Across states Alg. 3 would have to invent waypoints; a crossed
 //! extension does that on purpose, with a leaf it has chosen.)
 //!
-//! `attempt` is one connection with all that its certification reads. `connect` proposes connections and certifies them;
-//! `speculative_checks` certifies, on idle threads, those that are likely to be proposed next.
+//! `attempt` is one connection: a straight motion, or an unvalidated edge. `connect` proposes connections and certifies them.
 
 pub(crate) mod attempt;
 pub mod connect;
-pub mod speculative_checks;
