@@ -23,6 +23,7 @@ use crate::step::connection::speculative_checks::SpeculativeChecks;
 use bevy_ecs::prelude::{Mut, World};
 use foliate_components::candidate::CandidateArena;
 use foliate_components::graph::leaf::LeafIndex;
+use foliate_components::infeasibility::Infeasibility;
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::problem::Goal;
 
@@ -96,7 +97,7 @@ struct FoundRoots {
     goals: Vec<Feasible>,
     sampler: GoalSampler,
     /// Why there is no goal and will be none.
-    hopeless: Option<String>,
+    hopeless: Option<Infeasibility>,
 }
 
 fn find_roots(
@@ -108,7 +109,7 @@ fn find_roots(
     let start = state_classification::reach_start(model, settings, &q).map_err(SearchOutcome::InfeasibleStart)?;
     let mut sampler = GoalSampler::new(model, settings, &start.q);
     let mut goals = Vec::new();
-    let mut complaint = String::from("the problem names no goal");
+    let mut complaint = Infeasibility::NoGoal;
     for goal in model.problem.goals.clone() {
         if let Goal::Configuration(q) = goal {
             match state_classification::reach_feasible(model, settings, &q) {

@@ -1,6 +1,6 @@
 //! The worlds of a portfolio, and the systems of a round: enter, take turns, pass branches on.
 
-use crate::events::{EventSink, SearchEvent};
+use crate::events::{EventSink, SolveEvent};
 use crate::planning_model::model::PlanningModel;
 use crate::schedule::StepCounter;
 use crate::schedulers::portfolio::roadmap_exchange;
@@ -57,7 +57,7 @@ pub(crate) struct Running {
     /// Work that its turns so far have given it.
     given: u64,
     /// What it has to say to the host, where that listens.
-    pub(crate) events: Receiver<SearchEvent>,
+    pub(crate) events: Receiver<SolveEvent>,
     /// What it has to say to the other worlds.
     queue: Receiver<Branch>,
     /// Counts when its last turn began.
