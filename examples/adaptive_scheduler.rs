@@ -20,14 +20,15 @@
 //! Run with `cargo run --release --example adaptive_scheduler`.
 
 use bevy_ecs::prelude::*;
-use foliate::Planner;
 use foliate::components::graph::{TransitionId, TransitionKind};
 use foliate::components::outcome::{Prior, TransitionStatistics};
 use foliate::components::samples::swap_two_boxes;
+use foliate::planner::outcome_name;
 use foliate::schedulers::{Scheduler, mrrt::Mrrt};
 use foliate::systems::exploration::entities::Weight;
 use foliate::systems::planning_model::PlanningModel;
 use foliate::systems::schedule::SearchSet;
+use foliate::{Planner, Report};
 
 /// The rate that is assumed before anything was tried, and how many attempts it takes to change that mind.
 const PRIOR: Prior = Prior { successes: 4.0, attempts: 8.0 };
@@ -73,9 +74,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mut sum = 0;
         for seed in seeds.clone() {
             planner = planner.seed(seed);
-            let solution = planner.solve();
-            let report = &solution.report;
-            println!("  seed {seed:2}: {} after {:5} candidates", solution.outcome.name(), report.candidates);
+            let answer = planner.solve();
+            let report = Report::of(&answer);
+            println!("  seed {seed:2}: {} after {:5} candidates", outcome_name(&answer), report.candidates);
             sum += report.candidates;
             if seed == *seeds.end() {
                 // What the system saw of the last search.

@@ -4,10 +4,10 @@ use foliate::certify::{
     Certifier, CertifyOptions, Interpolation, Motion, Point, Rates, Turns, Verdict, find_coordinate,
 };
 use foliate::kernels::collision::CollisionScratch;
-use foliate::scene::{PackagePath, load_scene};
+use foliate::scene::{PackagePath, Scene};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let scene = load_scene("demo", &PackagePath::from_environment(&[]))?;
+    let scene = Scene::load("demo", &PackagePath::from_environment(&[]))?;
     // Built once; any number of threads may use it, each with its own scratch.
     let certifier = Certifier::new(&scene.problem, &[])?;
     let mut scratch = CollisionScratch::new();

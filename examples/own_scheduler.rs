@@ -7,12 +7,13 @@
 //! Run with `cargo run --release --example own_scheduler`.
 
 use bevy_ecs::prelude::*;
-use foliate::Planner;
 use foliate::components::outcome::TransitionStatistics;
 use foliate::components::samples::swap_two_boxes;
+use foliate::planner::outcome_name;
 use foliate::schedulers::{Scheduler, mrrt::Mrrt};
 use foliate::systems::exploration::entities::Weight;
 use foliate::systems::schedule::SearchSet;
+use foliate::{Planner, Report};
 
 /// `mrrt`, with weights that follow success.
 struct Curious;
@@ -43,9 +44,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ("mrrt", Planner::new(swap_two_boxes()?)?.scheduler(Mrrt)),
         ("curious", Planner::new(swap_two_boxes()?)?.scheduler(Curious)),
     ] {
-        let solution = planner.seed(3).solve();
-        println!("{name}: {} after {} candidates", solution.outcome.name(), solution.report.candidates);
-        for row in &solution.report.funnel {
+        let answer = planner.seed(3).solve();
+        let report = Report::of(&answer);
+        println!("{name}: {} after {} candidates", outcome_name(&answer), report.candidates);
+        for row in &report.funnel {
             let s = &row.statistics;
             println!(
                 "  {:45} tried {:4}, reached {:4}, kept in part {:4}",

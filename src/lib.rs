@@ -1,18 +1,30 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "scene")]
 pub mod batch;
+#[cfg(feature = "check")]
 pub mod certify;
+#[cfg(feature = "check")]
 pub mod check;
-pub mod diagram;
+pub(crate) mod error;
 pub mod inspection;
 pub mod memory;
+#[cfg(feature = "scene")]
 pub mod output;
+#[cfg(feature = "scene")]
 pub mod path_file;
 pub mod planner;
+pub mod prelude;
+#[cfg(feature = "scene")]
 pub mod scene;
 
-pub use crate::planner::{FunnelRow, GoalReport, Planner, Report, Solution, StateRow};
+pub use crate::error::Error;
+pub use crate::planner::{FunnelRow, GoalReport, NoSolution, NoSolutionReason, Planner, Report, Solution, StateRow};
+// Crates whose types stand in the signatures of this one: a host that uses these needs no versions of its own.
+#[cfg(feature = "urdf-rs")]
+pub use urdf_rs;
+pub use {bevy_ecs, crossbeam_channel, glam, glamx};
 pub use {
     foliate_components as components, foliate_kernels as kernels, foliate_schedulers as schedulers,
     foliate_systems as systems,

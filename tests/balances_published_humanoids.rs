@@ -20,7 +20,7 @@ use glam::DVec3;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 /// A humanoid with a configuration in which its records give the centre of mass.
@@ -165,11 +165,7 @@ fn the_centre_of_mass_is_that_of_the_records() {
 fn the_centre_of_mass_is_pinocchios() {
     let test = "the_centre_of_mass_is_pinocchios";
     let Some(packages) = common::published_models(test) else { return };
-    let python = std::env::var_os("FOLIATE_PYTHON").map_or(PathBuf::from("python3"), PathBuf::from);
-    if !common::imports(&python, "pinocchio") {
-        eprintln!("SKIPPED {test}: {} has no pinocchio (pip install pin)", python.display());
-        return;
-    }
+    let Some(python) = common::skip::python_with("pinocchio", test) else { return };
     for humanoid in [ROMEO, TALOS] {
         let robot = humanoid.load(&packages, false);
         let masses = Masses::of_parts(&robot, &[PartIndex(0)]).unwrap();

@@ -7,17 +7,17 @@ use foliate::certify::{Certifier, CertifyOptions, CertifyReport, Verdict};
 use foliate::check::{CheckOptions, Kind, check};
 use foliate::kernels::collision::CollisionScratch;
 use foliate::path_file::{PathContext, PathFile, save, write_path};
-use foliate::scene::{PackagePath, load_scene};
+use foliate::scene::{PackagePath, Scene};
 use foliate::systems::settings::SearchSettings;
 use std::path::Path;
 
 /// A planned path of an embedded scene, with the models beside it.
 fn planned(scene: &str, seed: u64, file: &Path) -> PathFile {
-    let scene = load_scene(scene, &PackagePath::only(&[])).unwrap();
-    let settings = SearchSettings { seed, ..SearchSettings::default() };
+    let scene = Scene::load(scene, &PackagePath::only(&[])).unwrap();
+    let settings = SearchSettings::default().with(|s| s.seed = seed);
     let planner = Planner::new(scene.problem.clone()).unwrap().settings(settings);
     let models = save::model_names(&scene, file).unwrap();
-    let solution = planner.solve();
+    let solution = planner.solve().unwrap();
     let model = planner.model();
     let context = PathContext {
         problem: &model.problem,
@@ -27,11 +27,11 @@ fn planned(scene: &str, seed: u64, file: &Path) -> PathFile {
         scheduler: "sequence",
         simd: "none",
     };
-    write_path(&context, &solution.path.unwrap())
+    write_path(&context, &solution.path)
 }
 
 fn certified(scene: &str, file: &Path) -> CertifyReport {
-    let scene = load_scene(scene, &PackagePath::only(&[])).unwrap();
+    let scene = Scene::load(scene, &PackagePath::only(&[])).unwrap();
     let certifier = Certifier::new(&scene.problem, &[]).unwrap();
     let motion = read(file, certifier.robot(), &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
     certifier.certify(&motion, &CertifyOptions::default(), &mut CollisionScratch::new()).unwrap()

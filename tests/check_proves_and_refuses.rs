@@ -8,7 +8,7 @@ mod story;
 use foliate::Planner;
 use foliate::check::{CheckOptions, Kind, Verdict, check};
 use foliate::path_file::{PathContext, PathFile, save, write_path};
-use foliate::scene::{PackagePath, load_scene};
+use foliate::scene::{PackagePath, Scene};
 use serde_json::{Value, json};
 use story::*;
 
@@ -47,9 +47,9 @@ fn root_of(name: &str) -> Value {
 #[test]
 fn a_planned_path_passes_and_survives_its_file() {
     let folder = Folder::new();
-    let scene = load_scene("demo", &PackagePath::only(&[])).unwrap();
+    let scene = Scene::load("demo", &PackagePath::only(&[])).unwrap();
     let planner = Planner::new(scene.problem.clone()).unwrap();
-    let solution = planner.solve();
+    let solution = planner.solve().unwrap();
     let out = folder.path.join("demo.json");
     let models = save::model_names(&scene, &out).unwrap();
     let context = PathContext {
@@ -60,7 +60,7 @@ fn a_planned_path_passes_and_survives_its_file() {
         scheduler: "mrrt",
         simd: foliate::kernels::lanes::Level::detected().name(),
     };
-    save::save(&write_path(&context, &solution.path.unwrap()), &out).unwrap();
+    save::save(&write_path(&context, &solution.path), &out).unwrap();
     let file = save::read(&out).unwrap();
     let prove = |file: &PathFile, work_limit| {
         check(file, &folder.path, &PackagePath::only(&[]), &CheckOptions { work_limit, ..CheckOptions::default() })

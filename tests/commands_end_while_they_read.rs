@@ -2,6 +2,10 @@
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, reason = "what a test expects and does not find fails it")]
 
+#[path = "common/skip.rs"]
+mod skip;
+
+use skip::{Needs, skipped};
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
@@ -195,7 +199,7 @@ fn models_are_installed_whole_or_not_at_all() {
         assert_eq!((output.status.code(), left), (Some(1), 0), "{}", told(&output));
         assert!(told(&output).contains("No space left on device"), "{}", told(&output));
     } else {
-        eprintln!("skipped: mount is not allowed");
+        skipped(Needs::System, "models on a full disk", "mount is not allowed");
     }
 
     // The first signal ends a download that hangs.

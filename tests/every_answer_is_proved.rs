@@ -145,11 +145,8 @@ fn every_path_among_thin_posts_beside_what_was_swept_passes_the_check() {
 
 /// Pinocchio and coal on the paths that were kept.
 fn independent_eyes(root: &Path) -> Result<(), String> {
-    let python = std::env::var_os("FOLIATE_PYTHON").map_or(PathBuf::from("python3"), PathBuf::from);
-    if !common::imports(&python, "pinocchio, coal") {
-        eprintln!("SKIPPED independent eyes on random problems: {} has no pin and coal", python.display());
-        return Ok(());
-    }
+    let test = "independent eyes on random problems";
+    let Some(python) = common::skip::python_with("pinocchio, coal", test) else { return Ok(()) };
     // Their reader of URDF files knows no capsules, and no meshes that are turned and scaled unevenly.
     let knows = |path: &PathBuf| {
         let models = common::files_below(path.parent().expect("a folder"), ".urdf");

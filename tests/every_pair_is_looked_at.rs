@@ -4,11 +4,11 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on says so")]
 
 use foliate::check::{CheckOptions, CheckReport, check};
-use foliate::components::outcome::SearchOutcome;
+use foliate::components::infeasibility::Infeasibility;
 use foliate::path_file::{PathContext, PathFile, save, write_path};
-use foliate::scene::{PackagePath, Scene, load_scene};
+use foliate::scene::{PackagePath, Scene};
 use foliate::systems::settings::SearchSettings;
-use foliate::{Planner, Solution};
+use foliate::{NoSolution, NoSolutionReason, Planner, Solution};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -34,13 +34,13 @@ impl Folder {
     fn scene(&self, text: &str) -> Scene {
         let file = self.0.join("scene.toml");
         std::fs::write(&file, format!("format = \"foliate.scene/1\"\nname = \"test\"\n{text}")).unwrap();
-        load_scene(file.to_str().unwrap(), &PackagePath::only(&[])).unwrap_or_else(|e| panic!("{e}"))
+        Scene::load(file.to_str().unwrap(), &PackagePath::only(&[])).unwrap_or_else(|e| panic!("{e}"))
     }
 
     fn refused(&self, text: &str) -> String {
         let file = self.0.join("scene.toml");
         std::fs::write(&file, format!("format = \"foliate.scene/1\"\nname = \"test\"\n{text}")).unwrap();
-        load_scene(file.to_str().unwrap(), &PackagePath::only(&[])).expect_err("a refusal").to_string()
+        Scene::load(file.to_str().unwrap(), &PackagePath::only(&[])).expect_err("a refusal").to_string()
     }
 
     /// Writes the path as the program does.
@@ -56,7 +56,7 @@ impl Folder {
             scheduler: "sequence",
             simd: "any",
         };
-        let file = write_path(&context, solution.path.as_ref().unwrap());
+        let file = write_path(&context, &solution.path);
         save::save(&file, &out).unwrap();
         file
     }
@@ -69,18 +69,26 @@ impl Folder {
 }
 
 fn solve(scene: &Scene, seed: u64) -> Solution {
-    let settings = SearchSettings { seed, max_steps: 300, ..SearchSettings::default() };
-    let mut solution = Planner::new(scene.problem.clone()).unwrap().settings(settings).solve();
+    try_to_solve(scene, seed).unwrap()
+}
+
+fn refused(scene: &Scene) -> NoSolutionReason {
+    try_to_solve(scene, 1).expect_err("no path").reason
+}
+
+fn try_to_solve(scene: &Scene, seed: u64) -> Result<Solution, NoSolution> {
+    let settings = SearchSettings::default().with(|s| (s.seed, s.max_steps) = (seed, 300));
+    let mut solution = Planner::new(scene.problem.clone()).unwrap().settings(settings).solve()?;
     // What the search itself proves is less, and true.
-    let proved = solution.path.as_ref().and_then(|path| path.certificate.min_clearance);
+    let proved = solution.certificate().min_clearance;
     let found = solution.measure_clearance().map(|clearance| clearance.lower);
     assert!(found >= proved && proved.is_none_or(|proved| proved > 0.0), "{proved:?} proved, {found:?} found");
-    solution
+    Ok(solution)
 }
 
 fn start_refused(scene: &Scene) -> String {
-    match solve(scene, 1).outcome {
-        SearchOutcome::InfeasibleStart(why) => why,
+    match refused(scene) {
+        NoSolutionReason::InfeasibleStart(why) => why.to_string(),
         other => panic!("the start is {other:?}"),
     }
 }
@@ -124,11 +132,11 @@ fn cell_scene(goal: f64) -> String {
 #[test]
 fn what_is_fixed_to_a_neighbour_is_in_the_way() {
     let folder = Folder::new("wall", &[("cell.urdf", &cell())]);
-    let beyond = solve(&folder.scene(&cell_scene(1.1)), 1);
-    assert_eq!(beyond.outcome, SearchOutcome::StepLimit);
+    let beyond = refused(&folder.scene(&cell_scene(1.1)));
+    assert!(matches!(beyond, NoSolutionReason::StepLimit), "{beyond:?}");
     let scene = folder.scene(&cell_scene(0.2));
     let before = solve(&scene, 1);
-    let certificate = before.path.as_ref().unwrap().certificate;
+    let certificate = before.path.certificate;
     // The wall begins at 0.45, the carriage ends at 0.35.
     assert!(certificate.min_clearance.is_some_and(|c| c > 0.089 && c <= 0.1), "{certificate:?}");
     let pairs = certificate.pairs;
@@ -171,13 +179,13 @@ fn what_locked_joints_hold_together_is_tested_once_at_the_start() {
     let apart = free.replace("\"r/b\" = 0.0", "\"r/b\" = 0.027");
     let scene = folder.scene(&apart);
     let solution = solve(&scene, 1);
-    let certificate = solution.path.as_ref().unwrap().certificate;
+    let certificate = solution.path.certificate;
     assert_eq!((certificate.pairs.rigid, certificate.pairs.tested), (1, 2));
     assert!(certificate.min_clearance.is_some_and(|c| c <= 0.007 && c > 0.0062), "{certificate:?}");
     assert!(folder.check(&folder.write(&scene, &solution)).passed());
     // What the scene ignores is not tested.
     let ignored = format!("ignore = [[\"r/fa\", \"r/fb\"]]\n{part}[locked]\n\"r/a\" = 0.0\n[start]\n{SLIDES}");
-    let pairs = solve(&folder.scene(&ignored), 1).path.unwrap().certificate.pairs;
+    let pairs = solve(&folder.scene(&ignored), 1).path.certificate.pairs;
     assert_eq!((pairs.ignored, pairs.rigid), (1, 0));
 }
 
@@ -203,7 +211,7 @@ fn a_parked_arm_stands_in_no_table_and_no_other_arm() {
     let margin = format!("default_margin = 0.02\n{}", with(&table(-0.11), locked));
     let why = start_refused(&folder.scene(&margin));
     assert!(why.contains("10.00 mm apart instead of 20.00 mm"), "{why}");
-    assert_eq!(solve(&folder.scene(&with(&table(-0.11), locked)), 1).outcome, SearchOutcome::Solved);
+    let _solved = solve(&folder.scene(&with(&table(-0.11), locked)), 1);
     // Another robot of which every joint is locked; all pairs are named at once.
     let other = "[locked]\n\"r/a\" = 0.0\n\"s/a\" = 0.0\n\"s/slide\" = 0.0\n";
     let why = start_refused(&folder.scene(&with(&part("s", 0.05), other)));
@@ -249,7 +257,7 @@ fn claims_hold_beyond_the_margins_and_for_what_does_not_move() {
         let scene = folder.scene(&text);
         for seed in 1..=20 {
             let solution = solve(&scene, seed);
-            let claim = solution.path.as_ref().unwrap().certificate.min_clearance.unwrap();
+            let claim = solution.path.certificate.min_clearance.unwrap();
             let report = folder.check(&folder.write(&scene, &solution));
             assert!(report.passed(), "seed {seed}: {report:?}");
             let measured = report.min_clearance.unwrap().value;
@@ -276,7 +284,7 @@ fn a_certificate_over_nothing_is_no_number_and_is_said_loudly() {
                 [start]\n\"g/jx\" = -0.5\n[[goal]]\nconfiguration = { \"g/jx\" = 0.5 }\n";
     let scene = folder.scene(text);
     let solution = solve(&scene, 1);
-    let certificate = solution.path.as_ref().unwrap().certificate;
+    let certificate = solution.path.certificate;
     assert_eq!((certificate.min_clearance, certificate.pairs.looked_at()), (None, 0));
     assert!(solution.clearance().is_none());
     assert_eq!(folder.write(&scene, &solution).certificate.min_clearance, None);
@@ -341,11 +349,13 @@ fn a_leader_keeps_to_where_its_followers_keep_their_limits() {
     let half = Folder::new("half", &[("r.urdf", &leader(&[(2.0, 0.0, 0.05)]))]);
     let scene = half.scene(&text(0.03));
     assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
-    let refused = solve(&scene, 1).outcome;
-    assert!(
-        matches!(&refused, SearchOutcome::InfeasibleGoal(why) if why.contains("outside [0, 0.025]") && why.contains("r/j0")),
-        "{refused:?}"
-    );
+    let reason = refused(&scene);
+    let NoSolutionReason::InfeasibleGoal(Infeasibility::OutOfBounds { bounds, narrowed: Some(narrowed), .. }) = &reason
+    else {
+        panic!("{reason:?}");
+    };
+    assert_eq!((*bounds, narrowed.followers.as_slice()), ((0.0, 0.025), ["r/j0".to_owned()].as_slice()));
+    assert!(reason.to_string().contains("outside [0, 0.025]"), "{reason}");
     let scene = half.scene(&text(0.025));
     let solution = solve(&scene, 1);
     let file = half.write(&scene, &solution);
@@ -374,5 +384,5 @@ fn a_leader_keeps_to_where_its_followers_keep_their_limits() {
             .replace("[start]", "mimic = \"free\"\n[start]\n\"r/j1\" = 0.055")
             .replace("0.03 }", "0.03, \"r/j1\" = 0.055 }"),
     );
-    assert_eq!(solve(&free, 1).outcome, SearchOutcome::Solved);
+    let _solved = solve(&free, 1);
 }

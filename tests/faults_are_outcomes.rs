@@ -8,16 +8,16 @@ use bevy_ecs::prelude::{IntoScheduleConfigs, Schedule, World};
 use foliate::batch::{Batch, Entry, Seeds, Settings};
 use foliate::components::Pose;
 use foliate::components::constraint::{Constraint, Curvature, Custom, Frame, Function, Gradient, Row};
-use foliate::components::outcome::SearchOutcome;
 use foliate::components::problem::{NamedConstraint, Problem};
 use foliate::components::samples::{carry_a_box_with_its_lid, move_one_box, swap_two_boxes};
 use foliate::memory::MemoryLimit;
-use foliate::scene::{PackagePath, load_scene};
+use foliate::planner::outcome_name;
+use foliate::scene::{PackagePath, Scene};
 use foliate::schedulers::mrrt::Mrrt;
 use foliate::schedulers::{Scheduler, default_scheduler};
 use foliate::systems::schedule::SearchSet;
 use foliate::systems::settings::SearchSettings;
-use foliate::{Planner, Solution};
+use foliate::{NoSolution, NoSolutionReason, Planner, Report, Solution};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::path::Path;
@@ -101,8 +101,9 @@ fn planner(problem: &Problem) -> Planner {
     Planner::new(problem.clone()).unwrap().time_limit(Duration::from_secs(60))
 }
 
-fn told(solution: &Solution) -> (SearchOutcome, u64, Option<f64>) {
-    (solution.outcome.clone(), solution.report.fingerprint, solution.report.path_length)
+fn told(answer: &Result<Solution, NoSolution>) -> (&'static str, u64, Option<f64>) {
+    let report = Report::of(answer);
+    (outcome_name(answer), report.fingerprint, report.path_length)
 }
 
 #[test]
@@ -114,8 +115,8 @@ fn a_panic_in_any_system_is_an_outcome_and_the_next_search_is_unaffected() {
     for (problem, scheduler) in scenes {
         let sound = planner(&problem).scheduler(Faulty { inner: scheduler(), place: Where::System(SETS[0]), nth: 0 });
         let reference = told(&sound.solve());
-        let steps = sound.solve().report.steps;
-        assert_eq!(reference.0, SearchOutcome::Solved);
+        let steps = Report::of(&sound.solve()).steps;
+        assert_eq!(reference.0, "solved");
         let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
         let mut crashes = 0;
         for number in numbers() {
@@ -124,13 +125,13 @@ fn a_panic_in_any_system_is_an_outcome_and_the_next_search_is_unaffected() {
             // Numbers beyond the search's steps begin anew: every fault strikes.
             let nth = 1 + (number - 1) % (steps + 1);
             let faulty = planner(&problem).scheduler(Faulty { inner: scheduler(), place, nth });
-            let solution = pool.install(|| faulty.solve());
-            match &solution.outcome {
-                SearchOutcome::Crashed(why) => {
-                    assert!(why.contains("a fault") && solution.path.is_none(), "{why}");
+            match pool.install(|| faulty.solve()).map_err(|none| none.reason) {
+                Err(NoSolutionReason::Crashed(why)) => {
+                    assert!(why.contains("a fault"), "{why}");
                     crashes += 1;
                 }
-                outcome => assert_eq!((outcome, nth > steps), (&SearchOutcome::Solved, true), "{number}"),
+                Err(reason) => panic!("{number}: {reason}"),
+                Ok(_) => assert!(nth > steps, "{number}"),
             }
             if number % 11 == 0 {
                 assert_eq!(told(&pool.install(|| sound.solve())), reference, "{number}");
@@ -191,17 +192,16 @@ fn a_panic_in_the_middle_of_a_projection_is_an_outcome() {
     problem.graph.constraints.push(constraint);
     let planner = planner(&problem);
     let reference = told(&planner.solve());
-    assert_eq!(reference.0, SearchOutcome::Solved);
+    assert_eq!(reference.0, "solved");
     let calls = own.calls.swap(0, Ordering::Relaxed);
     assert!(calls > 100, "{calls}");
     for number in numbers().map(|number| 1 + number * calls / 1000).filter(|&number| number <= calls) {
         own.calls.store(0, Ordering::Relaxed);
         own.nth.store(number, Ordering::Relaxed);
         let threads = 1 + number as usize % 2;
-        let solution = planner.solve_on(threads).unwrap();
-        match &solution.outcome {
-            SearchOutcome::Crashed(why) => assert_eq!(why, "a fault", "{number}"),
-            outcome => panic!("{number} on {threads} threads: {outcome:?}"),
+        match planner.solve_on(threads) {
+            Err(NoSolution { reason: NoSolutionReason::Crashed(why), .. }) => assert_eq!(why, "a fault", "{number}"),
+            answer => panic!("{number} on {threads} threads: {:?}", told(&answer)),
         }
         if number % 5 == 0 {
             own.nth.store(0, Ordering::Relaxed);
@@ -243,7 +243,7 @@ fn a_batch_that_has_no_memory_has_its_rows() {
         batch.run(&folder.join(name), |_| {}).unwrap()
     };
     // Each search may count some kilobytes.
-    let rows = run("scarce", SearchSettings { max_bytes: 20_000, ..SearchSettings::default() }, 8 << 30);
+    let rows = run("scarce", SearchSettings::default().with(|s| s.max_bytes = 20_000), 8 << 30);
     assert!(rows.len() == 6 && rows.iter().any(|row| row.outcome.name() == "memory_limit"));
     // The process has more than that before it begins.
     let rows = run("nothing", SearchSettings::default(), 0);
@@ -268,7 +268,7 @@ fn the_nth_file_may_fail_in_any_way() {
     }
     let scene = folder.join("scene.toml");
     let solve = || {
-        let scene = load_scene(scene.to_str().unwrap(), &PackagePath::default()).map_err(|error| error.to_string())?;
+        let scene = Scene::load(scene.to_str().unwrap(), &PackagePath::default()).map_err(|error| error.to_string())?;
         Ok::<_, String>(told(&planner(&scene.problem).solve()))
     };
     let reference = solve().unwrap();
@@ -297,7 +297,7 @@ fn the_nth_file_may_fail_in_any_way() {
             let started = Instant::now();
             match solve() {
                 Err(error) => refused += usize::from(!error.is_empty()),
-                Ok(other) => assert!(kind == "half" || other.0 != SearchOutcome::Solved, "{name:?} {kind}"),
+                Ok(other) => assert!(kind == "half" || other.0 != "solved", "{name:?} {kind}"),
             }
             assert!(started.elapsed() < Duration::from_secs(60), "{name:?} {kind}");
             match kind {
@@ -306,7 +306,7 @@ fn the_nth_file_may_fail_in_any_way() {
             }
             std::fs::rename(&aside, &file).unwrap();
         }
-        assert_eq!(solve(), Ok(reference.clone()), "{name:?}");
+        assert_eq!(solve(), Ok(reference), "{name:?}");
     }
     assert!(refused >= 6 * names.len(), "{refused}");
     let _gone = std::fs::remove_dir_all(&folder);

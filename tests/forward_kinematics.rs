@@ -32,7 +32,7 @@ const CONFIGURATIONS: usize = 25;
 fn link_poses_are_pinocchios() {
     let test = "link_poses_are_pinocchios";
     let Some(packages) = common::published_models(test) else { return };
-    let Some(python) = python_with_pinocchio(test) else { return };
+    let Some(python) = common::skip::python_with("pinocchio, coal, numpy", test) else { return };
     for (file, root, follows) in ROBOTS {
         let urdf = format!("package://example-robot-data/robots/{file}");
         let robot = robot(&urdf, root, follows, &packages);
@@ -41,17 +41,6 @@ fn link_poses_are_pinocchios() {
         let worst = compare(&robot, &configurations, &poses);
         assert!(worst.0 < 1e-9, "{file} ({root:?}, follows: {follows}): {} is off by {:.1e}", worst.1, worst.0);
     }
-}
-
-/// The interpreter that has pinocchio: `FOLIATE_PYTHON`, or `python3`.
-fn python_with_pinocchio(test: &str) -> Option<PathBuf> {
-    let python = std::env::var_os("FOLIATE_PYTHON").map_or(PathBuf::from("python3"), PathBuf::from);
-    let output = Command::new(&python).args(["-c", "import pinocchio, coal, numpy"]).output();
-    let found = output.is_ok_and(|o| o.status.success()) && script().is_file();
-    if !found {
-        eprintln!("SKIPPED {test}: {} has no pinocchio (pip install pin coal numpy)", python.display());
-    }
-    found.then_some(python)
 }
 
 fn script() -> PathBuf {

@@ -13,7 +13,7 @@ use foliate::certify::{Certifier, CertifyOptions};
 use foliate::check::{CheckOptions, SceneChoice, check};
 use foliate::kernels::collision::CollisionScratch;
 use foliate::path_file::{PathContext, save, write_path};
-use foliate::scene::{MeshCache, PackagePath, UpAxis, load_scene, load_scene_text, read_model};
+use foliate::scene::{MeshCache, PackagePath, Scene, UpAxis, read_model};
 use mutate::fuzz;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -134,7 +134,7 @@ fn scene() {
     good.extend(files("scenes/drawer", "toml", 64 << 10));
     fuzz("scene", &good, |bad| {
         if let Ok(text) = std::str::from_utf8(bad) {
-            drop(load_scene_text("bad", text, &folder, &PackagePath::default()));
+            drop(Scene::from_text("bad", text, &folder, &PackagePath::default()));
         }
     });
 }
@@ -143,9 +143,9 @@ fn scene() {
 fn path() {
     let folder = Folder::new("path");
     let out = folder.0.join("good.json");
-    let scene = load_scene("demo", &PackagePath::default()).unwrap();
+    let scene = Scene::load("demo", &PackagePath::default()).unwrap();
     let planner = Planner::new(scene.problem.clone()).unwrap();
-    let solution = planner.solve();
+    let solution = planner.solve().unwrap();
     let models = save::model_names(&scene, &out).unwrap();
     let context = PathContext {
         problem: &planner.model().problem,
@@ -155,7 +155,7 @@ fn path() {
         scheduler: "sequence",
         simd: "any",
     };
-    let mut file = write_path(&context, &solution.path.unwrap());
+    let mut file = write_path(&context, &solution.path);
     save::save(&file, &out).unwrap();
     let whole = std::fs::read(&out).unwrap();
     // A short one, of which more inputs are still JSON.
@@ -179,7 +179,7 @@ fn path() {
 /// The motions that `foliate certify` reads, as others write them; what is read is looked at for a while.
 #[test]
 fn motion() {
-    let scene = load_scene("demo", &PackagePath::default()).unwrap();
+    let scene = Scene::load("demo", &PackagePath::default()).unwrap();
     let names = "robot/left_shoulder_yaw,robot/left_elbow_pitch";
     let csv = format!("time,{names}\n0,0.1,0.2\n0.5,0.2,0.1\n1.0,0.3,-0.1\n");
     let joints = "\"joint_names\":[\"left_shoulder_yaw\",\"left_elbow_pitch\"]";

@@ -6,7 +6,7 @@
 
 mod common;
 
-use foliate::scene::{MeshCache, PackagePath, load_scene_text};
+use foliate::scene::{MeshCache, PackagePath, Scene};
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
 
@@ -55,7 +55,7 @@ fn a_load_from_the_cache_reads_every_file_once() {
     let packages = PackagePath::default().with_mesh_cache(cache);
     let load = || {
         let before = bytes_read();
-        match load_scene_text("once", &scene, &folder, &packages) {
+        match Scene::from_text("once", &scene, &folder, &packages) {
             Ok(scene) => {
                 let expected = ["not closed", "no collision shapes"];
                 let told = |w: &foliate::scene::SceneError| expected.iter().any(|words| w.message.contains(words));

@@ -15,7 +15,7 @@ mod lies;
 use foliate::Planner;
 use foliate::check::{CheckOptions, SceneChoice, Verdict, check};
 use foliate::path_file::{PathContext, save, write_path};
-use foliate::scene::{PackagePath, load_scene, sha256};
+use foliate::scene::{PackagePath, Scene, sha256};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -75,9 +75,9 @@ fn say(folder: &Path, path: &Value, scene: SceneChoice) -> (Said, String) {
 
 /// Plans, lies, and asks. Returns how many lies were told.
 fn lie_about(scene_name: &str, folder: &Folder) -> usize {
-    let scene = load_scene(scene_name, &PackagePath::only(&[])).unwrap();
+    let scene = Scene::load(scene_name, &PackagePath::only(&[])).unwrap();
     let planner = Planner::new(scene.problem.clone()).unwrap();
-    let solution = planner.solve();
+    let solution = planner.solve().unwrap();
     let out = folder.0.join("honest.json");
     let models = save::model_names(&scene, &out).unwrap();
     let context = PathContext {
@@ -88,7 +88,7 @@ fn lie_about(scene_name: &str, folder: &Folder) -> usize {
         scheduler: "sequence",
         simd: "none",
     };
-    let path = serde_json::to_value(write_path(&context, &solution.path.unwrap())).unwrap();
+    let path = serde_json::to_value(write_path(&context, &solution.path)).unwrap();
     let honest = say(&folder.0, &path, SceneChoice::Named);
     assert_eq!(honest.0, Said::Proved, "{scene_name}: {}", honest.1);
     assert_eq!(say(&folder.0, &path, SceneChoice::Nothing).0, Said::Relative);

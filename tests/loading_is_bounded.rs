@@ -4,7 +4,7 @@
 use foliate::batch::Entry;
 use foliate::components::robot::shape::{Geometry, Mesh};
 use foliate::kernels::collision::solids::mesh_tree::MeshTree;
-use foliate::scene::{LoadLimits, LoadStop, PackagePath, UpAxis, load_scene, read_model};
+use foliate::scene::{LoadLimits, LoadStop, PackagePath, Scene, UpAxis, read_model};
 use foliate::systems::events::{CancelToken, MemoryGuard, StopSignal};
 use foliate::systems::planning_model::ProblemTables;
 use std::fmt::Write;
@@ -166,7 +166,7 @@ fn closedness_and_trees_are_given_up_at_every_step() {
     let whole = MeshTree::new_while(mesh, &|| true).unwrap();
     assert_eq!(format!("{:?}", whole), format!("{:?}", MeshTree::new(mesh)));
     // Tables are not built when it is too late.
-    let mut problem = load_scene("demo", &PackagePath::only(&[])).unwrap().problem;
+    let mut problem = Scene::load("demo", &PackagePath::only(&[])).unwrap().problem;
     problem.robot = read.compose_alone().unwrap();
     let token = CancelToken::default();
     token.cancel();
@@ -223,7 +223,7 @@ fn pipes_devices_and_folders_are_no_models() {
     let packages = PackagePath::only(&[]);
     for place in [pipe.to_str().unwrap(), "/dev/zero", folder.0.to_str().unwrap()] {
         let told = [
-            load_scene(place, &packages).unwrap_err().to_string(),
+            Scene::load(place, &packages).unwrap_err().to_string(),
             Entry::load(place, &packages).unwrap_err().to_string(),
             read_model(place, None, UpAxis::AsWritten, &packages).unwrap_err().to_string(),
         ];

@@ -4,7 +4,7 @@
 
 use foliate::components::robot::shape::{Geometry, Mesh};
 use foliate::components::robot::{PartKind, PartPlacement, Robot, RootJoint};
-use foliate::scene::{PackagePath, ReadModel, Scene, SceneError, UpAxis, load_scene, read_model};
+use foliate::scene::{PackagePath, ReadModel, Scene, SceneError, UpAxis, read_model};
 use glam::{DQuat, DVec3};
 use std::path::PathBuf;
 use std::process::Command;
@@ -62,7 +62,7 @@ impl Folder {
                  srdf = \"two.srdf\"\n[start]\n{start}\n[[goal]]\nconfiguration = {{ \"two/left\" = 0.1, \"two/right\" = 0 }}\n[graph]\n"
             ),
         );
-        load_scene(&scene, &PackagePath::only(&[]))
+        Scene::load(&scene, &PackagePath::only(&[]))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Promise: damaged files are refused, never a panic. Good files are cut off at every byte, and changed at random.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot go on says so")]
 
-use foliate::scene::{PackagePath, UpAxis, load_scene_text, read_model};
+use foliate::scene::{PackagePath, Scene, UpAxis, read_model};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::path::Path;
@@ -77,7 +77,7 @@ fn damaged_scenes_are_refused_or_read() {
     let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
     damaged(example.as_bytes(), |bad| {
         if let Ok(text) = std::str::from_utf8(bad) {
-            drop(load_scene_text("damaged", text, &directory, &PackagePath::default()));
+            drop(Scene::from_text("damaged", text, &directory, &PackagePath::default()));
         }
     });
 }

@@ -5,7 +5,7 @@
 use foliate::Planner;
 use foliate::check::{CheckOptions, CheckReport, SceneChoice, check};
 use foliate::path_file::{PathContext, PathFile, save, write_path};
-use foliate::scene::{ModelFile, Origin, PackagePath, Scene, UpAxis, load_scene, read_model, sha256};
+use foliate::scene::{ModelFile, Origin, PackagePath, Scene, UpAxis, read_model, sha256};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -77,13 +77,13 @@ impl Drop for Folder {
 }
 
 fn load(path: &Path) -> Result<Scene, foliate::scene::SceneError> {
-    load_scene(path.to_str().unwrap(), &PackagePath::only(&[]))
+    Scene::load(path.to_str().unwrap(), &PackagePath::only(&[]))
 }
 
 /// Plans, writes the path file into `out/`, and reads it back.
 fn planned(scene: &Scene, out: &Path) -> PathFile {
     let planner = Planner::new(scene.problem.clone()).unwrap();
-    let solution = planner.solve();
+    let solution = planner.solve().unwrap();
     let models = save::model_names(scene, out).unwrap();
     let context = PathContext {
         problem: &scene.problem,
@@ -93,7 +93,7 @@ fn planned(scene: &Scene, out: &Path) -> PathFile {
         scheduler: "sequence",
         simd: "any",
     };
-    let path = solution.path.as_ref().unwrap_or_else(|| panic!("{:?}", solution.outcome));
+    let path = &solution.path;
     save::save(&write_path(&context, path), out).unwrap();
     save::read(out).unwrap()
 }
@@ -208,7 +208,7 @@ fn the_path_file_says_where_its_scene_is() {
         assert!(folder.0.join("link").join(&file.parts[1].urdf).is_file());
     }
     // A shipped scene has no place on disk; a file of its name is another one.
-    let demo = load_scene("demo", &PackagePath::only(&[])).unwrap();
+    let demo = Scene::load("demo", &PackagePath::only(&[])).unwrap();
     let names = save::model_names(&demo, &folder.0.join("out/demo.json")).unwrap();
     assert_eq!(names.scene_file.unwrap().file, "demo");
     let urdf = &demo.parts[0].urdf;
@@ -224,7 +224,7 @@ fn the_path_file_says_where_its_scene_is() {
 #[test]
 fn models_of_one_name_are_written_beside_under_two() {
     let folder = Folder::new();
-    let mut scene = load_scene("demo", &PackagePath::only(&[])).unwrap();
+    let mut scene = Scene::load("demo", &PackagePath::only(&[])).unwrap();
     // The second box has another file of the first one's name; the spaces in it change nothing but its bytes.
     let boxes: Vec<usize> = (0..scene.parts.len()).filter(|&i| scene.parts[i].urdf.url.contains("box")).collect();
     let Origin::Program(content) = scene.parts[boxes[1]].urdf.origin else { panic!("it is in the program") };

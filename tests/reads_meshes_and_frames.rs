@@ -5,7 +5,7 @@
 use foliate::components::Pose;
 use foliate::components::robot::model::Model;
 use foliate::components::robot::shape::{Geometry, Mesh};
-use foliate::scene::{PackagePath, ReadModel, UpAxis, load_scene_text, read_model};
+use foliate::scene::{PackagePath, ReadModel, Scene, UpAxis, read_model};
 use glam::{DQuat, DVec3};
 use std::f64::consts::FRAC_PI_2;
 use std::path::PathBuf;
@@ -151,7 +151,7 @@ fn the_declared_up_axis_turns_a_mesh_only_where_the_scene_asks_for_it() {
             "format = \"foliate.scene/1\"\nname = \"s\"\n[[part]]\nname = \"m\"\nkind = \"environment\"\nurdf = \"m.urdf\"\n\
              mesh_up_axis = \"{axis}\"\n[start]\n[[goal]]\nconfiguration = {{}}\n"
         );
-        let scene = load_scene_text("s", &text, &files.0, &PackagePath::default()).unwrap_or_else(|e| panic!("{e}"));
+        let scene = Scene::from_text("s", &text, &files.0, &PackagePath::default()).unwrap_or_else(|e| panic!("{e}"));
         match &scene.problem.robot.shapes[0].geometry {
             Geometry::Mesh(mesh) => mesh.clone(),
             other => panic!("{other:?}"),

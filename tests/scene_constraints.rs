@@ -6,12 +6,12 @@ use foliate::components::constraint::{Constraint, LockedValue, Reference, Row};
 use foliate::components::pose::log_so3;
 use foliate::components::problem::{GraphOptions, JointRest};
 use foliate::components::robot::Robot;
-use foliate::scene::{PackagePath, Scene, SceneError, load_scene_text};
+use foliate::scene::{PackagePath, Scene, SceneError};
 use std::path::Path;
 
 fn load(text: &str) -> Result<Scene, SceneError> {
     let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
-    load_scene_text("test", text, &directory, &PackagePath::default())
+    Scene::from_text("test", text, &directory, &PackagePath::default())
 }
 
 /// A walker of two boxes: a free body, and a foot that slides in it; and a box with a mass, whose centre is its origin.

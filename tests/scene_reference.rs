@@ -4,7 +4,7 @@
 
 use foliate::components::problem::Goal;
 use foliate::components::robot::{JointIndex, RootJoint};
-use foliate::scene::{PackagePath, Scene, SceneError, load_scene_text};
+use foliate::scene::{PackagePath, Scene, SceneError};
 use std::path::Path;
 
 const REFERENCE: &str = include_str!("../scenes/README.md");
@@ -16,7 +16,7 @@ fn example() -> &'static str {
 
 fn load(text: &str) -> Result<Scene, SceneError> {
     let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
-    load_scene_text("example", text, &directory, &PackagePath::default())
+    Scene::from_text("example", text, &directory, &PackagePath::default())
 }
 
 #[test]
@@ -152,7 +152,7 @@ fn an_environment_stands_still_at_the_values_that_are_given() {
     std::fs::write(directory.join("door.urdf"), door).expect("a model");
     let text = "format = \"foliate.scene/1\"\nname = \"door\"\n[[part]]\nname = \"door\"\nkind = \"environment\"\n\
                 urdf = \"door.urdf\"\nvalues = { j = 0.25 }\n[start]\n[[goal]]\nconfiguration = {}\n";
-    let scene = load_scene_text("door", text, &directory, &PackagePath::default()).unwrap_or_else(|e| panic!("{e}"));
+    let scene = Scene::from_text("door", text, &directory, &PackagePath::default()).unwrap_or_else(|e| panic!("{e}"));
     let _ = std::fs::remove_dir_all(&directory);
     let robot = &scene.problem.robot;
     assert_eq!((robot.joints.len(), robot.space.size()), (0, 0));

@@ -95,14 +95,13 @@ fn every_other_scene_is_solved_once_and_proven_again() {
         return;
     }
     let folder = Folder::new("others");
-    let python = python();
-    let has_python = common::imports(&python, "pinocchio, coal");
+    let python = common::skip::python_with("pinocchio, coal", "every_other_scene_is_solved_once (its second look)");
     for scene in OTHERS.into_iter().chain(PANDA).chain(WHAT_ELSE_HOLDS) {
         let path = solve(&folder, scene, 1, 2);
         let output = foliate(&["check", &path.to_string_lossy()]);
         assert!(output.status.success(), "{scene}: {}", String::from_utf8_lossy(&output.stdout));
-        if has_python {
-            recheck(&python, &path, &["--adaptive"]);
+        if let Some(python) = &python {
+            recheck(python, &path, &["--adaptive"]);
         }
     }
 }
@@ -122,11 +121,8 @@ fn files_do_not_depend_on_threads() {
 
 #[test]
 fn an_independent_checker_finds_no_violation() {
-    let python = python();
-    if !common::imports(&python, "pinocchio, coal") {
-        eprintln!("SKIPPED an_independent_checker_finds_no_violation: python3 with pin and coal is not at hand");
-        return;
-    }
+    let test = "an_independent_checker_finds_no_violation";
+    let Some(python) = common::skip::python_with("pinocchio, coal", test) else { return };
     let folder = Folder::new("recheck");
     for scene in scenes("an_independent_checker_finds_no_violation") {
         recheck(&python, &solve(&folder, scene, 1, 1), &["--step", "0.5"]);
@@ -137,10 +133,6 @@ fn an_independent_checker_finds_no_violation() {
 }
 
 /// The interpreter with pinocchio and coal.
-fn python() -> PathBuf {
-    std::env::var_os("FOLIATE_PYTHON").map_or(PathBuf::from("python3"), PathBuf::from)
-}
-
 fn recheck(python: &Path, path: &Path, mode: &[&str]) {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/independent/recheck.py");
     let mut command = Command::new(python);

@@ -3,6 +3,10 @@
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, reason = "what a test expects and does not find fails it")]
 
+#[path = "common/skip.rs"]
+mod skip;
+
+use skip::{Needs, skipped};
 use std::fs;
 use std::os::unix::fs::{FileTypeExt, MetadataExt, PermissionsExt, symlink};
 use std::path::{Path, PathBuf};
@@ -168,7 +172,7 @@ fn a_second_signal_ends_the_process() {
     let scene = endless(&folder);
     let fifo = folder.at("pipe");
     if !system("mkfifo", &[fifo.to_str().unwrap()]) {
-        eprintln!("skipped: mkfifo is not there");
+        skipped(Needs::System, "a_second_signal_ends_the_process", "mkfifo is not there");
         return;
     }
     let mut child = foliate(&["solve", "demo", "--out", fifo.to_str().unwrap()]).spawn().unwrap();
@@ -198,7 +202,7 @@ fn what_is_no_file_is_written_to_and_not_replaced() {
         fs::remove_file(&link).unwrap();
         fs::remove_file(&null).unwrap();
     } else {
-        eprintln!("skipped: mknod is not allowed");
+        skipped(Needs::System, "what_is_no_file_is_written_to (a device of its own)", "mknod is not allowed");
     }
     for (device, code) in [("/dev/null", 0), ("/dev/full", 2)] {
         let output = solve(Path::new(device));
@@ -323,7 +327,7 @@ fn a_full_disk_leaves_whole_rows_and_no_stray_files() {
     fs::create_dir(&disk).unwrap();
     let at = disk.to_str().unwrap();
     if !system("mount", &["-t", "tmpfs", "-o", "size=128k", "none", at]) {
-        eprintln!("skipped: mount is not allowed");
+        skipped(Needs::System, "a_full_disk_leaves_whole_rows_and_no_stray_files", "mount is not allowed");
         return;
     }
     let out = disk.join("bench");

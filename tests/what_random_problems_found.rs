@@ -6,7 +6,7 @@
 use foliate::Planner;
 use foliate::check::{CheckOptions, Verdict, check};
 use foliate::path_file::{PathContext, save, write_path};
-use foliate::scene::{PackagePath, load_scene};
+use foliate::scene::{PackagePath, Scene};
 use std::path::{Path, PathBuf};
 
 /// A folder of this test's own, removed at its end.
@@ -44,9 +44,9 @@ fn verdict(name: &str, files: &[(&str, &str)], keys: &str, parts: &str) -> (Verd
     for (name, content) in files.iter().chain(&[("scene.toml", scene.as_str())]) {
         std::fs::write(folder.0.join(name), content).expect("a file");
     }
-    let scene = load_scene(&folder.0.join("scene.toml").to_string_lossy(), &PackagePath::only(&[])).expect("a scene");
+    let scene = Scene::load(&folder.0.join("scene.toml").to_string_lossy(), &PackagePath::only(&[])).expect("a scene");
     let planner = Planner::new(scene.problem.clone()).expect("a problem");
-    let solution = planner.solve_on(1).expect("a thread");
+    let solution = planner.solve_on(1).expect("the way is free");
     let out = folder.0.join("path.json");
     let context = PathContext {
         problem: &planner.model().problem,
@@ -56,7 +56,7 @@ fn verdict(name: &str, files: &[(&str, &str)], keys: &str, parts: &str) -> (Verd
         scheduler: "sequence",
         simd: "any",
     };
-    let path = solution.path.expect("the way is free");
+    let path = solution.path;
     save::save(&write_path(&context, &path), &out).expect("a path file");
     let file = save::read(&out).expect("a path file");
     let report = check(&file, &folder.0, &PackagePath::only(&[]), &CheckOptions::default()).expect("a path");

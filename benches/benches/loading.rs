@@ -2,7 +2,7 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use foliate::batch::Entry;
-use foliate::scene::{MeshCache, PackagePath, load_scene, shipped_scenes};
+use foliate::scene::{MeshCache, PackagePath, Scene, shipped_scenes};
 use foliate_benches::{criterion, skipped};
 use foliate_systems::planning_model::Model;
 use std::hint::black_box;
@@ -17,7 +17,7 @@ fn bench(c: &mut Criterion) {
         if !shipped_scenes().iter().any(|scene| scene.name == name) {
             continue;
         }
-        let scene = match load_scene(name, &packages) {
+        let scene = match Scene::load(name, &packages) {
             Ok(scene) => scene,
             Err(error) => {
                 skipped(name, &error.to_string());

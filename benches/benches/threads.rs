@@ -4,7 +4,6 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use foliate::Planner;
 use foliate_benches::{criterion, scene_model};
-use foliate_components::outcome::SearchOutcome;
 use foliate_systems::planning_model::ProblemTables;
 use rayon::ThreadPool;
 use std::hint::black_box;
@@ -23,9 +22,8 @@ fn pool(threads: usize) -> ThreadPool {
 /// From the loaded problem to the certified path, milliseconds, and the roadmap's hash.
 fn solve(tables: &Arc<ProblemTables>, seed: u64, pool: &ThreadPool) -> (f64, u64) {
     let started = Instant::now();
-    let solution = pool.install(|| Planner::of_tables(Arc::clone(tables)).unwrap().seed(seed).solve());
+    let solution = pool.install(|| Planner::from_tables(Arc::clone(tables)).unwrap().seed(seed).solve()).unwrap();
     let time = started.elapsed().as_secs_f64() * 1e3;
-    assert_eq!(solution.outcome, SearchOutcome::Solved);
     (time, solution.report.fingerprint)
 }
 

@@ -61,7 +61,7 @@ pub fn under_way(
 ) -> Option<Search> {
     while *seed < seeds {
         *seed += 1;
-        let settings = SearchSettings { seed: *seed, candidates, ..SearchSettings::default() };
+        let settings = SearchSettings::default().with(|s| (s.seed, s.candidates) = (*seed, candidates));
         let mut search = Search::new(model, &Mrrt, settings, StopSignal::default(), EventSink::default());
         if (0..warm_up / candidates).all(|_| search.step().is_none()) {
             return Some(search);

@@ -12,6 +12,7 @@ pub mod candidate;
 pub mod constraint;
 pub mod coverage;
 pub mod graph;
+pub mod infeasibility;
 pub mod outcome;
 pub mod path;
 pub mod pose;

@@ -1,11 +1,13 @@
 //! How extensions and searches end, with reasons (P0 §III-A asks for this feedback; HPP keeps part of it).
 
+use crate::infeasibility::Infeasibility;
 use crate::robot::hybrid_robot::Robot;
 use crate::robot::indices::{PartIndex, ShapeIndex};
 use std::collections::BTreeMap;
 
 /// Why a candidate gave no motion, or only part of one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum Rejection {
     /// The chosen tree has no node to extend.
     NoNode,
@@ -209,7 +211,7 @@ impl GoalStatistics {
 }
 
 /// How a search ended.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum SearchOutcome {
     /// Start and a goal hang together.
     Solved,
@@ -221,10 +223,10 @@ pub enum SearchOutcome {
     Cancelled,
     /// The roadmap outgrew its budget of memory.
     MemoryLimit,
-    /// The start is out of bounds, in collision or in no state; why.
-    InfeasibleStart(String),
-    /// No goal is usable; why.
-    InfeasibleGoal(String),
+    /// The start is out of bounds, in collision or in no state.
+    InfeasibleStart(Infeasibility),
+    /// No goal is usable.
+    InfeasibleGoal(Infeasibility),
     /// Something in the search panicked, which is a bug of ours or of a system of the host's; what it said.
     Crashed(String),
 }

@@ -2,8 +2,10 @@
 
 use crate::Pose;
 use crate::constraint::kind::Constraint;
+use crate::robot::error::CoordinateError;
 use crate::robot::hybrid_robot::{DisabledPair, Robot};
 use crate::robot::indices::{GripperIndex, HandleIndex, JointIndex, LinkIndex, PartIndex, SurfaceIndex};
+use crate::robot::joint::CoordinateValue;
 
 /// Everything that defines a problem; how it is searched is not part of it.
 #[derive(Clone, Debug)]
@@ -23,6 +25,47 @@ pub struct Problem {
     pub start: Vec<f64>,
     /// At least one goal; reaching any of them solves the problem.
     pub goals: Vec<Goal>,
+}
+
+impl Problem {
+    /// Sets where one joint or part starts, by name; see [`Robot::set`].
+    ///
+    /// # Errors
+    /// As [`Robot::set`].
+    ///
+    /// # Panics
+    /// If the start is shorter than a configuration.
+    pub fn set_start(&mut self, name: &str, value: impl Into<CoordinateValue>) -> Result<(), CoordinateError> {
+        self.robot.set(&mut self.start, name, value)
+    }
+
+    /// A goal that says where some joints and parts shall be, by name as for [`Robot::set`], and leaves everything else free.
+    ///
+    /// # Errors
+    /// As [`Robot::set`].
+    pub fn partial_goal<'a>(
+        &self,
+        demands: impl IntoIterator<Item = (&'a str, CoordinateValue)>,
+    ) -> Result<Goal, CoordinateError> {
+        let mut goal = PartialGoal::default();
+        let mut q = self.robot.space.neutral();
+        for (name, value) in demands {
+            self.robot.set(&mut q, name, value)?;
+            let (first, joint) = self.robot.coordinates_of(name)?;
+            let is_object = |o: &&ObjectOptions| {
+                let root = self.robot[o.part].root_joint;
+                root.is_some_and(|root| self.robot[root].name == joint.name)
+            };
+            match (value, self.graph.objects.iter().find(is_object)) {
+                (CoordinateValue::Pose(pose), Some(object)) => goal.poses.push((object.part, pose)),
+                _ => {
+                    let last = first + joint.motion.configuration_size();
+                    goal.coordinates.extend((first..last).map(|index| (index, q[index])));
+                }
+            }
+        }
+        Ok(Goal::Partial(goal))
+    }
 }
 
 /// A minimum distance between two links.

@@ -1,7 +1,6 @@
 //! A problem of a batch.
 
 use crate::scene::assemble::scene::Scene;
-use crate::scene::load::load_scene;
 use crate::scene::reading::error::{LoadStop, SceneError};
 use crate::scene::sources::package::PackagePath;
 use foliate_components::problem::Problem;
@@ -24,7 +23,7 @@ impl Entry {
     /// The first thing that is wrong with the scene; that loading was stopped.
     pub fn load(name_or_path: &str, packages: &PackagePath) -> Result<Self, SceneError> {
         let started = Instant::now();
-        let scene = load_scene(name_or_path, packages)?;
+        let scene = Scene::load(name_or_path, packages)?;
         let tables = ProblemTables::new_until(scene.problem.clone(), &packages.limits().stop);
         let Some(tables) = tables else {
             packages.limits().reached(name_or_path)?;

@@ -9,6 +9,7 @@ pub(crate) const MOST_SOLVES: u64 = 1_000_000;
 
 /// Why a batch does not start, or stops.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 #[allow(missing_docs, reason = "the messages are the documentation")]
 pub enum BatchError {
     #[error("a batch needs at least one scene")]

@@ -3,7 +3,6 @@
 use super::entry::Entry;
 use super::row::{COLUMNS, Row, RowOutcome};
 use crate::batch::error::BatchError;
-use foliate_components::outcome::SearchOutcome;
 use foliate_components::problem::Problem;
 use foliate_components::robot::shape::Geometry;
 use sha2::{Digest, Sha256};
@@ -103,7 +102,7 @@ pub(crate) fn read(path: &Path) -> Result<Vec<Row>, BatchError> {
 /// Whether a solve ended as it would again: a row that could not start, or whose path could not be written, says nothing, and a
 /// limit of memory may be another one now.
 pub(crate) fn is_final(row: &Row) -> bool {
-    row.outcome != RowOutcome::Failed && row.outcome != RowOutcome::Ended(SearchOutcome::MemoryLimit)
+    ![RowOutcome::Failed, RowOutcome::MemoryLimit].contains(&row.outcome)
 }
 
 /// The records of a CSV text (RFC 4180) that are whole, with the line in which each begins.

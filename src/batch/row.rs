@@ -1,7 +1,7 @@
 //! One solve of a batch, as a row of `results.csv`.
 
 use super::entry::Entry;
-use foliate_components::outcome::SearchOutcome;
+use crate::planner::answer::NoSolutionReason;
 use serde_json::{Value, json};
 use std::time::Duration;
 
@@ -25,11 +25,24 @@ pub const COLUMNS: [&str; 16] = [
     "message",
 ];
 
-/// How a solve of a batch ended.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// How a solve of a batch ended. [`Row::message`] tells more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum RowOutcome {
-    /// As a search ends.
-    Ended(SearchOutcome),
+    /// It gave a path.
+    Solved,
+    /// The time limit passed first.
+    Timeout,
+    /// The budget of steps was spent.
+    StepLimit,
+    /// The host cancelled.
+    Cancelled,
+    /// It needed more memory than it may have.
+    MemoryLimit,
+    /// The start cannot be planned from.
+    InfeasibleStart,
+    /// No goal can be planned to.
+    InfeasibleGoal,
     /// It panicked.
     Crashed,
     /// It could not start, or its answer could not be written.
@@ -92,28 +105,45 @@ impl RowOutcome {
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
-            Self::Ended(outcome) => outcome.name(),
+            Self::Solved => "solved",
+            Self::Timeout => "timeout",
+            Self::StepLimit => "step_limit",
+            Self::Cancelled => "cancelled",
+            Self::MemoryLimit => "memory_limit",
+            Self::InfeasibleStart => "infeasible_start",
+            Self::InfeasibleGoal => "infeasible_goal",
             Self::Crashed => "crashed",
             Self::Failed => "failed",
         }
     }
-}
 
-impl RowOutcome {
-    /// The outcome of a name and a message.
-    fn named(name: &str, message: &str) -> Option<Self> {
+    fn named(name: &str) -> Option<Self> {
         Some(match name {
-            "solved" => Self::Ended(SearchOutcome::Solved),
-            "timeout" => Self::Ended(SearchOutcome::Timeout),
-            "step_limit" => Self::Ended(SearchOutcome::StepLimit),
-            "cancelled" => Self::Ended(SearchOutcome::Cancelled),
-            "memory_limit" => Self::Ended(SearchOutcome::MemoryLimit),
-            "infeasible_start" => Self::Ended(SearchOutcome::InfeasibleStart(message.to_owned())),
-            "infeasible_goal" => Self::Ended(SearchOutcome::InfeasibleGoal(message.to_owned())),
+            "solved" => Self::Solved,
+            "timeout" => Self::Timeout,
+            "step_limit" => Self::StepLimit,
+            "cancelled" => Self::Cancelled,
+            "memory_limit" => Self::MemoryLimit,
+            "infeasible_start" => Self::InfeasibleStart,
+            "infeasible_goal" => Self::InfeasibleGoal,
             "crashed" => Self::Crashed,
             "failed" => Self::Failed,
             _ => return None,
         })
+    }
+
+    /// The outcome of a solve without a path.
+    pub(crate) fn of_reason(reason: &NoSolutionReason) -> Self {
+        match reason {
+            NoSolutionReason::TimeLimit => Self::Timeout,
+            NoSolutionReason::StepLimit => Self::StepLimit,
+            NoSolutionReason::Cancelled => Self::Cancelled,
+            NoSolutionReason::MemoryLimit => Self::MemoryLimit,
+            NoSolutionReason::InfeasibleStart(_) => Self::InfeasibleStart,
+            NoSolutionReason::InfeasibleGoal(_) => Self::InfeasibleGoal,
+            NoSolutionReason::Crashed(_) => Self::Crashed,
+            NoSolutionReason::Threads { .. } | NoSolutionReason::NoPath => Self::Failed,
+        }
     }
 }
 
@@ -178,7 +208,7 @@ impl Row {
             scene: scene.clone(),
             seed: seed.parse().ok()?,
             scheduler: scheduler.clone(),
-            outcome: RowOutcome::named(outcome, message)?,
+            outcome: RowOutcome::named(outcome)?,
             solve_time: time(solve_ms)?,
             load_time: time(load_ms)?,
             work: if steps.is_empty() { None } else { Some(work()?) },
@@ -190,7 +220,7 @@ impl Row {
     /// Whether the solve gave a path.
     #[must_use]
     pub fn is_solved(&self) -> bool {
-        self.outcome == RowOutcome::Ended(SearchOutcome::Solved)
+        self.outcome == RowOutcome::Solved
     }
 
     /// The cells, in the order of [`COLUMNS`].

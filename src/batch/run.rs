@@ -12,8 +12,9 @@ use crate::batch::{error, kept, record};
 use crate::memory::MemoryLimit;
 use crate::path_file::save;
 use crate::path_file::write::{PathContext, write_path};
-use crate::planner::{Planner, Solution, panic_message};
-use foliate_components::outcome::SearchOutcome;
+use crate::planner::answer::{NoSolution, NoSolutionReason, Solution};
+use crate::planner::report::Report;
+use crate::planner::solving::{Planner, panic_message};
 use foliate_schedulers::Scheduler;
 use foliate_systems::events::CancelToken;
 use foliate_systems::settings::SearchSettings;
@@ -159,7 +160,7 @@ impl Batch {
             ("scheduler", self.scheduler.name().to_owned()),
             ("seeds", settings.seeds.to_string()),
             ("time_limit_s", format!("{:?}", settings.time_limit.as_secs_f64())),
-            ("search", format!("{:?}", SearchSettings { seed: 0, ..settings.search.clone() })),
+            ("search", format!("{:?}", settings.search.clone().with(|s| s.seed = 0))),
         ];
         Identity(scenes.chain(common.map(|(name, value)| (name.to_owned(), value))).collect())
     }
@@ -194,7 +195,7 @@ impl Batch {
             let Some(index) = index.filter(|_| !self.token.is_cancelled()) else { return Ok(()) };
             let seed = self.settings.seeds.first() + (index % seeds) as u64;
             let row = self.solve(&self.entries[index / seeds], seed, out);
-            if row.outcome == RowOutcome::Ended(SearchOutcome::Cancelled) {
+            if row.outcome == RowOutcome::Cancelled {
                 return Ok(());
             }
             recorder.lock().unwrap_or_else(PoisonError::into_inner).record(index, &row)?;
@@ -213,7 +214,7 @@ impl Batch {
             let share = self.memory_limit.map_or(u64::MAX, |limit| limit.counted(self.settings.threads));
             search.max_bytes = search.max_bytes.min(share);
             // Nothing but what follows from files is shared by solves: their times are those of the first.
-            let planner = Planner::of_tables(Arc::clone(entry.model().tables()))
+            let planner = Planner::from_tables(Arc::clone(entry.model().tables()))
                 .map_err(|error| error.to_string())?
                 .settings(search)
                 .seed(seed)
@@ -224,9 +225,10 @@ impl Batch {
                 Some(limit) => planner.memory_limit(limit),
                 None => planner,
             };
-            let solution = planner.solve_on(1).map_err(|error| error.to_string())?;
-            row.fill(&solution);
-            self.write_path(entry, seed, &solution, out).map_err(|error| format!("path not written: {error}"))
+            let answer = planner.solve_on(1);
+            row.fill(&answer);
+            let Ok(solution) = &answer else { return Ok(()) };
+            self.write_path(entry, seed, solution, out).map_err(|error| format!("path not written: {error}"))
         }));
         match solved {
             Ok(Ok(())) => {}
@@ -248,7 +250,7 @@ impl Batch {
         solution: &Solution,
         out: &Path,
     ) -> Result<(), crate::path_file::error::PathFileError> {
-        let (Some(path), Some(scene)) = (&solution.path, entry.scene()) else { return Ok(()) };
+        let Some(scene) = entry.scene() else { return Ok(()) };
         let file = record::path_file(out, &entry.file_stem(), seed);
         let models = save::model_names(scene, &file)?;
         let context = PathContext {
@@ -259,14 +261,14 @@ impl Batch {
             scheduler: self.scheduler.name(),
             simd: self.settings.search.level.name(),
         };
-        save::save(&write_path(&context, path), &file)
+        save::save(&write_path(&context, &solution.path), &file)
     }
 }
 
 impl Row {
     /// Takes over what a solve has found.
-    fn fill(&mut self, solution: &Solution) {
-        let report = &solution.report;
+    fn fill(&mut self, answer: &Result<Solution, NoSolution>) {
+        let report = Report::of(answer);
         self.solve_time = report.time();
         self.work = Some(Work {
             steps: report.steps,
@@ -275,21 +277,22 @@ impl Row {
             edges: report.edges,
             fingerprint: report.fingerprint,
         });
-        self.path = solution.path.as_ref().map(|path| PathNumbers {
-            segments: path.segments.len(),
-            length: report.path_length.unwrap_or_default(),
-            min_clearance: path.certificate.min_clearance,
-            max_residual: path.certificate.max_residual,
-        });
-        if let SearchOutcome::InfeasibleStart(why) | SearchOutcome::InfeasibleGoal(why) = &solution.outcome {
-            self.message.clone_from(why);
-        }
-        self.outcome = match &solution.outcome {
-            SearchOutcome::Crashed(why) => return self.fail(RowOutcome::Crashed, why.clone()),
-            ended => RowOutcome::Ended(ended.clone()),
-        };
-        if solution.outcome == SearchOutcome::Solved && solution.path.is_none() {
-            self.fail(RowOutcome::Failed, "start and goal hang together, but no path was extracted".into());
+        match answer {
+            Ok(solution) => {
+                self.outcome = RowOutcome::Solved;
+                self.path = Some(PathNumbers {
+                    segments: solution.path.segments.len(),
+                    length: report.path_length.unwrap_or_default(),
+                    min_clearance: solution.certificate().min_clearance,
+                    max_residual: solution.certificate().max_residual,
+                });
+            }
+            Err(none) => {
+                self.fail(RowOutcome::of_reason(&none.reason), none.reason.detail().unwrap_or_default());
+                if matches!(none.reason, NoSolutionReason::Threads { .. }) {
+                    self.work = None;
+                }
+            }
         }
     }
 

@@ -129,13 +129,10 @@ fn changed(search: &SearchSettings) -> String {
     if search.selection != default.selection {
         let _ = write!(out, ", selection {:?}", search.selection);
     }
-    let told = SearchSettings {
-        seed: default.seed,
-        candidates: default.candidates,
-        selection: default.selection,
-        level: default.level,
-        ..search.clone()
-    };
+    let told = search.clone().with(|s| {
+        (s.seed, s.candidates) = (default.seed, default.candidates);
+        (s.selection, s.level) = (default.selection, default.level);
+    });
     if told != default {
         out.push_str(", other settings changed");
     }

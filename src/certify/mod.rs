@@ -8,9 +8,9 @@
 //! ```
 //! use foliate::certify::{Certifier, CertifyOptions, Interpolation, Motion, Point, Turns, Verdict};
 //! use foliate::kernels::collision::CollisionScratch;
-//! use foliate::scene::{PackagePath, load_scene};
+//! use foliate::scene::{PackagePath, Scene};
 //!
-//! let scene = load_scene("demo", &PackagePath::only(&[]))?;
+//! let scene = Scene::load("demo", &PackagePath::only(&[]))?;
 //! let certifier = Certifier::new(&scene.problem, &[])?;
 //! let joints = vec![0, 1]; // indices of coordinates; `formats::read` finds them by name
 //! let start = &scene.problem.start;

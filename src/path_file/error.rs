@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 /// Why a path file was not written or read.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 #[allow(missing_docs, reason = "the messages are the documentation")]
 pub enum PathFileError {
     #[error("{}: {source}", path.display())]

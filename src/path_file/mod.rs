@@ -20,4 +20,5 @@ pub use crate::path_file::document::{
     AttachmentEntry, CertificateEntry, Documents, FORMAT, GripperEntry, HandleEntry, PairsEntry, PartEntry, PathFile,
     SceneFileEntry, SegmentEntry, SurfaceEntry,
 };
+pub use crate::path_file::error::PathFileError;
 pub use crate::path_file::write::{FileNames, PartFiles, PathContext, write_path};

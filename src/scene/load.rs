@@ -1,42 +1,64 @@
 //! Loads a scene, or one robot model, by name or path.
 
 use crate::scene::assemble::load;
+use crate::scene::assemble::scene::Scene;
 use crate::scene::mesh::meshes;
 use crate::scene::reading::error;
+#[cfg(feature = "urdf-rs")]
+use crate::scene::sources::package::Base;
 use crate::scene::sources::{follower_limits, source};
+#[cfg(feature = "urdf-rs")]
+use crate::scene::urdf::parsed;
 use crate::scene::urdf::read;
-use crate::scene::{PackagePath, Scene, SceneError, UpAxis, shipped, shipped_scenes};
+use crate::scene::{PackagePath, SceneError, UpAxis, shipped, shipped_scenes};
 
 use foliate_components::Pose;
+use foliate_components::problem::Problem;
 use foliate_components::robot::model::Model;
 use foliate_components::robot::{ComposeError, PartIndex, PartKind, PartPlacement, Robot, RootJoint};
 use source::SceneBase;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Loads a scene: a shipped one by its name, or a file.
-///
-/// # Errors
-/// The first thing that is wrong, with file, line and element.
-pub fn load_scene(name_or_path: &str, packages: &PackagePath) -> Result<Scene, SceneError> {
-    if let Some(shipped) = shipped::find(name_or_path) {
-        return shipped.load(packages);
+impl Scene {
+    /// Reads a scene: a shipped one by its name, or a file.
+    ///
+    /// # Errors
+    /// The first thing that is wrong, with file, line and element.
+    pub fn load(name_or_path: &str, packages: &PackagePath) -> Result<Self, SceneError> {
+        if let Some(shipped) = shipped::find(name_or_path) {
+            return shipped.load(packages);
+        }
+        let path = Path::new(name_or_path);
+        if !path.exists() {
+            let names = shipped_scenes().iter().map(|s| s.name);
+            let hint = error::did_you_mean(name_or_path, names);
+            return Err(SceneError::new(name_or_path, "scene", "is neither a shipped scene nor a file").hint(hint));
+        }
+        Self::from_file(path, packages)
     }
-    let path = Path::new(name_or_path);
-    if !path.exists() {
-        let names = shipped_scenes().iter().map(|s| s.name);
-        let hint = error::did_you_mean(name_or_path, names);
-        return Err(SceneError::new(name_or_path, "scene", "is neither a shipped scene nor a file").hint(hint));
+
+    /// Reads a scene file.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn from_file(path: impl AsRef<Path>, packages: &PackagePath) -> Result<Self, SceneError> {
+        load::load_path(path.as_ref(), packages)
     }
-    load::load_path(path, packages)
+
+    /// Reads a scene from its text. `name` is what messages call it; relative names start at `directory`.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn from_text(name: &str, text: &str, directory: &Path, packages: &PackagePath) -> Result<Self, SceneError> {
+        load::load(name, text, SceneBase::Directory(directory.to_owned()), packages)
+    }
 }
 
-/// Loads a scene from its text. `name` is what messages call it; relative names start at `directory`.
-///
-/// # Errors
-/// As [`load_scene`].
-pub fn load_scene_text(name: &str, text: &str, directory: &Path, packages: &PackagePath) -> Result<Scene, SceneError> {
-    load::load(name, text, SceneBase::Directory(directory.to_owned()), packages)
+impl From<Scene> for Problem {
+    fn from(scene: Scene) -> Self {
+        scene.problem
+    }
 }
 
 /// A model as its files describe it, and remarks about them.
@@ -48,7 +70,8 @@ pub struct ReadModel {
     pub warnings: Vec<SceneError>,
     /// SHA-256 (hexadecimal) of every file that was read: by `urdf`, `srdf`, and each mesh as the URDF writes its name.
     pub sha256: BTreeMap<String, String>,
-    urdf: source::ModelFile,
+    /// None of a model that was parsed elsewhere.
+    urdf: Option<source::ModelFile>,
 }
 
 impl ReadModel {
@@ -68,24 +91,51 @@ impl ReadModel {
             joint_bounds: Vec::new(),
         };
         let robot = Robot::compose(&[(&self.model, placement)]).map_err(|error| {
-            match (&error, follower_limits::again(&self.urdf)) {
+            match (&error, self.urdf.as_ref().and_then(follower_limits::again)) {
                 (ComposeError::NoRoom { room, .. }, Some(urdf)) => follower_limits::refusal(&urdf, room),
-                _ => SceneError::new(&self.urdf.url, "<robot>", error.to_string()),
+                _ => SceneError::new(self.label(), "<robot>", error.to_string()),
             }
         })?;
         if !robot.narrowed.is_empty()
-            && let Some(urdf) = follower_limits::again(&self.urdf)
+            && let Some(urdf) = self.urdf.as_ref().and_then(follower_limits::again)
         {
             self.warnings.extend(follower_limits::remarks(&robot, PartIndex(0), &urdf));
         }
         Ok(robot)
+    }
+
+    /// What messages call the file.
+    fn label(&self) -> &str {
+        self.urdf.as_ref().map_or("urdf_rs::Robot", |urdf| &urdf.url)
+    }
+
+    /// Makes a model of a URDF that the crate `urdf-rs` has parsed. Names of meshes that are relative start at `directory`, those with
+    /// `package://` are looked up in `packages`; `up_axis` is for COLLADA meshes. The elements that `urdf-rs` does not know are lost,
+    /// such as pinocchio's `<collision_checking>`.
+    ///
+    /// # Errors
+    /// The first element that makes no model, by its name; `urdf-rs` keeps no lines.
+    #[cfg(feature = "urdf-rs")]
+    pub fn from_urdf_rs(
+        robot: &urdf_rs::Robot,
+        directory: impl AsRef<Path>,
+        up_axis: UpAxis,
+        packages: &PackagePath,
+    ) -> Result<Self, SceneError> {
+        let base = Base::Directory(directory.as_ref().to_owned());
+        let mut meshes = meshes::Meshes::new(packages);
+        let mut converter = parsed::Converter::new(&mut meshes, base, up_axis);
+        let model = converter.model(robot)?;
+        let (sha256, mut warnings) = converter.finish();
+        warnings.extend(meshes.finish());
+        Ok(Self { model, warnings, sha256, urdf: None })
     }
 }
 
 /// Reads a URDF and, where there is one, its SRDF. Both are paths or `package://` URLs. `up_axis` is for COLLADA meshes.
 ///
 /// # Errors
-/// As [`load_scene`].
+/// As [`Scene::load`].
 pub fn read_model(
     urdf: &str,
     srdf: Option<&str>,
@@ -113,5 +163,5 @@ pub fn read_model(
         sha256.insert("srdf".into(), srdf.file.sha256);
     }
     warnings.extend(meshes.finish());
-    Ok(ReadModel { model, warnings, sha256, urdf: urdf.file })
+    Ok(ReadModel { model, warnings, sha256, urdf: Some(urdf.file) })
 }

@@ -18,7 +18,7 @@ pub(crate) mod urdf;
 
 pub use crate::scene::assemble::names::configuration::coordinate_names;
 pub use crate::scene::assemble::scene::{PartSource, Scene, SceneFile, SceneOrigin};
-pub use crate::scene::load::{ReadModel, load_scene, load_scene_text, read_model};
+pub use crate::scene::load::{ReadModel, read_model};
 pub use crate::scene::mesh::cache::mesh_cache::MeshCache;
 pub use crate::scene::mesh::formats::triangles::UpAxis;
 pub use crate::scene::reading::cache_folders::model_cache;

@@ -8,8 +8,29 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
+/// Which solve of a planner an event or an answer is of; numbered from 0 in the order in which the solves begin.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct SolveId(pub u64);
+
+impl std::fmt::Display for SolveId {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+/// An event, and the solve that it is of: solves that run side by side may share one channel.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct SolveEvent {
+    /// The solve.
+    pub solve: SolveId,
+    /// What happened.
+    pub event: SearchEvent,
+}
+
 /// Something a host may want to know while a search runs.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum SearchEvent {
     /// A step has ended.
     Progress {
@@ -45,7 +66,8 @@ pub enum SearchEvent {
 /// The search's end of the channel. When the host does not read, events are dropped and counted.
 #[derive(Clone, Debug, Default, Resource)]
 pub struct EventSink {
-    sender: Option<Sender<SearchEvent>>,
+    sender: Option<Sender<SolveEvent>>,
+    solve: SolveId,
     /// Events that found the channel full.
     pub dropped: u64,
 }
@@ -53,9 +75,21 @@ pub struct EventSink {
 impl EventSink {
     /// A sink and the host's end, which holds at most `capacity` unread events.
     #[must_use]
-    pub fn bounded(capacity: usize) -> (Self, Receiver<SearchEvent>) {
+    pub fn bounded(capacity: usize) -> (Self, Receiver<SolveEvent>) {
         let (sender, receiver) = bounded(capacity);
-        (Self { sender: Some(sender), dropped: 0 }, receiver)
+        (Self { sender: Some(sender), solve: SolveId::default(), dropped: 0 }, receiver)
+    }
+
+    /// The same sink for the events of a solve.
+    #[must_use]
+    pub fn of_solve(&self, solve: SolveId) -> Self {
+        Self { solve, ..self.clone() }
+    }
+
+    /// The solve whose events it sends.
+    #[must_use]
+    pub fn solve(&self) -> SolveId {
+        self.solve
     }
 
     /// Whether anybody listens.
@@ -66,6 +100,7 @@ impl EventSink {
 
     /// Sends without ever waiting.
     pub fn send(&mut self, event: SearchEvent) {
+        let event = SolveEvent { solve: self.solve, event };
         match self.sender.as_ref().map(|s| s.try_send(event)) {
             Some(Err(TrySendError::Full(_))) => self.dropped += 1,
             Some(Err(TrySendError::Disconnected(_))) => self.sender = None,

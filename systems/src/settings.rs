@@ -5,6 +5,7 @@ use foliate_kernels::lanes::Level;
 
 /// How a node to extend is chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Selection {
     /// As `LeafFirst` for some candidates; the others ([`SearchSettings::guided_probability`]) take a leaf that is few grasps
     /// from what another tree has reached, and a transition that leads towards it ([`crate::heuristic::leaf_heuristic`]).
@@ -20,8 +21,9 @@ pub enum Selection {
     Nearest,
 }
 
-/// Settings of a search.
+/// Settings of a search. Take the defaults and change what differs: [`Self::with`].
 #[derive(Clone, Debug, PartialEq, Resource)]
+#[non_exhaustive]
 pub struct SearchSettings {
     /// Seed of every random stream.
     pub seed: u64,
@@ -77,6 +79,21 @@ pub struct SearchSettings {
     pub goal_interval: u64,
     /// Steps between two reports of feedback to the host; 0 for one at the end only.
     pub feedback_interval: u64,
+}
+
+impl SearchSettings {
+    /// These settings with changes:
+    ///
+    /// ```
+    /// # use foliate_systems::settings::SearchSettings;
+    /// let settings = SearchSettings::default().with(|s| s.max_steps = 1000);
+    /// # assert_eq!(settings.max_steps, 1000);
+    /// ```
+    #[must_use]
+    pub fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
+        change(&mut self);
+        self
+    }
 }
 
 impl Default for SearchSettings {

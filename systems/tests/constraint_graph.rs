@@ -121,7 +121,7 @@ fn a_graph_by_hand_is_searched_as_well() {
     graph.transitions.retain(|t| t.kind != TransitionKind::Crossed);
     graph.transitions.iter_mut().for_each(|t| t.reverse = None);
     let model = PlanningModel(Arc::new(Model::with_graph(problem, graph).unwrap()));
-    let settings = foliate_systems::settings::SearchSettings { max_steps: 20, ..seeded(1) };
+    let settings = seeded(1).with(|s| s.max_steps = 20);
     assert_eq!(search(&model, &Mrrt, settings, 1).0, SearchOutcome::StepLimit);
 }
 

@@ -46,7 +46,7 @@ fn reports(settings: SearchSettings) -> (Search, Vec<SearchEvent>) {
     let (sink, events) = EventSink::bounded(1 << 20);
     let mut search = Search::new(&model, &Mrrt, settings, stop_within(120), sink);
     assert_eq!(search.run(), SearchOutcome::Solved);
-    (search, events.try_iter().collect())
+    (search, events.try_iter().map(|told| told.event).collect())
 }
 
 fn feedback(events: &[SearchEvent]) -> Vec<&Feedback> {
@@ -55,7 +55,7 @@ fn feedback(events: &[SearchEvent]) -> Vec<&Feedback> {
 
 #[test]
 fn the_host_hears_every_few_steps_and_at_the_end() {
-    let (mut search, events) = reports(SearchSettings { feedback_interval: 5, ..seeded(1) });
+    let (mut search, events) = reports(seeded(1).with(|s| s.feedback_interval = 5));
     let heard = feedback(&events);
     let last = search.counter().step;
     let mut expected: Vec<u64> = (1..=last).filter(|step| step % 5 == 0).collect();
@@ -83,7 +83,7 @@ fn the_host_hears_every_few_steps_and_at_the_end() {
 
 #[test]
 fn without_an_interval_there_is_one_report() {
-    let (_, events) = reports(SearchSettings { feedback_interval: 0, ..seeded(1) });
+    let (_, events) = reports(seeded(1).with(|s| s.feedback_interval = 0));
     assert_eq!(feedback(&events).len(), 1);
 }
 
@@ -96,7 +96,7 @@ fn the_object_in_the_way_is_named() {
     let names_box1 = |transition: TransitionId| model.graph.transition(transition).name.contains("box1");
     // Now and then a search is lucky at once and meets nothing.
     let met = (1..=5).any(|seed| {
-        let (_, mut search) = search(&model, &Mrrt, SearchSettings { max_steps: 150, ..seeded(seed) }, 1);
+        let (_, mut search) = search(&model, &Mrrt, seeded(seed).with(|s| s.max_steps = 150), 1);
         search.statistics().into_iter().any(|(id, s)| {
             !names_box1(id) && s.blocking_parts(robot).iter().any(|pair| pair.first == box1 || pair.second == box1)
         })

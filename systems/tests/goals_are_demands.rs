@@ -206,6 +206,7 @@ fn a_goal_that_holds_already_is_solved() {
 fn refused(problem: Problem, settings: SearchSettings) -> (String, Search) {
     let (outcome, search) = search(&model(problem), &Mrrt, settings, 2);
     let SearchOutcome::InfeasibleGoal(why) = outcome else { panic!("{outcome:?}") };
+    let why = why.to_string();
     (why, search)
 }
 
@@ -236,7 +237,7 @@ fn a_goal_out_of_reach_is_given_up_after_the_stated_tries_with_the_reason() {
     let mut problem = move_one_box().unwrap();
     let demand = hand_at(&problem, DVec3::new(0.0, 0.0, 4.0));
     problem.goals = vec![Goal::Partial(PartialGoal { constraints: vec![demand], ..PartialGoal::default() })];
-    let settings = SearchSettings { goal_tries: 800, ..seeded(1) };
+    let settings = seeded(1).with(|s| s.goal_tries = 800);
     let (why, search) = refused(problem, settings);
     assert!(why.contains("in 800 tries") && why.contains("projection failed 800 times"), "{why}");
     assert_eq!(search.goal_statistics().projection_failed, 800);
@@ -250,7 +251,7 @@ fn a_goal_in_the_way_of_others_is_told_with_the_pair() {
     let pose = pose_from_array([0.7, 0.0, 0.031, 0.0, 0.0, 0.0, 1.0]).unwrap();
     let parts = ["box0", "box1"].map(|name| (problem.robot.part(name).unwrap(), pose));
     problem.goals = vec![Goal::object_poses(parts.to_vec())];
-    let (why, search) = refused(problem, SearchSettings { goal_tries: 64, ..seeded(1) });
+    let (why, search) = refused(problem, seeded(1).with(|s| s.goal_tries = 64));
     assert!(why.contains("in collision") && why.contains("box0") && why.contains("box1"), "{why}");
     assert!(!search.goal_statistics().blocked_by.is_empty());
 }
@@ -281,7 +282,7 @@ fn more_goals_are_drawn_while_the_search_runs_on_any_number_of_threads_alike() {
         let elsewhere = pose_from_array([0.5, 0.3, -0.169, 0.0, 0.0, 0.0, 1.0]).unwrap();
         problem.goals = vec![Goal::object_poses(vec![(part, elsewhere)])];
         problem.graph.grasps = Some(Vec::new());
-        let settings = SearchSettings { goal_samples: 1, goal_interval: 1, max_steps: 9, ..seeded(5) };
+        let settings = seeded(5).with(|s| (s.goal_samples, s.goal_interval, s.max_steps) = (1, 1, 9));
         let (outcome, search) = search(&model(problem), &Mrrt, settings, threads);
         assert_eq!(outcome, SearchOutcome::StepLimit);
         let goals = search.world().resource::<Roots>().goals.len();

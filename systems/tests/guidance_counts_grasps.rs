@@ -18,7 +18,6 @@ use foliate_systems::heuristic::grasp_distance::GraspDistance;
 use foliate_systems::heuristic::leaf_heuristic::LeafHeuristic;
 use foliate_systems::heuristic::systems::measure_leaves;
 use foliate_systems::planning_model::PlanningModel;
-use foliate_systems::settings::SearchSettings;
 
 /// A leaf of the state of that name, with a new value for every foliating constraint.
 fn new_leaf(model: &PlanningModel, index: &mut LeafIndex, state: &str) -> Leaf {
@@ -93,7 +92,7 @@ fn what_is_kept_while_trees_grow_is_what_counting_afresh_gives() {
     let out_of_reach = boxes_on_a_table(&[(0.6, 0.1), (0.6, -0.1)], &[(1.45, 0.75), (0.6, -0.1)]);
     for problem in [swap_two_boxes(), open_a_drawer(JointRest::Stays, 0.1), out_of_reach] {
         let model = model(problem.unwrap());
-        let settings = SearchSettings { max_steps: 8, ..seeded(3) };
+        let settings = seeded(3).with(|s| s.max_steps = 8);
         let (_, mut search) = search(&model, &Mrrt, settings, 1);
         // The last step's leaves would be measured at the start of the next.
         let mut measure = Schedule::default();

@@ -15,7 +15,6 @@ use foliate_schedulers::{Scheduler, mrrt::Mrrt};
 use foliate_systems::events::{EventSink, StopSignal};
 use foliate_systems::schedule::SearchSet;
 use foliate_systems::search::Search;
-use foliate_systems::settings::SearchSettings;
 
 /// `mrrt`, cancelled by the host in the middle of a step.
 struct CancelledAfter(SearchSet, SearchSet);
@@ -70,7 +69,7 @@ fn a_token_ends_the_drawing_of_goals_before_the_first_step() {
 fn memory_is_bounded_in_bytes_also_where_nodes_are_few() {
     // Out of reach: only a limit ends it.
     let model = model(boxes_on_a_table(&[(0.6, 0.1)], &[(1.45, 0.75)]).unwrap());
-    let settings = SearchSettings { max_bytes: 100_000, ..seeded(1) };
+    let settings = seeded(1).with(|s| s.max_bytes = 100_000);
     let (outcome, search) = search(&model, &Mrrt, settings, 1);
     assert_eq!(outcome, SearchOutcome::MemoryLimit);
     // What is bounded is all that grows: the roadmap, and what transitions need that were tried.

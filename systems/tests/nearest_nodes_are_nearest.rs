@@ -15,7 +15,7 @@ use foliate_systems::exploration::neighbours::{Neighbours, Question, Region};
 use foliate_systems::exploration::writer;
 use foliate_systems::planning_model::PlanningModel;
 use foliate_systems::schedule::SearchSet;
-use foliate_systems::settings::{SearchSettings, Selection};
+use foliate_systems::settings::Selection;
 
 fn all(roadmap: Roadmap<'_>) -> impl Iterator<Item = NodeId> + Clone {
     (0..roadmap.nodes().len() as u32).map(NodeId)
@@ -97,7 +97,7 @@ fn nodes_found_in_lanes_are_those_found_one_by_one() {
     let apart = [Selection::Guided, Selection::StateFirst, Selection::Nearest].map(|s| (&model, &Apart as _, s));
     let planted: [(_, &dyn Scheduler, _); 1] = [(&unsolvable, &Sequence, Selection::Guided)];
     for (model, scheduler, selection) in apart.into_iter().chain(planted) {
-        let settings = SearchSettings { max_steps: 40, selection, ..seeded(7) };
+        let settings = seeded(7).with(|s| (s.max_steps, s.selection) = (40, selection));
         let (_, mut search) = search(model, scheduler, settings, 1);
         let crowd = busiest_leaf(search.roadmap());
         assert!(crowd.len() > 40, "no leaf has become a crowd");

@@ -15,7 +15,6 @@ use foliate_schedulers::{Scheduler, shipped};
 use foliate_systems::events::{EventSink, SearchEvent, StopSignal};
 use foliate_systems::planning_model::PlanningModel;
 use foliate_systems::search::Search;
-use foliate_systems::settings::SearchSettings;
 
 fn small_problems() -> Vec<Problem> {
     vec![
@@ -75,9 +74,9 @@ fn budgets_deadlines_and_tokens_end_the_search() {
     // Out of reach: only a limit ends it.
     let model = model(boxes_on_a_table(&[(0.6, 0.1)], &[(1.45, 0.75)]).unwrap());
     for scheduler in shipped() {
-        let steps = SearchSettings { max_steps: 2, ..seeded(1) };
+        let steps = seeded(1).with(|s| s.max_steps = 2);
         assert_eq!(search(&model, scheduler.as_ref(), steps, 1).0, SearchOutcome::StepLimit);
-        let nodes = SearchSettings { max_nodes: 50, ..seeded(1) };
+        let nodes = seeded(1).with(|s| s.max_nodes = 50);
         assert_eq!(search(&model, scheduler.as_ref(), nodes, 1).0, SearchOutcome::MemoryLimit);
 
         let mut late = Search::new(&model, scheduler.as_ref(), seeded(1), stop_within(0), EventSink::default());
@@ -102,17 +101,20 @@ fn infeasible_ends_are_named_before_the_search() {
         // Both boxes in one place.
         let overlapping = model(boxes_on_a_table(&[(0.6, 0.1), (0.6, 0.1)], &[(0.6, 0.1), (0.8, 0.1)]).unwrap());
         let SearchOutcome::InfeasibleStart(why) = outcome_of(&overlapping, scheduler.as_ref()) else { panic!() };
+        let why = why.to_string();
         assert!(why.contains("box0") && why.contains("box1") && why.contains("collide"), "{why}");
 
         let mut floating = move_one_box().unwrap();
         let height = floating.start.len() - 5;
         floating.start[height] += 0.1;
         let SearchOutcome::InfeasibleStart(why) = outcome_of(&model(floating), scheduler.as_ref()) else { panic!() };
+        let why = why.to_string();
         assert!(why.contains("place_box0"), "{why}");
 
         let mut outside = move_one_box().unwrap();
         outside.goals = vec![Goal::Configuration(outside.start.iter().map(|x| x + 10.0).collect())];
         let SearchOutcome::InfeasibleGoal(why) = outcome_of(&model(outside), scheduler.as_ref()) else { panic!() };
+        let why = why.to_string();
         assert!(why.contains("outside ["), "{why}");
     }
 }
@@ -146,7 +148,7 @@ fn a_host_that_does_not_read_its_events_does_not_block_the_search() {
         let (sink, events) = EventSink::bounded(1 << 20);
         let mut search = Search::new(&model, scheduler.as_ref(), seeded(1), stop_within(120), sink);
         search.run();
-        let heard: Vec<_> = events.try_iter().collect();
+        let heard: Vec<_> = events.try_iter().map(|told| told.event).collect();
         assert!(heard.iter().any(|e| matches!(e, SearchEvent::Progress { .. })));
         assert!(heard.iter().any(|e| matches!(e, SearchEvent::Rejected { .. })));
         assert!(matches!(heard.last(), Some(SearchEvent::Solved { .. })));

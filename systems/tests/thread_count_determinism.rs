@@ -12,7 +12,7 @@ use foliate_components::samples::{
     boxes_on_a_table, hold_a_lid_by_a_magnet, make_a_step, open_a_box_and_move_it, put_a_lid_on_a_box, swap_two_boxes,
 };
 use foliate_schedulers::shipped;
-use foliate_systems::settings::{SearchSettings, Selection};
+use foliate_systems::settings::Selection;
 
 #[test]
 fn roadmap_and_path_do_not_depend_on_threads() {
@@ -36,7 +36,7 @@ fn nor_do_they_where_the_graph_is_not_only_grasps() {
     for problem in problems {
         let model = model(problem.unwrap());
         for scheduler in shipped() {
-            let settings = SearchSettings { max_steps: 12, ..seeded(2) };
+            let settings = seeded(2).with(|s| s.max_steps = 12);
             let (outcome, one) = search(&model, scheduler.as_ref(), settings.clone(), 1);
             let (other, many) = search(&model, scheduler.as_ref(), settings, 3);
             assert_eq!(outcome, other);
@@ -52,7 +52,7 @@ fn unsolved_searches_agree_too_under_every_selection() {
     // A goal on which both boxes would overlap is refused; one out of the arm's reach is searched for in vain.
     let model = model(boxes_on_a_table(&[(0.6, 0.1)], &[(1.45, 0.75)]).unwrap());
     for selection in [Selection::Guided, Selection::LeafFirst, Selection::StateFirst, Selection::Nearest] {
-        let settings = SearchSettings { max_steps: 4, selection, ..seeded(5) };
+        let settings = seeded(5).with(|s| (s.max_steps, s.selection) = (4, selection));
         for scheduler in shipped() {
             let (_, one) = search(&model, scheduler.as_ref(), settings.clone(), 1);
             let (_, two) = search(&model, scheduler.as_ref(), settings.clone(), 2);

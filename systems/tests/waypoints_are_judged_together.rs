@@ -96,7 +96,7 @@ fn watch(model: &PlanningModel, threads: usize, candidates: usize) -> Blocked {
     let seen = Seen::default();
     // Some are solved within a few steps.
     for seed in 1..=4 {
-        let settings = SearchSettings { candidates, max_steps: 20, ..seeded(seed) };
+        let settings = seeded(seed).with(|s| (s.candidates, s.max_steps) = (candidates, 20));
         search(model, &Watched(seen.clone()), settings, threads);
     }
     let blocked = seen.0.lock().unwrap();

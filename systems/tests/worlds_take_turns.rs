@@ -14,7 +14,7 @@ use foliate_schedulers::{Scheduler, mrrt::Mrrt, portfolio::Portfolio};
 use foliate_systems::events::EventSink;
 use foliate_systems::schedule::{SearchSet, empty_schedule};
 use foliate_systems::search::Search;
-use foliate_systems::settings::{SearchSettings, Selection};
+use foliate_systems::settings::Selection;
 use foliate_systems::step::connection::connect::{certify_connections, propose_connections};
 use foliate_systems::step::{commit, conclusion};
 
@@ -131,7 +131,7 @@ fn who_enters_late_learns_what_is_known() {
 #[test]
 fn budgets_hold_for_all_worlds_together() {
     let model = model(boxes_on_a_table(&[(0.6, 0.1)], &[(1.45, 0.75)]).unwrap());
-    let settings = SearchSettings { max_nodes: 300, ..seeded(1) };
+    let settings = seeded(1).with(|s| s.max_nodes = 300);
     let mut limited = Search::new(&model, &trio(), settings, stop_within(60), EventSink::default());
     let mut most = 0;
     while limited.step().is_none() {
@@ -141,7 +141,7 @@ fn budgets_hold_for_all_worlds_together() {
     assert_eq!(limited.ending(), Some(&SearchOutcome::MemoryLimit));
     assert!((100..300).contains(&most), "{most}");
 
-    let (outcome, stepped) = search(&model, &trio(), SearchSettings { max_steps: 9, ..seeded(1) }, 2);
+    let (outcome, stepped) = search(&model, &trio(), seeded(1).with(|s| s.max_steps = 9), 2);
     assert_eq!(outcome, SearchOutcome::StepLimit);
     // Three worlds, at most two steps each in a round.
     let steps: u64 = counts(&stepped).0.iter().map(|world| world.counter.step).sum();
@@ -152,7 +152,7 @@ fn budgets_hold_for_all_worlds_together() {
 fn where_graphs_are_lazy_worlds_keep_to_themselves() {
     let model = model(eight_arms_and_ten_boxes().unwrap());
     assert!(model.graph.lazy);
-    let settings = SearchSettings { max_steps: 12, ..seeded(1) };
+    let settings = seeded(1).with(|s| s.max_steps = 12);
     let (outcome, one) = search(&model, &trio(), settings.clone(), 1);
     let (other, two) = search(&model, &trio(), settings, 2);
     assert_eq!((outcome, one.roadmap().fingerprint()), (other, two.roadmap().fingerprint()));

@@ -7,7 +7,7 @@ use foliate::certify::{
 };
 use foliate::components::problem::Problem;
 use foliate::kernels::collision::CollisionScratch;
-use foliate::scene::{PackagePath, load_scene_text};
+use foliate::scene::{PackagePath, Scene};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -58,7 +58,7 @@ pub fn scene(parts: &[(&str, &str, &str, String)], rest: &str) -> Problem {
         text.push_str(&format!("[[part]]\nname = \"{name}\"\nkind = \"{kind}\"\nurdf = \"{name}.urdf\"\n{more}\n"));
     }
     text.push_str(rest);
-    let scene = load_scene_text("test", &text, &folder, &PackagePath::only(&[])).unwrap_or_else(|e| panic!("{e}"));
+    let scene = Scene::from_text("test", &text, &folder, &PackagePath::only(&[])).unwrap_or_else(|e| panic!("{e}"));
     std::fs::remove_dir_all(&folder).expect("the folder goes");
     scene.problem
 }

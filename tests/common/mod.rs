@@ -2,7 +2,10 @@
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot go on says so")]
 #![allow(dead_code, reason = "each test uses its part")]
 
+pub mod skip;
+
 use foliate::scene::PackagePath;
+use skip::{Needs, skipped};
 use std::path::{Path, PathBuf};
 
 /// The packages that `foliate models --install` fetches.
@@ -13,7 +16,7 @@ pub fn published_models(test: &str) -> Option<PackagePath> {
     let path = PackagePath::from_environment(&[]);
     match PACKAGES.iter().find(|p| path.find(p).is_none()) {
         Some(missing) => {
-            eprintln!("SKIPPED {test}: package {missing} is not at hand (foliate models --install)");
+            skipped(Needs::Models, test, &format!("package {missing} is not at hand (foliate models --install)"));
             None
         }
         None => Some(path),
@@ -36,10 +39,4 @@ pub fn files_below(directory: &Path, ending: &str) -> Vec<PathBuf> {
     }
     found.sort();
     found
-}
-
-/// Whether an interpreter has these Python modules.
-pub fn imports(python: &Path, modules: &str) -> bool {
-    let import = format!("import {modules}");
-    std::process::Command::new(python).args(["-c", &import]).output().is_ok_and(|o| o.status.success())
 }

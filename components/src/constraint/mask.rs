@@ -8,6 +8,7 @@ pub struct Mask(pub [bool; 6]);
 
 /// Why a mask makes no grasp.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum MaskError {
     /// One rotation row alone says nothing geometric: which rotations satisfy it depends on the other two.
     #[error("a mask may constrain three, two or no rotations, not exactly one")]

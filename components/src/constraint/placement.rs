@@ -48,6 +48,7 @@ pub struct Placement {
 
 /// Why surfaces make no placement.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 #[allow(missing_docs, reason = "the messages are the documentation")]
 pub enum PlacementError {
     #[error("surface `{surface}`, polygon {polygon}: {problem}")]

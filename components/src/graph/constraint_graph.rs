@@ -8,7 +8,7 @@
 use crate::graph::leaf::{Leaf, ParameterId};
 use crate::graph::{ConstraintId, GraphConstraint, State, StateId, Transition, TransitionId, TransitionKind};
 use crate::problem::ObjectOptions;
-use std::ops::Range;
+use std::ops::{Index, Range};
 
 /// States, transitions and the constraints that they share.
 #[derive(Clone, Debug, Default)]
@@ -143,5 +143,29 @@ impl ConstraintGraph {
     #[must_use]
     pub fn state_named(&self, name: &str) -> Option<StateId> {
         self.states.iter().position(|s| s.name == name).map(|i| StateId(i as u32))
+    }
+}
+
+impl Index<StateId> for ConstraintGraph {
+    type Output = State;
+
+    fn index(&self, id: StateId) -> &State {
+        self.state(id)
+    }
+}
+
+impl Index<TransitionId> for ConstraintGraph {
+    type Output = Transition;
+
+    fn index(&self, id: TransitionId) -> &Transition {
+        self.transition(id)
+    }
+}
+
+impl Index<ConstraintId> for ConstraintGraph {
+    type Output = GraphConstraint;
+
+    fn index(&self, id: ConstraintId) -> &GraphConstraint {
+        self.constraint(id)
     }
 }

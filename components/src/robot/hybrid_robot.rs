@@ -4,14 +4,16 @@
 //! any number of models into one tree, numbers their coordinates and absorbs fixed joints into bodies. The result is
 //! immutable during a search.
 
-use crate::pose::Pose;
+use crate::pose::{Pose, pose_from_array, pose_to_array};
 use crate::robot::configuration::ConfigurationSpace;
-use crate::robot::indices::{GripperIndex, HandleIndex, JointIndex, LinkIndex, PartIndex, SurfaceIndex};
-use crate::robot::joint::{Joint, PartKind, RootJoint};
+use crate::robot::error::CoordinateError;
+use crate::robot::indices::{GripperIndex, HandleIndex, JointIndex, LinkIndex, PartIndex, ShapeIndex, SurfaceIndex};
+use crate::robot::joint::{CoordinateValue, Joint, JointType, PartKind, RootJoint, Source};
 use crate::robot::limits::NarrowedLimits;
 use crate::robot::model;
 use crate::robot::shape::geometry::Geometry;
 use glam::DVec3;
+use std::ops::Index;
 
 /// Every part of a problem as one kinematic tree, with its documents. Names are `part/name` throughout.
 #[derive(Clone, Debug, Default)]
@@ -195,6 +197,61 @@ impl Robot {
         position(&self.surfaces, |s| s.name == name).map(SurfaceIndex)
     }
 
+    /// Sets the coordinates of one joint in a whole configuration `q`, by name: `part/joint`, or the name of a part for the joint
+    /// that moves the whole part. Bounds are not looked at here; a search refuses a start or a goal that is outside.
+    ///
+    /// # Errors
+    /// Nothing that moves has the name, it follows another joint, or it takes another kind of value.
+    ///
+    /// # Panics
+    /// If `q` is shorter than a configuration.
+    pub fn set(&self, q: &mut [f64], name: &str, value: impl Into<CoordinateValue>) -> Result<(), CoordinateError> {
+        let (first, joint) = self.coordinates_of(name)?;
+        let kind = |takes| CoordinateError::Kind { name: name.into(), takes };
+        match (joint.motion, value.into()) {
+            (JointType::Revolute { .. } | JointType::Prismatic { .. }, CoordinateValue::Number(x)) => q[first] = x,
+            (JointType::Planar, CoordinateValue::Planar(x)) => q[first..first + 3].copy_from_slice(&x),
+            (JointType::FreeFlyer, CoordinateValue::Pose(x)) => q[first..first + 7].copy_from_slice(&pose_to_array(&x)),
+            (JointType::Revolute { .. } | JointType::Prismatic { .. }, _) => return Err(kind("a number")),
+            (JointType::Planar, _) => return Err(kind("x, y and theta")),
+            (JointType::FreeFlyer, _) => return Err(kind("a pose")),
+        }
+        Ok(())
+    }
+
+    /// The coordinates of one joint in a whole configuration `q`, by a name as for [`Self::set`].
+    ///
+    /// # Errors
+    /// Nothing that moves has the name, or it follows another joint.
+    ///
+    /// # Panics
+    /// If `q` is shorter than a configuration.
+    pub fn get(&self, q: &[f64], name: &str) -> Result<CoordinateValue, CoordinateError> {
+        let (first, joint) = self.coordinates_of(name)?;
+        Ok(match joint.motion {
+            JointType::Revolute { .. } | JointType::Prismatic { .. } => CoordinateValue::Number(q[first]),
+            JointType::Planar => CoordinateValue::Planar([q[first], q[first + 1], q[first + 2]]),
+            JointType::FreeFlyer => {
+                let mut numbers = [0.0; 7];
+                numbers.copy_from_slice(&q[first..first + 7]);
+                CoordinateValue::Pose(pose_from_array(numbers).unwrap_or_else(Pose::identity))
+            }
+        })
+    }
+
+    /// The first coordinate of a joint, by name, and the joint.
+    pub(crate) fn coordinates_of(&self, name: &str) -> Result<(usize, &Joint), CoordinateError> {
+        let joint = match (self.joint(name), self.part(name)) {
+            (Some(joint), _) => joint,
+            (None, Some(part)) => self[part].root_joint.ok_or_else(|| CoordinateError::FixedRoot(name.into()))?,
+            (None, None) => return Err(CoordinateError::Unknown(name.into())),
+        };
+        match self[joint].source {
+            Source::Coordinates { q, .. } => Ok((q, &self[joint])),
+            Source::Follows { .. } => Err(CoordinateError::Follows(name.into())),
+        }
+    }
+
     /// The moving joint and the pose in its frame of `link_from_frame`, a frame given in a link.
     #[must_use]
     pub fn frame_on_joint(&self, link: LinkIndex, link_from_frame: &Pose) -> (Option<JointIndex>, Pose) {
@@ -202,6 +259,28 @@ impl Robot {
         (link.joint, link.joint_from_link * *link_from_frame)
     }
 }
+
+/// Lets an index type index what it names.
+macro_rules! indexed {
+    ($($index:ty => $field:ident: $item:ty),* $(,)?) => {$(
+        impl Index<$index> for Robot {
+            type Output = $item;
+
+            fn index(&self, index: $index) -> &$item {
+                &self.$field[index.at()]
+            }
+        }
+    )*};
+}
+indexed!(
+    PartIndex => parts: Part,
+    JointIndex => joints: Joint,
+    LinkIndex => links: Link,
+    ShapeIndex => shapes: Shape,
+    GripperIndex => grippers: Gripper,
+    HandleIndex => handles: Handle,
+    SurfaceIndex => surfaces: Surface,
+);
 
 fn position<T>(items: &[T], matches: impl Fn(&T) -> bool) -> Option<u32> {
     items.iter().position(matches).map(|i| i as u32)

@@ -45,6 +45,35 @@ impl JointType {
     }
 }
 
+/// What a joint's coordinates are set to by name.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CoordinateValue {
+    /// Of a revolute or prismatic joint: radians or metres.
+    Number(f64),
+    /// Of a planar root: x, y (metres) and θ (radians) in its plane.
+    Planar([f64; 3]),
+    /// Of a free-flyer: the pose of its body in the frame of the joint; of a part's root that is the pose in the world.
+    Pose(Pose),
+}
+
+impl From<f64> for CoordinateValue {
+    fn from(value: f64) -> Self {
+        Self::Number(value)
+    }
+}
+
+impl From<[f64; 3]> for CoordinateValue {
+    fn from(value: [f64; 3]) -> Self {
+        Self::Planar(value)
+    }
+}
+
+impl From<Pose> for CoordinateValue {
+    fn from(value: Pose) -> Self {
+        Self::Pose(value)
+    }
+}
+
 /// Where a joint's value comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Source {

@@ -12,11 +12,11 @@ pub(crate) mod limits;
 pub mod model;
 pub mod shape;
 
-pub use crate::robot::error::ComposeError;
+pub use crate::robot::error::{ComposeError, CoordinateError};
 pub use crate::robot::hybrid_robot::{DisabledPair, Gripper, Handle, Link, Part, Robot, Shape, Surface};
 pub use crate::robot::indices::{
     GripperIndex, HandleIndex, JointIndex, LinkIndex, PartIndex, ShapeIndex, SurfaceIndex,
 };
 pub use crate::robot::joined_links::JoinedLinks;
-pub use crate::robot::joint::{Joint, JointType, PartKind, PartPlacement, RootJoint, Source};
+pub use crate::robot::joint::{CoordinateValue, Joint, JointType, PartKind, PartPlacement, RootJoint, Source};
 pub use crate::robot::limits::{NarrowedLimits, NoRoom};

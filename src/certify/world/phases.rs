@@ -15,6 +15,7 @@ use std::collections::HashSet;
 
 /// Why a motion cannot be looked at.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 #[allow(missing_docs, reason = "the messages are the documentation")]
 pub enum CertifyError {
     #[error("{0}")]

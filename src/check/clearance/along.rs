@@ -280,13 +280,13 @@ mod tests {
     use crate::check::world::{attachments, documents};
     use crate::path_file::document::PathFile;
     use crate::path_file::{PathContext, save, write_path};
-    use crate::scene::load::load_scene;
+    use crate::scene::Scene;
     use crate::scene::sources::package::PackagePath;
     use std::path::Path;
 
     /// A planned path of the embedded scene, with the models beside it.
     fn planned(folder: &Path) -> PathFile {
-        let scene = load_scene("demo", &PackagePath::only(&[])).unwrap();
+        let scene = Scene::load("demo", &PackagePath::only(&[])).unwrap();
         let planner = Planner::new(scene.problem.clone()).unwrap();
         let models = save::model_names(&scene, &folder.join("demo.json")).unwrap();
         let model = planner.model();
@@ -298,7 +298,7 @@ mod tests {
             scheduler: "mrrt",
             simd: "none",
         };
-        write_path(&context, &planner.solve().path.unwrap())
+        write_path(&context, &planner.solve().unwrap().path)
     }
 
     #[test]

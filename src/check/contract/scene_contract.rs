@@ -7,7 +7,6 @@ use crate::check::world::models::World;
 use crate::path_file::document::PathFile;
 use crate::scene::assemble::names::configuration::coordinate_names;
 use crate::scene::assemble::scene::Scene;
-use crate::scene::load::load_scene;
 use crate::scene::shipped_scenes;
 use crate::scene::sources::package::PackagePath;
 use foliate_components::problem::Problem;
@@ -78,7 +77,7 @@ pub(crate) fn scene_of(
             Ok(None)
         }
         SceneChoice::Given(name) => {
-            let scene = load_scene(name, packages).map_err(failed)?;
+            let scene = Scene::load(name, packages).map_err(failed)?;
             if !is_the_named(file, &scene) {
                 report.note("the scene is not the one that the path names by its SHA-256");
             }
@@ -91,7 +90,7 @@ pub(crate) fn scene_of(
             };
             let is_shipped = shipped_scenes().iter().any(|scene| scene.name == entry.file);
             let name = if is_shipped { entry.file.clone() } else { base.join(&entry.file).display().to_string() };
-            match load_scene(&name, packages) {
+            match Scene::load(&name, packages) {
                 Ok(scene) => {
                     if !is_the_named(file, &scene) {
                         let subject = format!("`{}` has another SHA-256 than the path says", shown(&entry.file));

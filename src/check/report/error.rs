@@ -41,6 +41,7 @@ impl Default for CheckOptions {
 
 /// Why a file cannot be checked.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum CheckError {
     /// The file is not well formed, or does not fit its models.
     #[error("{place}: {message}")]
@@ -56,6 +57,7 @@ pub enum CheckError {
         /// JSON path of the part.
         place: String,
         /// What is wrong with it.
+        #[source]
         error: Box<SceneError>,
     },
     /// The scene that the path is to be held against cannot be read.

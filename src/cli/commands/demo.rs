@@ -39,14 +39,14 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
         model.graph.states.len(),
         model.graph.transitions.len()
     ));
-    let (planner, mut solution) = run::solve(planner, &arguments.search, true)?;
-    let _measured = solution.measure_clearance();
-    let report = &solution.report;
-    let Some(path) = &solution.path else {
-        print(&format!("No answer: {} after {} candidates.\n", solution.outcome.name(), report.candidates));
-        return run::ending(&solution.outcome);
+    let (planner, mut answer) = run::solve(planner, &arguments.search, true)?;
+    let _measured = answer.measure_clearance();
+    let report = answer.report();
+    let Ok(solution) = &answer.0 else {
+        print(&format!("No answer: {} after {} candidates.\n", answer.name(), report.candidates));
+        return run::ending(&answer);
     };
-    let certificate = &path.certificate;
+    let (path, certificate) = (&solution.path, solution.certificate());
     print(&format!(
         "Solved in {:.0} ms: {} extensions were tried, {} configurations on {} leaves were reached.\n\n\
          What the robot does ({} motions):\n{}\n\
@@ -63,8 +63,8 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
         certificate.max_residual,
     ));
     if let Some(out) = &arguments.out {
-        run::write(out, &scene, &planner, &solution, &arguments.search)?;
+        run::write(out, &scene, &planner, solution, &arguments.search)?;
         print(&format!("The path is in {}; prove it again: foliate check {}\n", out.display(), out.display()));
     }
-    run::ending(&solution.outcome)
+    run::ending(&answer)
 }

@@ -4,8 +4,8 @@ use crate::cli::console::loading;
 use crate::cli::console::print::{Ending, Refusal, print};
 use foliate::components::graph::{ConstraintGraph, StateId, TransitionKind};
 use foliate::components::problem::Problem;
-use foliate::diagram;
-use foliate::scene::{PackagePath, load_scene};
+use foliate::inspection::diagram;
+use foliate::scene::{PackagePath, Scene};
 use foliate::systems::planning_model::graph::checks::{GraphError, MOST_STATES};
 use foliate::systems::planning_model::graph::enumeration::build_constraint_graph;
 use foliate::systems::planning_model::{Model, PlanningModel};
@@ -30,7 +30,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
     let (name, mine) = (arguments.scene.clone(), packages.clone());
     let Ok(graph) = loading::beside(Duration::MAX, Duration::ZERO, move |stop| {
-        let scene = load_scene(&name, &loading::until(&mine, stop))?;
+        let scene = Scene::load(&name, &loading::until(&mine, stop))?;
         Ok(shown(scene.problem)?)
     })?
     else {

@@ -5,7 +5,7 @@ use crate::cli::console::print::{Ending, Refusal, print, print_json};
 use foliate::batch::Entry;
 use foliate::components::outcome::SearchOutcome;
 use foliate::output;
-use foliate::scene::{LoadLimits, LoadStop, PackagePath, Scene, SceneError, load_scene};
+use foliate::scene::{LoadLimits, LoadStop, PackagePath, Scene, SceneError};
 use foliate::systems::events::StopSignal;
 use foliate::systems::planning_model::ProblemTables;
 use serde_json::json;
@@ -100,7 +100,7 @@ pub(crate) fn scene(
 ) -> Result<Result<(Scene, Arc<ProblemTables>), Cut>, Refusal> {
     let (name, packages) = (name.to_owned(), packages.clone());
     beside(limit, Duration::ZERO, move |stop| {
-        let scene = load_scene(&name, &until(&packages, stop))?;
+        let scene = Scene::load(&name, &until(&packages, stop))?;
         let tables = ProblemTables::new_until(scene.problem.clone(), stop).ok_or(Failure::Stopped)?;
         Ok((scene, Arc::new(tables)))
     })

@@ -4,10 +4,12 @@
 //! leader. What only concerns looks or simulation (`visual`, `gazebo`, `transmission`) is not looked at.
 //!
 //! `read` reads the links and calls `joints`, which `tree` checks. Both read `values`. `attributes` reports what a file says
-//! and is not read.
+//! and is not read. `parsed` takes what the crate `urdf-rs` has read instead.
 
 pub(crate) mod attributes;
 pub(crate) mod joints;
+#[cfg(feature = "urdf-rs")]
+pub(crate) mod parsed;
 pub(crate) mod read;
 pub(crate) mod tree;
 pub(crate) mod values;

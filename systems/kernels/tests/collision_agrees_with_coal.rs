@@ -4,6 +4,8 @@
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
 mod collision_models;
+#[path = "../../../tests/common/skip.rs"]
+mod skip;
 
 use collision_models::{random_geometry, random_pose};
 use foliate_components::Pose;
@@ -81,12 +83,7 @@ fn line(geometry: &Geometry, pose: &Pose) -> String {
 }
 
 fn ask_coal(input: &str) -> Option<Vec<f64>> {
-    let python = std::env::var("FOLIATE_PYTHON").unwrap_or_else(|_| "python3".into());
-    let present = Command::new(&python).args(["-c", "import coal"]).stderr(Stdio::null()).status();
-    if !present.is_ok_and(|s| s.success()) {
-        println!("SKIPPED: {python} has no module `coal` (pip install coal)");
-        return None;
-    }
+    let python = skip::python_with("coal", "collision_agrees_with_coal")?;
     let mut child =
         Command::new(&python).args(["-c", SCRIPT]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
     let mut stdin = child.stdin.take().unwrap();

@@ -7,6 +7,7 @@ use crate::planning_model::model::{Model, PlanningModel};
 use crate::planning_model::state_classification::Feasible;
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::Resource;
+use foliate_components::infeasibility::{GoalFailure, GoalFailureKind, Infeasibility};
 use foliate_components::outcome::GoalStatistics;
 use foliate_components::problem::Goal;
 
@@ -58,13 +59,12 @@ impl GoalSampler {
     /// Why no partial goal will be sampled any more: all of them contradict themselves or have had their tries. `None`
     /// while one is open, and where the problem has no such goal.
     #[must_use]
-    pub fn given_up(&self, model: &Model, settings: &SearchSettings) -> Option<String> {
+    pub fn given_up(&self, model: &Model, settings: &SearchSettings) -> Option<Infeasibility> {
         let is_open = |region: &Region| region.is_possible() && region.tries < settings.goal_tries;
         if self.regions.is_empty() || self.regions.iter().any(is_open) {
             return None;
         }
-        let reasons: Vec<_> = self.regions.iter().map(|region| self.why(model, region)).collect();
-        Some(reasons.join("; "))
+        Some(Infeasibility::GoalsNotFound(self.regions.iter().map(|region| self.failure(model, region)).collect()))
     }
 
     /// The first tries, before the first step.
@@ -104,6 +104,15 @@ impl GoalSampler {
             self.next = step.saturating_mul(2);
         }
         due
+    }
+
+    fn failure(&self, model: &Model, region: &Region) -> GoalFailure {
+        let kind = match (&region.malformed, region.is_possible()) {
+            (Some(_), _) => GoalFailureKind::Malformed,
+            (None, true) => GoalFailureKind::NotFound { tries: region.tries },
+            (None, false) => GoalFailureKind::ContradictsEveryState,
+        };
+        GoalFailure::new(region.number, kind, self.why(model, region))
     }
 
     fn why(&self, model: &Model, region: &Region) -> String {

@@ -4,11 +4,10 @@
 //! `objects` how each object may rest, `leg_program` the form of a compiled leg. `model` holds all of these and compiles the
 //! tables of single states and transitions when they are first asked for. The other files ask the model: `attachments` what
 //! carries each object and where that puts it, `programs` what a leg or a state demands as a constraint program, `pair_sets`
-//! which pairs of shapes count, `state_classification` which state and leaf a configuration lies in, `path_constraints` what
-//! a leaf demands for output, `collision_messages` what collides at a start or goal.
+//! which pairs of shapes count, `state_classification` which state and leaf a configuration lies in and why it may be no start
+//! or goal, `path_constraints` what a leaf demands for output.
 
 pub mod attachments;
-pub(crate) mod collision_messages;
 pub mod graph;
 pub mod leg_program;
 pub mod model;

@@ -28,6 +28,7 @@ impl ObjectModel {
 
 /// Why a problem cannot be planned for.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 #[allow(missing_docs, reason = "the messages are the documentation")]
 pub enum ModelError {
     #[error(transparent)]

@@ -1,6 +1,5 @@
 //! Which state a configuration lies in, on which leaf, and whether it may be a start or a goal.
 
-use crate::planning_model::collision_messages;
 use crate::planning_model::graph::attachment_order::pose_on_carrier;
 use crate::planning_model::graph::lazy_graph::LazyGraph;
 use crate::planning_model::graph::state_keys::StateKey;
@@ -11,8 +10,9 @@ use foliate_components::Pose;
 use foliate_components::constraint::{Constraint, Grasp};
 use foliate_components::graph::leaf::Parameter;
 use foliate_components::graph::{ConstraintId, ConstraintKind, State, StateId};
-use foliate_components::robot::{NarrowedLimits, Robot, Source};
-use foliate_kernels::collision::CollisionScratch;
+use foliate_components::infeasibility::{CollidingPair, Infeasibility, NarrowedBy, NearestState};
+use foliate_components::robot::{NarrowedLimits, Robot, ShapeIndex, Source};
+use foliate_kernels::collision::{CollisionScratch, Contact};
 use foliate_kernels::constraints;
 use std::sync::Arc;
 
@@ -32,11 +32,11 @@ pub struct Feasible {
 /// # Errors
 /// Wrong length, numbers that are not finite, coordinates out of bounds, locked joints elsewhere, no state, a collision: the
 /// first that is found.
-pub fn feasible(model: &PlanningModel, settings: &SearchSettings, q: &[f64]) -> Result<Feasible, String> {
+pub fn feasible(model: &PlanningModel, settings: &SearchSettings, q: &[f64]) -> Result<Feasible, Infeasibility> {
     let (root, X_WJ) = in_a_state(model, settings, q)?;
     let scratch = &mut CollisionScratch::at_level(settings.level);
     match model.first_collision(root.state, &X_WJ, settings.clearance_guard, scratch) {
-        Some(contact) => Err(collision_messages::tell(model, root.state, &[contact])),
+        Some(contact) => Err(collision(model, root.state, &[contact])),
         None => Ok(root),
     }
 }
@@ -46,7 +46,11 @@ pub fn feasible(model: &PlanningModel, settings: &SearchSettings, q: &[f64]) -> 
 ///
 /// # Errors
 /// As [`feasible`].
-pub fn reach_feasible(model: &mut PlanningModel, settings: &SearchSettings, q: &[f64]) -> Result<Feasible, String> {
+pub fn reach_feasible(
+    model: &mut PlanningModel,
+    settings: &SearchSettings,
+    q: &[f64],
+) -> Result<Feasible, Infeasibility> {
     reach(model, settings, q, false)
 }
 
@@ -54,11 +58,16 @@ pub fn reach_feasible(model: &mut PlanningModel, settings: &SearchSettings, q: &
 ///
 /// # Errors
 /// As [`feasible`].
-pub fn reach_start(model: &mut PlanningModel, settings: &SearchSettings, q: &[f64]) -> Result<Feasible, String> {
+pub fn reach_start(model: &mut PlanningModel, settings: &SearchSettings, q: &[f64]) -> Result<Feasible, Infeasibility> {
     reach(model, settings, q, true)
 }
 
-fn reach(model: &mut PlanningModel, settings: &SearchSettings, q: &[f64], is_start: bool) -> Result<Feasible, String> {
+fn reach(
+    model: &mut PlanningModel,
+    settings: &SearchSettings,
+    q: &[f64],
+    is_start: bool,
+) -> Result<Feasible, Infeasibility> {
     if model.graph.lazy {
         model.reach(q, settings.classification_tolerance);
     }
@@ -67,33 +76,54 @@ fn reach(model: &mut PlanningModel, settings: &SearchSettings, q: &[f64], is_sta
     if is_start {
         contacts.extend(model.rigid_collisions(root.state, &X_WJ, settings.clearance_guard));
     }
-    if contacts.is_empty() { Ok(root) } else { Err(collision_messages::tell(model, root.state, &contacts)) }
+    if contacts.is_empty() { Ok(root) } else { Err(collision(model, root.state, &contacts)) }
+}
+
+fn collision(model: &Model, state: StateId, contacts: &[Contact]) -> Infeasibility {
+    let robot = &model.problem.robot;
+    let named = |shape: ShapeIndex| {
+        let found = &robot.shapes[shape.at()];
+        (shape, found.name.clone(), robot.links[found.link.at()].name.clone())
+    };
+    let pair = |contact: &Contact| {
+        let (a, b) = model.pair_shapes(contact.pair);
+        CollidingPair::new(named(a), named(b), contact.clearance, model.margin_in(state, contact.pair))
+    };
+    Infeasibility::Collision(contacts.iter().map(pair).collect())
 }
 
 /// All that is asked of a start or goal but that nothing collides there; also the poses of the bodies.
-fn in_a_state(model: &PlanningModel, settings: &SearchSettings, q: &[f64]) -> Result<(Feasible, Vec<Pose>), String> {
+fn in_a_state(
+    model: &PlanningModel,
+    settings: &SearchSettings,
+    q: &[f64],
+) -> Result<(Feasible, Vec<Pose>), Infeasibility> {
     let robot = &model.problem.robot;
     if q.len() != robot.space.size() {
-        return Err(format!("it has {} numbers instead of {}", q.len(), robot.space.size()));
+        return Err(Infeasibility::WrongLength { found: q.len(), expected: robot.space.size() });
     }
     if let Some(index) = q.iter().position(|x| !x.is_finite()) {
-        return Err(format!("{} is not finite", coordinate(robot, index)));
+        return Err(Infeasibility::NotFinite { coordinate: coordinate(robot, index) });
     }
     if let Some(index) = robot.space.first_out_of_bounds(q, 1e-9) {
-        let (low, high) = (robot.space.lower[index], robot.space.upper[index]);
-        let why = narrowed(robot, index);
-        return Err(format!("{} = {} is outside [{low}, {high}]{why}", coordinate(robot, index), q[index]));
+        return Err(Infeasibility::OutOfBounds {
+            coordinate: coordinate(robot, index),
+            value: q[index],
+            bounds: (robot.space.lower[index], robot.space.upper[index]),
+            narrowed: narrowed(robot, index).map(Box::new),
+        });
     }
     let mut locked = q.to_vec();
     model.lock(&mut locked);
     if let Some(index) = (0..q.len()).find(|&i| (locked[i] - q[i]).abs() > settings.classification_tolerance) {
-        return Err(format!("{} = {} is locked at {}", coordinate(robot, index), q[index], locked[index]));
+        let coordinate = coordinate(robot, index);
+        return Err(Infeasibility::Locked { coordinate, value: q[index], locked_at: locked[index] });
     }
     let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
     model.kinematics.forward(&locked, &mut X_WJ);
     let tolerance = settings.classification_tolerance;
-    let state = state_of(model, &locked, &X_WJ, tolerance)
-        .ok_or_else(|| format!("it lies in no state: {}", why_no_state(model, &locked, &X_WJ, tolerance)))?;
+    let state =
+        state_of(model, &locked, &X_WJ, tolerance).ok_or_else(|| why_no_state(model, &locked, &X_WJ, tolerance))?;
     model.rest(state, &mut locked);
     model.kinematics.forward(&locked, &mut X_WJ);
     let parameters = parameters_of(model, state, &locked, &X_WJ);
@@ -219,41 +249,35 @@ pub fn parameter_of(model: &Model, constraint: ConstraintId, q: &[f64], X_WJ: &[
     }
 }
 
-/// The constraint that keeps a configuration out of the least demanding state, for messages: of several such, out of the
-/// one that it is nearest to.
-fn why_no_state(model: &Model, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> String {
+/// The constraint that keeps a configuration out of the least demanding state: of several such, out of the one that it is
+/// nearest to.
+fn why_no_state(model: &Model, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> Infeasibility {
     if let Some(lazy_graph) = model.lazy_graph() {
         let residual = |kind| residual_of(model, lazy_grasp(lazy_graph, kind), kind, q, X_WJ);
-        return match lazy_graph.worst_when_free(&model.problem, residual) {
-            Some((constraint, state, r)) if r > tolerance => {
-                format!("`{constraint}` of state `{state}` is off by {r:.3e}")
-            }
-            _ => "no state is allowed in which its grasps hold".into(),
-        };
+        let worst = lazy_graph.worst_when_free(&model.problem, residual).filter(|&(.., r)| r > tolerance);
+        let nearest = worst.map(|(constraint, state, r)| NearestState::new(state, constraint, r));
+        return Infeasibility::NoState { nearest, lazy: true };
     }
-    let Some(least) = model.graph.states.iter().map(|s| s.priority).min() else { return "no state is allowed".into() };
+    let least = model.graph.states.iter().map(|s| s.priority).min();
     let worst = |state: &'_ State| {
         let all = state.manifold.iter().map(|&c| (c, residual(model, c, q, X_WJ)));
         all.filter(|&(_, r)| r > tolerance).max_by(|a, b| a.1.total_cmp(&b.1))
     };
-    let weakest = model.graph.states.iter().filter(|s| s.priority == least);
+    let weakest = model.graph.states.iter().filter(|s| Some(s.priority) == least);
     let broken = weakest.filter_map(|state| worst(state).map(|(c, r)| (state, c, r)));
-    match broken.min_by(|a, b| a.2.total_cmp(&b.2)) {
-        Some((state, constraint, r)) => {
-            format!("`{}` of state `{}` is off by {r:.3e}", model.graph.constraint(constraint).name, state.name)
-        }
-        None => "no state is allowed".into(),
-    }
+    let nearest = broken.min_by(|a, b| a.2.total_cmp(&b.2)).map(|(state, constraint, r)| {
+        NearestState::new(state.name.clone(), model.graph.constraint(constraint).name.clone(), r)
+    });
+    Infeasibility::NoState { nearest, lazy: false }
 }
 
-/// Where a joint's range is smaller than its own limits: whose limits make it so, for messages.
-fn narrowed(robot: &Robot, index: usize) -> String {
+/// Where a joint's range is smaller than its own limits: whose limits make it so.
+fn narrowed(robot: &Robot, index: usize) -> Option<NarrowedBy> {
     let own =
         |n: &&NarrowedLimits| matches!(robot.joints[n.leader.at()].source, Source::Coordinates { q, .. } if q == index);
-    let Some(narrowed) = robot.narrowed.iter().find(own) else { return String::new() };
-    let names: Vec<_> = narrowed.followers.iter().map(|f| robot.joints[f.at()].name.as_str()).collect();
-    let (low, high) = narrowed.own;
-    format!(", where its followers keep their limits ({}); its own are [{low}, {high}]", names.join(", "))
+    let narrowed = robot.narrowed.iter().find(own)?;
+    let names = narrowed.followers.iter().map(|f| robot.joints[f.at()].name.clone()).collect();
+    Some(NarrowedBy::new(names, narrowed.own))
 }
 
 /// The name of a configuration number, for messages.

@@ -21,6 +21,7 @@ use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Mut, World};
 use foliate_components::candidate::CandidateArena;
 use foliate_components::graph::leaf::LeafIndex;
+use foliate_components::infeasibility::Infeasibility;
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::problem::Goal;
 
@@ -92,7 +93,7 @@ struct FoundRoots {
     goals: Vec<Feasible>,
     sampler: GoalSampler,
     /// Why there is no goal and will be none.
-    hopeless: Option<String>,
+    hopeless: Option<Infeasibility>,
 }
 
 fn find_roots(
@@ -104,7 +105,7 @@ fn find_roots(
     let start = state_classification::reach_start(model, settings, &q).map_err(SearchOutcome::InfeasibleStart)?;
     let mut sampler = GoalSampler::new(model, settings, &start.q);
     let mut goals = Vec::new();
-    let mut complaint = String::from("the problem names no goal");
+    let mut complaint = Infeasibility::NoGoal;
     for goal in model.problem.goals.clone() {
         if let Goal::Configuration(q) = goal {
             match state_classification::reach_feasible(model, settings, &q) {

@@ -14,6 +14,7 @@ use bevy_ecs::prelude::{Query, Res, ResMut};
 use foliate_components::candidate::Candidate;
 use foliate_components::graph::leaf::LeafIndex;
 use foliate_components::graph::{StateId, TransitionId};
+use foliate_components::infeasibility::Infeasibility;
 use foliate_components::outcome::{Prior, SearchOutcome, StateStatistics, TransitionStatistics};
 use foliate_components::roadmap::RoadmapStore;
 
@@ -59,7 +60,12 @@ pub fn conclude(
 }
 
 /// Why there is no goal and none will be found.
-fn no_goal(roots: &Roots, goals: &GoalSampler, model: &PlanningModel, settings: &SearchSettings) -> Option<String> {
+fn no_goal(
+    roots: &Roots,
+    goals: &GoalSampler,
+    model: &PlanningModel,
+    settings: &SearchSettings,
+) -> Option<Infeasibility> {
     roots.goals.is_empty().then(|| goals.given_up(model, settings)).flatten()
 }
 

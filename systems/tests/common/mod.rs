@@ -36,5 +36,5 @@ pub fn search(
 }
 
 pub fn seeded(seed: u64) -> SearchSettings {
-    SearchSettings { seed, ..SearchSettings::default() }
+    SearchSettings::default().with(|s| s.seed = seed)
 }

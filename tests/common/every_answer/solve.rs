@@ -1,12 +1,11 @@
 //! From a scene file to a path file, as `foliate solve` does it, but with a budget of steps instead of seconds.
 
-use foliate::Planner;
-use foliate::components::outcome::SearchOutcome;
 use foliate::components::path::ManipulationPath;
 use foliate::path_file::{PathContext, PathFile, save, write_path};
-use foliate::scene::{PackagePath, Scene, load_scene};
+use foliate::scene::{PackagePath, Scene};
 use foliate::systems::planning_model::PlanningModel;
 use foliate::systems::settings::SearchSettings;
+use foliate::{NoSolutionReason, Planner};
 use std::path::{Path, PathBuf};
 
 /// Steps of sixteen candidates after which a problem counts as too hard.
@@ -33,7 +32,7 @@ pub enum Ended {
 
 /// Loads, solves and writes. An error is something that a solve must never do.
 pub fn solve(scene_file: &Path, scheduler: &str, seed: u64, threads: usize, out: &Path) -> Result<Ended, String> {
-    let scene = match load_scene(&scene_file.to_string_lossy(), &PackagePath::only(&[])) {
+    let scene = match Scene::load(&scene_file.to_string_lossy(), &PackagePath::only(&[])) {
         Ok(scene) => scene,
         Err(error) => return Ok(Ended::Refused(error.to_string())),
     };
@@ -41,15 +40,16 @@ pub fn solve(scene_file: &Path, scheduler: &str, seed: u64, threads: usize, out:
         Ok(planner) => planner,
         Err(error) => return Ok(Ended::Refused(error.to_string())),
     };
-    let settings = SearchSettings { seed, max_steps: STEPS, goal_tries: GOAL_TRIES, ..SearchSettings::default() };
+    let settings = SearchSettings::default().with(|s| (s.seed, s.max_steps, s.goal_tries) = (seed, STEPS, GOAL_TRIES));
     let planner = planner.settings(settings).scheduler_named(scheduler).expect("a shipped scheduler");
-    let solution = planner.solve_on(threads).map_err(|e| format!("threads: {e}"))?;
-    match (solution.outcome, solution.path) {
-        (SearchOutcome::Solved, Some(path)) => write(&scene, solution.model, scheduler, seed, path, out),
-        (SearchOutcome::Solved, None) => Err("outcome: solved without a path".into()),
-        (SearchOutcome::InfeasibleStart(why), _) => Ok(Ended::Infeasible(format!("start: {why}"))),
-        (SearchOutcome::InfeasibleGoal(why), _) => Ok(Ended::Infeasible(format!("goal: {why}"))),
-        _ => Ok(Ended::Unsolved),
+    match planner.solve_on(threads).map_err(|none| none.reason) {
+        Ok(solution) => write(&scene, solution.model, scheduler, seed, solution.path, out),
+        Err(NoSolutionReason::InfeasibleStart(why)) => Ok(Ended::Infeasible(format!("start: {why}"))),
+        Err(NoSolutionReason::InfeasibleGoal(why)) => Ok(Ended::Infeasible(format!("goal: {why}"))),
+        Err(reason @ (NoSolutionReason::NoPath | NoSolutionReason::Threads { .. })) => {
+            Err(format!("outcome: {reason}"))
+        }
+        Err(_) => Ok(Ended::Unsolved),
     }
 }
 

@@ -2,7 +2,9 @@
 
 use crate::page::Figure;
 use crate::{Result, scenes};
+use foliate::Report;
 use foliate::kernels::lanes::Level;
+use foliate::planner::outcome_name;
 use foliate::systems::settings::SearchSettings;
 use std::time::Duration;
 
@@ -17,11 +19,12 @@ pub(crate) fn measure(size: usize) -> Result<Figure> {
             for &level in &levels {
                 let answers = THREADS.map(|threads| -> Result<Option<(u64, Option<f64>)>> {
                     // A clock decides nothing here: work does.
-                    let settings = SearchSettings { seed, level, max_steps: 400, ..SearchSettings::default() };
+                    let settings =
+                        SearchSettings::default().with(|s| (s.seed, s.level, s.max_steps) = (seed, level, 400));
                     let planner = scene.planner(seed, Duration::from_secs(600))?.settings(settings);
-                    let solution = planner.solve_on(threads)?;
-                    let ended = solution.outcome.name() != "timeout";
-                    Ok(ended.then_some((solution.report.fingerprint, solution.report.path_length)))
+                    let answer = planner.solve_on(threads);
+                    let (ended, report) = (outcome_name(&answer) != "timeout", Report::of(&answer));
+                    Ok(ended.then_some((report.fingerprint, report.path_length)))
                 });
                 let answers = answers.into_iter().collect::<Result<Vec<_>>>()?;
                 let ended: Vec<_> = answers.into_iter().flatten().collect();

@@ -72,7 +72,7 @@ pub(crate) fn measure(size: usize) -> Result<Figure> {
     let mut truths = Vec::new();
     for (number, scene) in scenes.iter().enumerate() {
         let out = folder.join(format!("{number}.json"));
-        if let (_, Some(file)) = scene.path(1, Duration::from_secs(20), &out)? {
+        if let Some(file) = scene.path(1, Duration::from_secs(20), &out)? {
             truths.push((scene.name, file));
         }
     }

@@ -25,7 +25,7 @@ pub(crate) fn measure(size: usize) -> Result<Figure> {
         }
         let scene = &scenes[at];
         let out = folder.join(format!("{}.json", scene.name));
-        let (_, Some(file)) = scene.path(number as u64, LIMIT, &out)? else {
+        let Some(file) = scene.path(number as u64, LIMIT, &out)? else {
             unsolved += 1;
             failures[at] += 1;
             continue;

@@ -3,7 +3,6 @@
 use crate::Result;
 use foliate::Planner;
 use foliate::batch::Entry;
-use foliate::components::outcome::SearchOutcome;
 use foliate::path_file::{PathContext, PathFile, save, write_path};
 use foliate::scene::{MeshCache, PackagePath, Scene, shipped_scenes};
 use foliate::schedulers;
@@ -37,7 +36,7 @@ pub(crate) fn all(most: usize) -> Vec<Loaded> {
 
 impl Loaded {
     pub(crate) fn planner(&self, seed: u64, limit: Duration) -> Result<Planner> {
-        Ok(Planner::of_tables(Arc::clone(self.entry.model().tables()))?.seed(seed).time_limit(limit))
+        Ok(Planner::from_tables(Arc::clone(self.entry.model().tables()))?.seed(seed).time_limit(limit))
     }
 
     fn scene(&self) -> Result<&Scene> {
@@ -45,10 +44,9 @@ impl Loaded {
     }
 
     /// Solves and writes the path; none where it is not solved.
-    pub(crate) fn path(&self, seed: u64, limit: Duration, out: &Path) -> Result<(SearchOutcome, Option<PathFile>)> {
+    pub(crate) fn path(&self, seed: u64, limit: Duration, out: &Path) -> Result<Option<PathFile>> {
         let planner = self.planner(seed, limit)?;
-        let solution = planner.solve_on(1)?;
-        let Some(path) = &solution.path else { return Ok((solution.outcome, None)) };
+        let Ok(solution) = planner.solve_on(1) else { return Ok(None) };
         let models = save::model_names(self.scene()?, out)?;
         let context = PathContext {
             problem: &planner.model().problem,
@@ -58,9 +56,9 @@ impl Loaded {
             scheduler: schedulers::DEFAULT,
             simd: "detected",
         };
-        let file = write_path(&context, path);
+        let file = write_path(&context, &solution.path);
         save::save(&file, out)?;
-        Ok((solution.outcome, Some(file)))
+        Ok(Some(file))
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::page::Figure;
 use crate::{Result, scenes};
 use foliate::memory::{peak, resident};
+use foliate::planner::outcome_name;
 use std::time::Duration;
 
 pub(crate) fn measure(size: usize) -> Result<Figure> {
@@ -13,9 +14,9 @@ pub(crate) fn measure(size: usize) -> Result<Figure> {
         let scene = &scenes[number % scenes.len().max(1)];
         // Few seeds, so that every part of the run does the same work.
         let planner = scene.planner((number % 50) as u64, Duration::from_secs(20))?;
-        let outcome = planner.solve_on(1)?.outcome;
-        solved += u64::from(outcome.name() == "solved");
-        crashed += u64::from(outcome.name() == "crashed");
+        let outcome = outcome_name(&planner.solve_on(1));
+        solved += u64::from(outcome == "solved");
+        crashed += u64::from(outcome == "crashed");
         if number.is_multiple_of((size / 100).max(1)) {
             samples.push((number as f64, resident().unwrap_or(0) as f64));
         }

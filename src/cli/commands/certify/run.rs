@@ -10,7 +10,7 @@ use foliate::certify::formats::{Format, ReadOptions, read};
 use foliate::certify::{Certifier, CertifyOptions, CertifyReport, Interpolation, Turns};
 use foliate::kernels::collision::CollisionScratch;
 use foliate::kernels::lanes::Level;
-use foliate::scene::{PackagePath, load_scene};
+use foliate::scene::{PackagePath, Scene};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -79,16 +79,16 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     let started = Instant::now();
     let limit = crate::cli::commands::solve::arguments::deadline(arguments.time_limit)?;
     let (name, mine) = (arguments.scene.clone(), packages.clone());
-    let scene =
-        match loading::beside(limit, Duration::ZERO, move |stop| Ok(load_scene(&name, &loading::until(&mine, stop))?))?
-        {
-            Ok(scene) => scene,
-            Err(Cut::Interrupted) => return Ok(Ending::Interrupted),
-            Err(Cut::OutOfTime) => {
-                say(&format!("{}: undecided: the time limit was reached while the scene was read\n", arguments.scene));
-                return Ok(Ending::Undecided);
-            }
-        };
+    let scene = match loading::beside(limit, Duration::ZERO, move |stop| {
+        Ok(Scene::load(&name, &loading::until(&mine, stop))?)
+    })? {
+        Ok(scene) => scene,
+        Err(Cut::Interrupted) => return Ok(Ending::Interrupted),
+        Err(Cut::OutOfTime) => {
+            say(&format!("{}: undecided: the time limit was reached while the scene was read\n", arguments.scene));
+            return Ok(Ending::Undecided);
+        }
+    };
     for warning in &scene.warnings {
         say(&format!("warning: {warning}\n"));
     }

@@ -61,15 +61,14 @@ fn weight(text: &str) -> Result<f64, String> {
 
 impl Tuning {
     pub(crate) fn settings(self, seed: u64) -> SearchSettings {
-        SearchSettings {
-            seed,
-            candidates: usize::from(self.candidates),
-            selection: self.selection.into(),
-            level: self.level,
-            loop_weight: self.loop_weight,
-            projection_single_until: self.single_until,
-            ..SearchSettings::default()
-        }
+        SearchSettings::default().with(|s| {
+            s.seed = seed;
+            s.candidates = usize::from(self.candidates);
+            s.selection = self.selection.into();
+            s.level = self.level;
+            s.loop_weight = self.loop_weight;
+            s.projection_single_until = self.single_until;
+        })
     }
 }
 
@@ -105,7 +104,7 @@ impl SearchArguments {
 
     /// A planner for a problem.
     pub(crate) fn planner(&self, tables: Arc<ProblemTables>) -> Result<Planner, Refusal> {
-        let planner = Planner::of_tables(tables).map_err(|e| Refusal(e.to_string()))?;
+        let planner = Planner::from_tables(tables).map_err(|e| Refusal(e.to_string()))?;
         let planner = planner.settings(self.tuning.settings(self.seed)).time_limit(self.deadline()?);
         let planner = planner.cancelled_by(interrupt::token());
         let planner = match self.tuning.memory {

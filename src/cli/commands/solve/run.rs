@@ -1,16 +1,16 @@
 //! Runs `foliate solve`: reads the scene, searches, prints the summary, saves the path.
 
+use crate::cli::commands::solve::answer::Answer;
 use crate::cli::commands::solve::arguments::SearchArguments;
 use crate::cli::commands::solve::coverage::LeftOut;
 use crate::cli::commands::solve::summary::Loaded;
 use crate::cli::commands::solve::{summary, summary_json};
 use crate::cli::console::loading;
 use crate::cli::console::print::{Ending, Refusal, print, print_json, say};
-use foliate::components::outcome::SearchOutcome;
 use foliate::path_file::{PathContext, save, write_path};
 use foliate::scene::{PackagePath, Scene};
-use foliate::systems::events::SearchEvent;
-use foliate::{Planner, Solution, output};
+use foliate::systems::events::{SearchEvent, SolveEvent};
+use foliate::{NoSolution, NoSolutionReason, Planner, Solution, output};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -57,21 +57,20 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     }
     // The limit is that of everything, reading included.
     let planner = arguments.search.planner(tables)?.time_limit(limit.saturating_sub(load_time));
-    let solution = solve(planner, &arguments.search, !arguments.json)?;
-    let (planner, mut solution) = solution;
+    let (planner, mut answer) = solve(planner, &arguments.search, !arguments.json)?;
     // Once, for whoever reads the answer: no part of what a solve costs.
-    let clearance = solution.measure_clearance().filter(|_| arguments.clearance);
-    if let (Some(out), Some(_)) = (&arguments.out, &solution.path) {
-        write(out, &scene, &planner, &solution, &arguments.search)?;
+    let clearance = answer.measure_clearance().filter(|_| arguments.clearance);
+    if let (Some(out), Ok(solution)) = (&arguments.out, &answer.0) {
+        write(out, &scene, &planner, solution, &arguments.search)?;
     }
     let left_out = arguments.pairs.then_some(&left_out);
     let loaded = Loaded { scene: &scene, load_time, clearance: clearance.as_ref(), left_out };
     if arguments.json {
-        print_json(&summary_json::json(&loaded, &arguments.search, &solution))?;
+        print_json(&summary_json::json(&loaded, &arguments.search, &answer))?;
     } else {
-        print(&summary::text(&loaded, &solution));
+        print(&summary::text(&loaded, &answer));
     }
-    ending(&solution.outcome)
+    ending(&answer)
 }
 
 /// Refuses a place where no path could be written before anything is searched.
@@ -80,17 +79,18 @@ pub(crate) fn writable(out: &Path) -> Result<(), Refusal> {
 }
 
 /// How a command ends that searched.
-pub(crate) fn ending(outcome: &SearchOutcome) -> Result<Ending, Refusal> {
-    match outcome {
-        SearchOutcome::Solved => Ok(Ending::Done),
-        SearchOutcome::InfeasibleStart(why) => Err(Refusal(format!("infeasible_start: {why}"))),
-        SearchOutcome::InfeasibleGoal(why) => Err(Refusal(format!("infeasible_goal: {why}"))),
-        SearchOutcome::Cancelled => Ok(Ending::Interrupted),
-        SearchOutcome::Timeout | SearchOutcome::StepLimit | SearchOutcome::MemoryLimit => Ok(Ending::Failed),
-        SearchOutcome::Crashed(why) => {
-            say(&format!("error: the search crashed, which is a bug: {}\n", why.escape_debug()));
+pub(crate) fn ending(answer: &Answer) -> Result<Ending, Refusal> {
+    let Some(reason) = answer.reason() else { return Ok(Ending::Done) };
+    match reason {
+        NoSolutionReason::InfeasibleStart(why) | NoSolutionReason::InfeasibleGoal(why) => {
+            Err(Refusal(format!("{}: {why}", reason.name())))
+        }
+        NoSolutionReason::Cancelled => Ok(Ending::Interrupted),
+        NoSolutionReason::Crashed(_) | NoSolutionReason::NoPath => {
+            say(&format!("error: {reason}\n"));
             Ok(Ending::Failed)
         }
+        _ => Ok(Ending::Failed),
     }
 }
 
@@ -99,42 +99,48 @@ pub(crate) fn solve(
     planner: Planner,
     arguments: &SearchArguments,
     progress: bool,
-) -> Result<(Planner, Solution), Refusal> {
+) -> Result<(Planner, Answer), Refusal> {
     let threads = usize::from(arguments.threads);
-    let failed = |e: rayon::ThreadPoolBuildError| Refusal(format!("cannot start {threads} threads: {e}"));
     if !(progress && std::io::stderr().is_terminal()) {
-        let solution = planner.solve_on(threads).map_err(failed)?;
-        return Ok((planner, solution));
+        let answer = begun(planner.solve_on(threads))?;
+        return Ok((planner, answer));
     }
     let (planner, events) = planner.events();
     let bar = ProgressBar::new_spinner();
     if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {msg}") {
         bar.set_style(style);
     }
-    let solution = std::thread::scope(|scope| {
+    let answer = std::thread::scope(|scope| {
         let watcher = scope.spawn(|| watch(&events, &bar));
-        let solution = planner.solve_on(threads);
+        let answer = planner.solve_on(threads);
         bar.finish_and_clear();
         let _ended = watcher.join();
-        solution
+        answer
     });
-    let solution = solution.map_err(failed)?;
-    Ok((planner, solution))
+    Ok((planner, begun(answer)?))
+}
+
+/// Refuses a solve that did not begin, since there are no threads for it.
+fn begun(answer: Result<Solution, NoSolution>) -> Result<Answer, Refusal> {
+    match answer {
+        Err(NoSolution { reason: reason @ NoSolutionReason::Threads { .. }, .. }) => Err(Refusal(reason.to_string())),
+        answer => Ok(Answer(answer)),
+    }
 }
 
 /// Shows progress until the bar is finished.
-fn watch(events: &crossbeam_channel::Receiver<SearchEvent>, bar: &ProgressBar) {
+fn watch(events: &foliate::crossbeam_channel::Receiver<SolveEvent>, bar: &ProgressBar) {
     while !bar.is_finished() {
-        match events.recv_timeout(Duration::from_millis(100)) {
+        match events.recv_timeout(Duration::from_millis(100)).map(|told| told.event) {
             Ok(SearchEvent::Progress { step, candidates, nodes, edges, leaves }) => {
                 bar.set_message(format!(
                     "step {step}, {candidates} candidates, {nodes} nodes, {edges} edges, {leaves} leaves"
                 ));
                 bar.tick();
             }
-            Ok(SearchEvent::Rejected { .. } | SearchEvent::Feedback(_) | SearchEvent::Solved { .. }) => {}
-            Err(crossbeam_channel::RecvTimeoutError::Timeout) => bar.tick(),
-            Err(crossbeam_channel::RecvTimeoutError::Disconnected) => return,
+            Ok(_) => {}
+            Err(foliate::crossbeam_channel::RecvTimeoutError::Timeout) => bar.tick(),
+            Err(foliate::crossbeam_channel::RecvTimeoutError::Disconnected) => return,
         }
     }
 }
@@ -147,7 +153,6 @@ pub(crate) fn write(
     solution: &Solution,
     arguments: &SearchArguments,
 ) -> Result<(), Refusal> {
-    let Some(path) = &solution.path else { return Ok(()) };
     let models = save::model_names(scene, out).map_err(|e| Refusal(e.to_string()))?;
     let context = PathContext {
         problem: &planner.model().problem,
@@ -157,5 +162,5 @@ pub(crate) fn write(
         scheduler: &arguments.scheduler,
         simd: arguments.tuning.level.name(),
     };
-    save::save(&write_path(&context, path), out).map_err(|e| Refusal(e.to_string()))
+    save::save(&write_path(&context, &solution.path), out).map_err(|e| Refusal(e.to_string()))
 }

@@ -1,13 +1,14 @@
 //! What a search has found, as text for people. `summary_json` says the same as JSON.
 
+use crate::cli::commands::solve::answer::Answer;
 use crate::cli::commands::solve::coverage::LeftOut;
 use crate::cli::commands::solve::{coverage, story};
-use foliate::components::outcome::{Rejection, SearchOutcome};
+use foliate::FunnelRow;
+use foliate::components::outcome::Rejection;
 use foliate::components::robot::ShapeIndex;
 use foliate::scene::Scene;
 use foliate::schedulers::portfolio::MemberCount;
 use foliate::systems::search::path_clearance::PathClearance;
-use foliate::{FunnelRow, Solution};
 use std::fmt::Write;
 use std::time::Duration;
 
@@ -32,15 +33,15 @@ pub(crate) fn distance(metres: f64) -> String {
 }
 
 /// The summary for people.
-pub(crate) fn text(loaded: &Loaded<'_>, solution: &Solution) -> String {
-    let report = &solution.report;
-    let graph = &solution.model.graph;
+pub(crate) fn text(loaded: &Loaded<'_>, answer: &Answer) -> String {
+    let report = answer.report();
+    let graph = &answer.model().graph;
     let mut out = String::new();
     let _ = writeln!(
         out,
         "{}: {} in {} ({} loading)",
         loaded.scene.problem.name,
-        solution.outcome.name().replace('_', " "),
+        answer.name().replace('_', " "),
         duration(report.time()),
         duration(loaded.load_time)
     );
@@ -62,7 +63,7 @@ pub(crate) fn text(loaded: &Loaded<'_>, solution: &Solution) -> String {
         let (steps, candidates) = (counter.step, counter.candidates);
         let _ = writeln!(out, "    world of {scheduler}: {steps} steps, {candidates} candidates{what}");
     }
-    if let Some(path) = &solution.path {
+    if let Some(path) = answer.path() {
         let _ = writeln!(
             out,
             "  path: {} segments, {} knots, weighted length {:.2} m",
@@ -81,9 +82,9 @@ pub(crate) fn text(loaded: &Loaded<'_>, solution: &Solution) -> String {
             c.max_residual, c.path_tolerance
         );
         let _ = writeln!(out, "  pairs of shapes: {}", coverage::sentence(&c.pairs));
-        out.push_str(&closest(loaded, solution));
+        out.push_str(&closest(loaded, answer));
         let _ = writeln!(out, "  what happens:");
-        out.push_str(&story::tell(&solution.model, path));
+        out.push_str(&story::tell(answer.model(), path));
     }
     if let Some(left_out) = loaded.left_out {
         let _ = writeln!(out, "  not tested:");
@@ -92,7 +93,7 @@ pub(crate) fn text(loaded: &Loaded<'_>, solution: &Solution) -> String {
         }
     }
     if !report.funnel.is_empty() {
-        out.push_str(&funnel(&report.funnel, solution.outcome == SearchOutcome::Solved));
+        out.push_str(&funnel(&report.funnel, answer.path().is_some()));
     }
     out
 }
@@ -102,8 +103,8 @@ pub(crate) fn name<'a>(loaded: &'a Loaded<'_>, shape: ShapeIndex) -> &'a str {
 }
 
 /// Where things come closest, where that was asked.
-fn closest(loaded: &Loaded<'_>, solution: &Solution) -> String {
-    let Some((clearance, path)) = loaded.clearance.zip(solution.path.as_ref()) else { return String::new() };
+fn closest(loaded: &Loaded<'_>, answer: &Answer) -> String {
+    let Some((clearance, path)) = loaded.clearance.zip(answer.path()) else { return String::new() };
     let Some(nearest) = clearance.nearest else { return String::new() };
     let (first, second) = nearest.shapes;
     let pieces = path.segments[nearest.segment].knots.len().saturating_sub(1).max(1);

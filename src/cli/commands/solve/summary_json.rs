@@ -1,11 +1,11 @@
 //! What a search has found, as JSON for machines.
 
+use crate::cli::commands::solve::answer::Answer;
 use crate::cli::commands::solve::arguments::SearchArguments;
 use crate::cli::commands::solve::coverage;
 use crate::cli::commands::solve::summary::{Loaded, name};
-use foliate::components::outcome::SearchOutcome;
 use foliate::schedulers::portfolio::MemberCount;
-use foliate::{FunnelRow, GoalReport, Solution, StateRow};
+use foliate::{FunnelRow, GoalReport, NoSolutionReason, StateRow};
 use serde_json::{Value, json};
 
 fn closest_json(loaded: &Loaded<'_>) -> Option<Value> {
@@ -22,15 +22,10 @@ fn closest_json(loaded: &Loaded<'_>) -> Option<Value> {
 }
 
 /// The summary for machines: one object, with wall times and counts.
-pub(crate) fn json(loaded: &Loaded<'_>, search: &SearchArguments, solution: &Solution) -> Value {
-    let report = &solution.report;
-    let reason = match &solution.outcome {
-        SearchOutcome::InfeasibleStart(why) | SearchOutcome::InfeasibleGoal(why) | SearchOutcome::Crashed(why) => {
-            Some(why.clone())
-        }
-        _ => None,
-    };
-    let certificate = solution.path.as_ref().map(|path| {
+pub(crate) fn json(loaded: &Loaded<'_>, search: &SearchArguments, answer: &Answer) -> Value {
+    let report = answer.report();
+    let reason = answer.reason().and_then(NoSolutionReason::detail);
+    let certificate = answer.path().map(|path| {
         let c = &path.certificate;
         json!({
             "path_tolerance": c.path_tolerance,
@@ -50,7 +45,7 @@ pub(crate) fn json(loaded: &Loaded<'_>, search: &SearchArguments, solution: &Sol
         "scheduler": search.scheduler,
         "threads": search.threads,
         "simd": search.tuning.level.name(),
-        "outcome": solution.outcome.name(),
+        "outcome": answer.name(),
         "reason": reason,
         "load_ms": loaded.load_time.as_secs_f64() * 1e3,
         "solve_ms": report.time().as_secs_f64() * 1e3,
@@ -61,7 +56,7 @@ pub(crate) fn json(loaded: &Loaded<'_>, search: &SearchArguments, solution: &Sol
         "nodes": report.nodes,
         "edges": report.edges,
         "leaves": report.leaves,
-        "segments": solution.path.as_ref().map(|p| p.segments.len()),
+        "segments": answer.path().map(|p| p.segments.len()),
         "path_length": report.path_length,
         "roadmap": format!("{:016x}", report.fingerprint),
         "funnel": funnel,

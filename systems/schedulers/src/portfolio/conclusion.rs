@@ -59,9 +59,10 @@ pub fn report_progress(
         let is_told = |event: &SearchEvent| match event {
             SearchEvent::Rejected { .. } => true,
             SearchEvent::Feedback(_) => number == leader,
-            SearchEvent::Progress { .. } | SearchEvent::Solved { .. } => false,
+            // Progress and solution are those of all together.
+            _ => false,
         };
-        running.events.try_iter().filter(is_told).for_each(|event| events.send(event));
+        running.events.try_iter().map(|told| told.event).filter(is_told).for_each(|event| events.send(event));
         events.dropped += std::mem::take(&mut running.search.world_mut().resource_mut::<EventSink>().dropped);
         let (roadmap, leaves) = (running.search.roadmap(), running.search.world().resource::<LeafIndex>());
         let sizes = [roadmap.nodes().len(), roadmap.edges().len(), leaves.leaves().len()];

@@ -5,7 +5,7 @@ use crate::portfolio::roadmap_exchange::{Branch, Correspondence};
 use bevy_ecs::prelude::{Mut, Res, ResMut, Resource, World};
 use crossbeam_channel::Receiver;
 use foliate_components::outcome::SearchOutcome;
-use foliate_systems::events::{EventSink, SearchEvent};
+use foliate_systems::events::{EventSink, SolveEvent};
 use foliate_systems::planning_model::model::PlanningModel;
 use foliate_systems::schedule::StepCounter;
 use foliate_systems::search::scheduler::Scheduler;
@@ -57,7 +57,7 @@ pub(crate) struct Running {
     /// Work that its turns so far have given it.
     given: u64,
     /// What it has to say to the host, where that listens.
-    pub(crate) events: Receiver<SearchEvent>,
+    pub(crate) events: Receiver<SolveEvent>,
     /// What it has to say to the other worlds.
     queue: Receiver<Branch>,
     /// Counts when its last turn began.

@@ -16,6 +16,7 @@ pub(crate) const MOST_SETS: usize = 20_000;
 
 /// Why no graph can be built.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 #[allow(missing_docs, reason = "the messages are the documentation")]
 pub enum GraphError {
     #[error("{grippers} grippers and {handles} handles make more than {MOST_STATES} states, too many to be listed")]

@@ -4,6 +4,7 @@ use foliate_components::robot::JointIndex;
 
 /// Why constraints make no program.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 #[allow(missing_docs, reason = "the messages are the documentation")]
 pub enum CompileError {
     #[error("constraint {constraint} names joint {joint:?}, and the robot has {joints} joints")]

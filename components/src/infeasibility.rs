@@ -1,0 +1,240 @@
+//! Why a start or a goal cannot be planned for: typed reasons, and their words.
+
+use crate::robot::indices::ShapeIndex;
+use std::fmt;
+
+/// Most pairs that a message names.
+const MOST_PAIRS: usize = 60;
+/// Closer than distances are exact, metres.
+const TOUCHING: f64 = 1e-6;
+
+/// Why a configuration cannot be a start or a goal, or why a goal has no configuration.
+///
+/// Coordinates are named as messages name them: `part/joint`, or `number 2 of part/root_joint` where a joint has several.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Infeasibility {
+    /// The configuration has a wrong length.
+    WrongLength {
+        /// Its length.
+        found: usize,
+        /// The length that the robot needs.
+        expected: usize,
+    },
+    /// A coordinate is infinite or not a number.
+    NotFinite {
+        /// Which.
+        coordinate: String,
+    },
+    /// A coordinate is outside its bounds, metres or radians.
+    OutOfBounds {
+        /// Which.
+        coordinate: String,
+        /// Its value.
+        value: f64,
+        /// Lower and upper bound.
+        bounds: (f64, f64),
+        /// The reason why the bounds are smaller than the joint's own, where they are.
+        narrowed: Option<Box<NarrowedBy>>,
+    },
+    /// A locked coordinate stands elsewhere, metres or radians.
+    Locked {
+        /// Which.
+        coordinate: String,
+        /// Its value.
+        value: f64,
+        /// Where it is locked.
+        locked_at: f64,
+    },
+    /// The configuration lies in no state of the constraint graph.
+    NoState {
+        /// What keeps it out of the least demanding state; `None` where no state is allowed at all.
+        nearest: Option<NearestState>,
+        /// Whether the states were looked for one by one, in a lazy graph.
+        lazy: bool,
+    },
+    /// Shapes collide.
+    Collision(Vec<CollidingPair>),
+    /// The problem has no goal.
+    NoGoal,
+    /// No goal has a configuration: one failure per goal that leaves something free.
+    GoalsNotFound(Vec<GoalFailure>),
+}
+
+/// Joints that follow a joint by `<mimic>` and narrow its bounds by their own.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct NarrowedBy {
+    /// Names of the followers.
+    pub followers: Vec<String>,
+    /// The joint's own bounds, metres or radians.
+    pub own: (f64, f64),
+}
+
+impl NarrowedBy {
+    /// The followers and the leader's own bounds.
+    #[must_use]
+    pub fn new(followers: Vec<String>, own: (f64, f64)) -> Self {
+        Self { followers, own }
+    }
+}
+
+/// The constraint that keeps a configuration out of the state that is nearest to it.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct NearestState {
+    /// Name of the state.
+    pub state: String,
+    /// Name of the constraint.
+    pub constraint: String,
+    /// Largest row of its error, metres and radians.
+    pub residual: f64,
+}
+
+impl NearestState {
+    /// A state, the constraint that does not hold, and by how much.
+    #[must_use]
+    pub fn new(state: String, constraint: String, residual: f64) -> Self {
+        Self { state, constraint, residual }
+    }
+}
+
+/// Two shapes that collide, or that are closer than their margin.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct CollidingPair {
+    /// The shapes.
+    pub shapes: (ShapeIndex, ShapeIndex),
+    /// Their names.
+    pub names: (String, String),
+    /// Names of their links.
+    pub links: (String, String),
+    /// Their distance, metres: negative where they overlap, minus infinity where one lies inside the other.
+    pub distance: f64,
+    /// The margin that they have to keep, metres.
+    pub margin: f64,
+}
+
+impl CollidingPair {
+    /// Two shapes (index, name, name of the link each), their distance and the margin that they have to keep, metres.
+    #[must_use]
+    pub fn new(
+        first: (ShapeIndex, String, String),
+        second: (ShapeIndex, String, String),
+        distance: f64,
+        margin: f64,
+    ) -> Self {
+        Self { shapes: (first.0, second.0), names: (first.1, second.1), links: (first.2, second.2), distance, margin }
+    }
+}
+
+/// Why a goal that leaves something free has no configuration.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct GoalFailure {
+    /// Number of the goal in the problem, from 0.
+    pub goal: usize,
+    /// Why.
+    pub kind: GoalFailureKind,
+    /// What was tried, in words.
+    pub message: String,
+}
+
+impl GoalFailure {
+    /// The failure of goal number `goal`, from 0.
+    #[must_use]
+    pub fn new(goal: usize, kind: GoalFailureKind, message: String) -> Self {
+        Self { goal, kind, message }
+    }
+}
+
+/// Kinds of [`GoalFailure`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum GoalFailureKind {
+    /// The goal's own numbers are wrong: out of bounds, not finite, of an object that does not move.
+    Malformed,
+    /// The goal contradicts every state that was tried.
+    ContradictsEveryState,
+    /// No configuration was found within the budget of tries.
+    NotFound {
+        /// Tries.
+        tries: u32,
+    },
+}
+
+impl fmt::Display for Infeasibility {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::WrongLength { found, expected } => write!(f, "it has {found} numbers instead of {expected}"),
+            Self::NotFinite { coordinate } => write!(f, "{coordinate} is not finite"),
+            Self::OutOfBounds { coordinate, value, bounds: (low, high), narrowed } => {
+                write!(f, "{coordinate} = {value} is outside [{low}, {high}]")?;
+                narrowed.as_ref().map_or(Ok(()), |narrowed| narrowed.fmt(f))
+            }
+            Self::Locked { coordinate, value, locked_at } => {
+                write!(f, "{coordinate} = {value} is locked at {locked_at}")
+            }
+            Self::NoState { nearest: Some(nearest), .. } => write!(
+                f,
+                "it lies in no state: `{}` of state `{}` is off by {:.3e}",
+                nearest.constraint, nearest.state, nearest.residual
+            ),
+            Self::NoState { nearest: None, lazy: true } => {
+                f.write_str("it lies in no state: no state is allowed in which its grasps hold")
+            }
+            Self::NoState { nearest: None, lazy: false } => f.write_str("it lies in no state: no state is allowed"),
+            Self::Collision(pairs) => tell_pairs(pairs, f),
+            Self::NoGoal => f.write_str("the problem names no goal"),
+            Self::GoalsNotFound(failures) => {
+                let messages: Vec<&str> = failures.iter().map(|failure| failure.message.as_str()).collect();
+                f.write_str(&messages.join("; "))
+            }
+        }
+    }
+}
+
+impl std::error::Error for Infeasibility {}
+
+impl fmt::Display for NarrowedBy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (low, high) = self.own;
+        let followers = self.followers.join(", ");
+        write!(f, ", where its followers keep their limits ({followers}); its own are [{low}, {high}]")
+    }
+}
+
+impl fmt::Display for CollidingPair {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} and {} collide (", self.names.0, self.names.1)?;
+        if self.distance == f64::NEG_INFINITY {
+            f.write_str("one lies inside the other")?;
+        } else if self.distance < -TOUCHING {
+            write!(f, "{:.2} mm deep", -self.distance * 1e3)?;
+        } else if self.distance <= TOUCHING {
+            f.write_str("they touch or overlap")?;
+        } else if self.margin > 0.0 {
+            write!(f, "{:.2} mm apart instead of {:.2} mm", self.distance * 1e3, self.margin * 1e3)?;
+        } else {
+            write!(f, "{:.4} mm apart", self.distance * 1e3)?;
+        }
+        f.write_str(")")
+    }
+}
+
+/// Every pair, and how to leave out those that may touch, in the words of a scene file.
+fn tell_pairs(pairs: &[CollidingPair], f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    let shown: Vec<String> = pairs.iter().take(MOST_PAIRS).map(CollidingPair::to_string).collect();
+    f.write_str(&shown.join("; "))?;
+    if let Some(more) = pairs.len().checked_sub(MOST_PAIRS).filter(|&more| more > 0) {
+        write!(f, "; and {more} pairs more")?;
+    }
+    let mut ignore: Vec<String> = Vec::new();
+    for pair in pairs {
+        let pair = format!("[\"{}\", \"{}\"]", pair.links.0, pair.links.1);
+        if !ignore.contains(&pair) && ignore.len() < MOST_PAIRS {
+            ignore.push(pair);
+        }
+    }
+    write!(f, "; if they may touch, the scene can leave them out: ignore = [{}]", ignore.join(", "))
+}

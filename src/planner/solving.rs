@@ -1,0 +1,241 @@
+//! Plans for one problem: what a host sets, and the solves.
+
+use crate::memory::MemoryLimit;
+use crate::planner::answer::{NoSolution, NoSolutionReason, Solution};
+use crate::planner::report::Report;
+use foliate_components::graph::ConstraintGraph;
+use foliate_components::outcome::SearchOutcome;
+use foliate_components::problem::Problem;
+use foliate_schedulers::Scheduler;
+use foliate_systems::events::{CancelToken, EventSink, SolveEvent, SolveId, StopSignal};
+use foliate_systems::planning_model::{Model, ModelError, PlanningModel, ProblemTables};
+use foliate_systems::search::Search;
+use foliate_systems::settings::SearchSettings;
+use std::any::Any;
+use std::fmt;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+/// Events that a host may leave unread before they are dropped (and counted).
+const EVENT_CAPACITY: usize = 4096;
+
+/// Plans for one problem; any number of solves may share it, on any threads.
+pub struct Planner {
+    model: PlanningModel,
+    settings: SearchSettings,
+    scheduler: Arc<dyn Scheduler>,
+    time_limit: Option<Duration>,
+    memory_limit: Option<MemoryLimit>,
+    token: CancelToken,
+    events: EventSink,
+    graph_time: Duration,
+    /// Solves that have begun.
+    solves: AtomicU64,
+}
+
+impl fmt::Debug for Planner {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Planner")
+            .field("problem", &self.model.problem.name)
+            .field("scheduler", &self.scheduler.name())
+            .field("settings", &self.settings)
+            .field("time_limit", &self.time_limit)
+            .field("memory_limit", &self.memory_limit)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Planner {
+    /// Prepares to plan for a problem, or for that of a scene: builds the constraint graph and the tables.
+    ///
+    /// # Errors
+    /// See [`ModelError`].
+    pub fn new(problem: impl Into<Problem>) -> Result<Self, ModelError> {
+        Self::from_tables(Arc::new(ProblemTables::new(problem.into())))
+    }
+
+    /// As [`Self::new`], where the tables of the problem are there already: builds the constraint graph.
+    ///
+    /// # Errors
+    /// See [`ModelError`].
+    pub fn from_tables(tables: Arc<ProblemTables>) -> Result<Self, ModelError> {
+        let started = Instant::now();
+        let planner = Self::of(Model::of(tables)?);
+        Ok(Self { graph_time: started.elapsed(), ..planner })
+    }
+
+    /// Plans on a constraint graph that was built by hand.
+    ///
+    /// # Errors
+    /// See [`ModelError`].
+    pub fn from_graph(problem: Problem, graph: ConstraintGraph) -> Result<Self, ModelError> {
+        Ok(Self::of(Model::with_graph(problem, graph)?))
+    }
+
+    fn of(model: Model) -> Self {
+        Self::from_model(PlanningModel(Arc::new(model)))
+    }
+
+    /// Plans on a model that others may share.
+    #[must_use]
+    pub fn from_model(model: PlanningModel) -> Self {
+        Self {
+            model,
+            settings: SearchSettings::default(),
+            scheduler: foliate_schedulers::default_scheduler().into(),
+            time_limit: None,
+            memory_limit: None,
+            token: CancelToken::default(),
+            events: EventSink::default(),
+            graph_time: Duration::ZERO,
+            solves: AtomicU64::new(0),
+        }
+    }
+
+    /// Sets the seed of all random streams.
+    #[must_use]
+    pub fn seed(mut self, seed: u64) -> Self {
+        self.settings.seed = seed;
+        self
+    }
+
+    /// Replaces all settings, the seed included.
+    #[must_use]
+    pub fn settings(mut self, settings: SearchSettings) -> Self {
+        self.settings = settings;
+        self
+    }
+
+    /// Uses another scheduler, a host's own for instance.
+    #[must_use]
+    pub fn scheduler(mut self, scheduler: impl Scheduler + 'static) -> Self {
+        self.scheduler = Arc::new(scheduler);
+        self
+    }
+
+    /// Uses a shipped scheduler by name; `None` where there is none of that name.
+    #[must_use]
+    pub fn scheduler_named(mut self, name: &str) -> Option<Self> {
+        self.scheduler = foliate_schedulers::named(name)?.into();
+        Some(self)
+    }
+
+    /// Gives up after this much wall time. A deadline can turn an answer into none, never into another.
+    #[must_use]
+    pub fn time_limit(mut self, limit: Duration) -> Self {
+        self.time_limit = Some(limit);
+        self
+    }
+
+    /// Ends with [`NoSolutionReason::MemoryLimit`] where the search would need more, or the process has more: see [`MemoryLimit`].
+    /// Without this only [`SearchSettings::max_bytes`] bounds a search.
+    #[must_use]
+    pub fn memory_limit(mut self, limit: MemoryLimit) -> Self {
+        self.memory_limit = Some(limit);
+        self
+    }
+
+    /// Lets solves be cancelled by a token that others may hold too.
+    #[must_use]
+    pub fn cancelled_by(mut self, token: CancelToken) -> Self {
+        self.token = token;
+        self
+    }
+
+    /// The token that cancels solves of this planner from any thread.
+    #[must_use]
+    pub fn cancel_token(&self) -> CancelToken {
+        self.token.clone()
+    }
+
+    /// Opens the channel of events. Each event carries the number of its solve ([`Report::solve`]). It holds a bounded number of unread ones and never makes the search wait.
+    #[must_use]
+    pub fn events(mut self) -> (Self, crossbeam_channel::Receiver<SolveEvent>) {
+        let (sink, receiver) = EventSink::bounded(EVENT_CAPACITY);
+        self.events = sink;
+        (self, receiver)
+    }
+
+    /// The shared model: problem, graph, tables.
+    #[must_use]
+    pub fn model(&self) -> &PlanningModel {
+        &self.model
+    }
+
+    /// A search of this problem, to be stepped by the host. It counts as a solve: its events carry a number of their own.
+    #[must_use]
+    pub fn search(&self) -> Search {
+        self.begin(self.next_solve())
+    }
+
+    fn next_solve(&self) -> SolveId {
+        SolveId(self.solves.fetch_add(1, Ordering::Relaxed))
+    }
+
+    fn begin(&self, solve: SolveId) -> Search {
+        let deadline = self.time_limit.and_then(|limit| Instant::now().checked_add(limit));
+        let memory = self.memory_limit.map(MemoryLimit::guard);
+        let stop = StopSignal { deadline, token: self.token.clone(), memory };
+        let mut settings = self.settings.clone();
+        settings.max_bytes = self.memory_limit.map_or(u64::MAX, |limit| limit.counted(1)).min(settings.max_bytes);
+        Search::new(&self.model, self.scheduler.as_ref(), settings, stop, self.events.of_solve(solve))
+    }
+
+    /// Solves on the rayon pool in which it is called (the global one outside of any).
+    ///
+    /// A panic in the search, in a system of the host's for instance, does not leave it: it becomes
+    /// [`NoSolutionReason::Crashed`] with what the panic said, and an empty report. The planner may go on to be used.
+    ///
+    /// # Errors
+    /// See [`NoSolutionReason`].
+    pub fn solve(&self) -> Result<Solution, NoSolution> {
+        let (started, solve) = (Instant::now(), self.next_solve());
+        // Nothing that a panic may leave half done is looked at again: a search owns its world, and what solves share is
+        // immutable or filled in whole.
+        catch_unwind(AssertUnwindSafe(|| self.solve_unguarded(solve))).unwrap_or_else(|panic| {
+            let reason = NoSolutionReason::Crashed(panic_message(panic.as_ref()));
+            Err(self.without_search(solve, reason, started.elapsed()))
+        })
+    }
+
+    fn solve_unguarded(&self, solve: SolveId) -> Result<Solution, NoSolution> {
+        let started = Instant::now();
+        let mut search = self.begin(solve);
+        let outcome = search.run();
+        let path = search.path();
+        let solve_time = started.elapsed();
+        let report = Report { graph_time: self.graph_time, solve_time, ..Report::on(&mut search, path.as_ref()) };
+        let model = search.model().clone();
+        match path.filter(|_| outcome == SearchOutcome::Solved) {
+            Some(path) => Ok(Solution { path, report, model }),
+            None => Err(NoSolution { reason: NoSolutionReason::of(outcome), report: Box::new(report), model }),
+        }
+    }
+
+    /// The answer of a solve that has no search to report on.
+    fn without_search(&self, solve: SolveId, reason: NoSolutionReason, solve_time: Duration) -> NoSolution {
+        let report = Report { solve, graph_time: self.graph_time, solve_time, ..Report::default() };
+        NoSolution { reason, report: Box::new(report), model: self.model.clone() }
+    }
+
+    /// Solves on `threads` threads of its own; the answer is the same for any number.
+    ///
+    /// # Errors
+    /// As [`Self::solve`], or the operating system refuses the threads.
+    pub fn solve_on(&self, threads: usize) -> Result<Solution, NoSolution> {
+        let wanted = threads.max(1);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(wanted).build().map_err(|error| {
+            let reason = NoSolutionReason::Threads { wanted, error: Arc::new(error) };
+            self.without_search(self.next_solve(), reason, Duration::ZERO)
+        })?;
+        pool.install(|| self.solve())
+    }
+}
+
+/// What a panic says.
+pub(crate) fn panic_message(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().copied().or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+    text.unwrap_or("a panic without a message").to_owned()
+}
