@@ -46,7 +46,7 @@ pub fn inspect_pairs(robot: &Robot) -> Option<Inspection> {
     Some(Inspection { counts: scene.counts(), apart, left_out, always_colliding: always_colliding(robot, &scene) })
 }
 
-/// The pairs that somebody decided not to test although they do not touch at a configuration: a warning.
+/// The pairs that a file leaves out although they do not touch at a configuration: a warning.
 ///
 /// # Panics
 /// If `q` is not a configuration of the robot.

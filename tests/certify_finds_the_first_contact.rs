@@ -214,7 +214,7 @@ fn limits_of_work_leave_it_undecided() {
     assert_ne!(report.verdict, Verdict::Free, "{report:?}");
 }
 
-/// Two boxes slide along each other without a gap: nobody can tell whether they touch.
+/// Two boxes slide along each other without a gap: whether they touch cannot be decided.
 #[test]
 fn what_grazes_is_undecided_or_in_contact_and_never_free() {
     let robot = link("base", "", [0.0; 3])

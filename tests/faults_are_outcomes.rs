@@ -212,7 +212,7 @@ fn a_panic_in_the_middle_of_a_projection_is_an_outcome() {
 }
 
 #[test]
-fn nobody_who_listens_or_stops_to_changes_an_answer() {
+fn no_listener_changes_an_answer() {
     let problem = swap_two_boxes().unwrap();
     let reference = told(&planner(&problem).solve());
     // The channel is full after 4096 events.

@@ -27,7 +27,7 @@ fn alone(name: &str) -> bool {
     false
 }
 
-/// Sixteen arms and sixty boxes, of which each shall change places with another: nobody solves that in minutes.
+/// Sixteen arms and sixty boxes, each of which has to change places with another: not solved in minutes.
 fn hopeless_crowd() -> Problem {
     let mut problem = crowd(16, 60).unwrap();
     let mut goal = problem.start.clone();

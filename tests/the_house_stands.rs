@@ -69,7 +69,7 @@ fn clocks_do_not_reach_the_search() {
     assert_absent("components/src", &["Instant", "SystemTime"], &[]);
 }
 
-/// Outside `lanes/` nobody names a set of instructions, or the crate that knows them.
+/// Outside `lanes/` no file names a set of instructions, or the crate that provides them.
 #[test]
 fn only_the_lanes_know_instruction_sets() {
     let sets = [

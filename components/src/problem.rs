@@ -96,7 +96,7 @@ pub struct GraphOptions {
     pub transitions: Vec<WrittenTransition>,
 }
 
-/// A joint of one coordinate that nobody moves but who holds a handle beyond it.
+/// A joint of one coordinate that moves only while a gripper holds a handle beyond it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RestingJoint {
     /// The joint.
@@ -105,7 +105,7 @@ pub struct RestingJoint {
     pub rest: JointRest,
 }
 
-/// Where a joint is while nobody holds it.
+/// Where a joint is while no gripper holds it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum JointRest {
     /// Wherever it was left: its value foliates the states in which it rests.
@@ -165,7 +165,7 @@ pub struct ObjectOptions {
     pub handles: Vec<HandleIndex>,
     /// Surfaces on which it may lie.
     pub surfaces: Vec<SurfaceIndex>,
-    /// A plane on which it may stand instead. Without surfaces and plane it stays where it is while nobody holds it.
+    /// A plane on which it may stand instead. Without surfaces and plane it stays where it is while no gripper holds it.
     pub plane: Option<RestingPlane>,
 }
 

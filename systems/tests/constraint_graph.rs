@@ -98,7 +98,7 @@ fn tables_and_rules_restrict_the_states() {
 }
 
 #[test]
-fn graphs_that_nobody_could_read_are_not_listed() {
+fn graphs_that_are_too_large_are_not_listed() {
     let places: Vec<(f64, f64)> = (0..8).map(|i| (0.5 + 0.1 * f64::from(i % 4), 0.1 * f64::from(i / 4))).collect();
     let mut problem = boxes_on_a_table(&places, &places).unwrap();
     for number in 0..7 {

@@ -1,5 +1,5 @@
 """Whether a segment stays on its leaf: carried objects where their carriers take them, grasps and placements as they
-should be and unchanging, further constraints held, joints of objects at rest while nobody holds them.
+should be and unchanging, further constraints held, joints of objects at rest while no gripper holds them.
 """
 
 from __future__ import annotations

@@ -56,7 +56,7 @@ pub enum ConstraintKind {
         /// The body whose supports are to carry it.
         on: Option<JointIndex>,
     },
-    /// An object without surfaces stays where it is while nobody holds it (HPP: locked joints as placement complement).
+    /// An object without surfaces stays where it is while no gripper holds it (HPP: locked joints as placement complement).
     Rest {
         /// The object.
         object: u32,

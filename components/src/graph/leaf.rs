@@ -81,7 +81,7 @@ impl LeafIndex {
 
     /// The parameter of the same constraint and carrier within `tolerance` (metres and radians), or a new one.
     ///
-    /// For configurations that come from outside (start, goals), so that an object which nobody has to move stands on one
+    /// For configurations that come from outside (start, goals), so that an object which need not move stands on one
     /// and the same leaf in both. Linear in the parameters met so far: not for the search itself.
     pub fn intern_parameter(&mut self, parameter: Parameter, tolerance: f64) -> ParameterId {
         let near = |other: &Parameter| {

@@ -26,7 +26,7 @@ const MOST_TURN: f64 = 1.5;
 const MOST_PIECES: f64 = 4096.0;
 /// Configurations that lanes may look at in one go.
 const SAMPLES: u32 = 100_000;
-/// Knots that are certified in one go: whoever asks for a deadline waits no longer than that.
+/// Knots that are certified in one go; a deadline is checked between two of these.
 const KNOTS: usize = 1024;
 /// The shortest and the first part of a segment that is looked at on the curve itself.
 const FIRST_STEP: f64 = 1.0 / 64.0;

@@ -104,7 +104,7 @@ impl Contract<'_> {
         Ok(())
     }
 
-    /// Resting joints, while nobody holds what is beyond them.
+    /// Resting joints, while no gripper holds what is beyond them.
     fn resting_joints(&self, motion: &SegmentMotion<'_>) -> Vec<NamedConstraint> {
         let robot = &self.problem.robot;
         let demand = |resting: &foliate_components::problem::RestingJoint| {
@@ -121,7 +121,7 @@ impl Contract<'_> {
         self.problem.graph.resting_joints.iter().filter_map(demand).collect()
     }
 
-    /// Objects that nobody holds stand on their planes.
+    /// Objects that no gripper holds stand on their planes.
     fn planes(&self, motion: &SegmentMotion<'_>) -> Vec<NamedConstraint> {
         let robot = &self.problem.robot;
         let demand = |object: &foliate_components::problem::ObjectOptions| {

@@ -457,7 +457,7 @@ fn objects_on_objects_follow_in_any_order() {
             for (ours, theirs) in bodies.iter().zip(expected.iter()) {
                 assert!(ours.translation.distance(theirs.translation) < 1e-9, "{order:?} {turned}");
             }
-            // Forward kinematics takes carriages in any order too.
+            // Forward kinematics takes rigid attachments in any order too.
             let mut rigid_attachments: Vec<RigidAttachment> = Vec::new();
             assert!(program.resolve_attachments(&[], &mut rigid_attachments));
             let ordered = poses(&kinematics, &rigid_attachments, &start);

@@ -215,7 +215,7 @@ fn most_of_a_crowd_is_never_measured() {
 }
 
 #[test]
-fn whoever_asks_for_several_gets_all_within_the_cutoff() {
+fn a_query_for_several_gets_all_within_the_cutoff() {
     let mut rng = ChaCha8Rng::seed_from_u64(13);
     for _ in 0..20 {
         let (space, weights) = random_space(&mut rng);

@@ -1,4 +1,4 @@
-//! What a leaf demands besides its attachments, for output: whoever proves a path again has to know it.
+//! The constraints of a leaf besides its attachments, for output: a checker of the path needs them.
 
 use crate::planning_model::graph::support_placement::SupportPlacement;
 use crate::planning_model::model::Model;

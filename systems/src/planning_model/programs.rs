@@ -19,7 +19,7 @@ use foliate_components::robot::{JointIndex, Source};
 use foliate_kernels::constrained_motion::{AttachmentTemplate, CompileError, ConstraintProgram};
 use glam::DVec3;
 
-/// Constraints, carriages and arguments while they are collected.
+/// Constraints, rigid attachments and arguments while they are collected.
 struct Draft<'a> {
     model: &'a Model,
     state: StateId,
@@ -279,7 +279,7 @@ fn idle_coordinates(
         None => joints[joint.at()].parent,
     };
     for &body in involved {
-        // Carriages close no circle, so no chain is longer than the robot.
+        // Rigid attachments close no circle, so no chain is longer than the robot.
         for joint in std::iter::successors(body, above).take(joints.len()) {
             moves[joint.at()] = true;
             if let Source::Follows { leader, .. } = joints[joint.at()].source {

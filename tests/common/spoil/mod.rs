@@ -33,7 +33,7 @@ type Spoiler = fn(&mut Draw, &RandomScene, &Answer, &Path) -> Option<Spoiled>;
 pub const SPOILERS: [(&str, Spoiler); 7] = [
     ("a joint a micrometre beyond its limit", beyond),
     ("a detour through something", detour),
-    ("an object that nobody holds moves", adrift),
+    ("an object that no gripper holds moves", adrift),
     ("an object slips in the hand", slipped),
     ("a claim above what there is", claimed),
     ("a thin post where something passes", post),

@@ -6,8 +6,8 @@ use std::hash::{BuildHasher, Hasher, RandomState};
 
 /// Numbers of positions, equal bit for bit but for the sign of zeros.
 ///
-/// What is answered never depends on the hashes, whose keys are drawn anew for each index: files of strangers are read with it, and
-/// nobody can write one whose positions all fall into one place of the table.
+/// Answers never depend on the hashes. Their keys are drawn anew for each index, since the files that are read may be hostile:
+/// no file can contain one whose positions all fall into one place of the table.
 #[derive(Clone, Debug)]
 pub struct Positions {
     known: HashMap<[u64; 3], u32, Keys>,

@@ -59,7 +59,7 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     let planner = arguments.search.planner(tables)?.time_limit(limit.saturating_sub(load_time));
     let solution = solve(planner, &arguments.search, !arguments.json)?;
     let (planner, mut solution) = solution;
-    // Once, for whoever reads the answer: no part of what a solve costs.
+    // Once, for the reader of the answer: no part of the cost of a solve.
     let clearance = solution.measure_clearance().filter(|_| arguments.clearance);
     if let (Some(out), Some(_)) = (&arguments.out, &solution.path) {
         write(out, &scene, &planner, &solution, &arguments.search)?;

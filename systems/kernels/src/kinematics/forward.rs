@@ -133,7 +133,7 @@ impl Kinematics {
         }
     }
 
-    /// How often to go through carriages: in dependency order, which is the rule, once is enough; otherwise each pass
+    /// How often to go through rigid attachments: in dependency order, which is the rule, once is enough; otherwise each pass
     /// settles at least one more.
     pub(crate) fn passes(&self, rigid_attachments: &[RigidAttachment]) -> usize {
         if self.carriers_come_first(rigid_attachments) { 1 } else { rigid_attachments.len() }

@@ -196,7 +196,7 @@ impl<'a> StateKeys<'a> {
         manifold
     }
 
-    /// What holds an object in place while nobody holds it.
+    /// What keeps an object in place while no gripper holds it.
     pub fn resting_constraint(&self, object: usize, on: Option<JointIndex>) -> ConstraintKind {
         let rests = !self.documents.bodies[object].is_empty();
         let object = object as u32;

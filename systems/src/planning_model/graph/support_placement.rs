@@ -1,4 +1,4 @@
-//! How an object rests while nobody holds it: polygons on polygons (P0 §II-C.1), or a frame on a plane.
+//! How an object rests while no gripper holds it: polygons on polygons (P0 §II-C.1), or a frame on a plane.
 //!
 //! Supports are grouped by the body that carries them, for it is the body on which the object hangs while it lies there.
 

@@ -37,7 +37,7 @@ pub(crate) fn rigid_pair_of<'a>(
 
 /// The nearest joint above a body, its own included, that moves along the motion; none where the body stands still.
 fn mover(tree: &AttachmentTree, motion_samples: &MotionSamples, mut body: Option<JointIndex>) -> Option<JointIndex> {
-    // Carriages close no circle.
+    // Rigid attachments close no circle.
     while let Some(index) = body.filter(|&index| !motion_samples.joint_moves(index.0)) {
         body = tree.parent(index);
     }

@@ -30,7 +30,7 @@ pub(crate) struct Chain {
 pub(crate) struct ChainLink {
     pub joint: u32,
     /// At least the distance of any point of the body from the joint's axis (free-flyers: origin), whatever the joints
-    /// between them do, not counting how far those of them that translate are from zero; infinite where a carriage is
+    /// between them do, not counting how far those of them that translate are from zero; infinite where a rigid attachment is
     /// between them. Metres.
     pub reach: f64,
 }
@@ -70,7 +70,7 @@ impl AttachmentTree {
         tree
     }
 
-    /// A body and its ancestors. Carriages that carry each other in a circle end after as many steps as there are bodies.
+    /// A body and its ancestors. Rigid attachments that form a circle end after as many steps as there are bodies.
     fn ancestors<'a>(
         &self,
         body: JointIndex,

@@ -5,7 +5,7 @@ use crate::collision::solids::volumes::longest_axis;
 use glam::DVec3;
 use std::ops::Range;
 
-/// A range of as many triangles takes a millisecond: of smaller ones nobody is asked whether to go on.
+/// A range of as many triangles takes a millisecond: smaller ones do not ask whether to go on.
 const LOOK: usize = 1 << 14;
 
 /// The numbers of `triangles` in the order of the last blocks. Whatever it is, a tree over it is a tree; this one has small boxes. None

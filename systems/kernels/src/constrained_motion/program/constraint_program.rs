@@ -26,7 +26,7 @@ pub struct ConstraintProgram {
     /// How the active variables move a configuration.
     pub(crate) moves: Vec<Move>,
     pub(crate) locked: Vec<LockedCoordinate>,
-    /// In dependency order: a carrier's own carriage comes first.
+    /// In dependency order: a carrier's own attachment comes first.
     pub(crate) rigid_attachments: Vec<AttachmentTemplate>,
     /// How each carried object is written into a configuration, as `rigid_attachments`.
     pub(crate) written: Vec<WriteBack>,
@@ -136,7 +136,7 @@ impl ConstraintProgram {
         &self.bound
     }
 
-    /// The carriages with their poses taken from the arguments, for
+    /// The rigid attachments with their poses taken from the arguments, for
     /// [`Kinematics::carry`](crate::kinematics::forward::Kinematics::carry). Returns false where an argument is missing or
     /// names polygons that its placement does not have; `out` is then incomplete.
     pub fn resolve_attachments(&self, arguments: &[Pose], out: &mut Vec<RigidAttachment>) -> bool {
@@ -216,7 +216,7 @@ impl ConstraintProgram {
             && arguments[..self.arguments].iter().all(Pose::is_finite)
     }
 
-    /// Reads the arguments: carriages and placements' parameters.
+    /// Reads the arguments: rigid attachments and placements' parameters.
     pub(crate) fn resolve(&self, arguments: &[Pose], scratch: &mut Scratch) -> bool {
         if !self.resolve_attachments(arguments, &mut scratch.rigid_attachments) {
             return false;

@@ -39,7 +39,7 @@ enum Kind {
     Planar { coordinate: usize, X_PJ: Pose },
     /// Position and quaternion.
     FreeFlyer { coordinate: usize, X_PJ: Pose },
-    /// Follows its carrier: index among the solve's carriages.
+    /// Follows its carrier: index among the solve's rigid attachments.
     Carried(usize),
 }
 
@@ -89,7 +89,7 @@ impl Bodies {
         bodies
     }
 
-    /// From the foot, which is where its carriage says, back to the root.
+    /// From the foot, whose pose its attachment gives, back to the root.
     fn stand(
         &mut self,
         robot: &Robot,
@@ -147,7 +147,7 @@ pub(crate) enum Found {
     ByJoint(usize),
     /// This joint is mounted on it, and moves the body from which it is found.
     BackOver(usize),
-    /// It is carried there: index among the carriages.
+    /// It is carried: index among the rigid attachments.
     Carried(usize),
 }
 
