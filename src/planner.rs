@@ -281,7 +281,7 @@ impl Planner {
     #[must_use]
     pub fn solve(&self) -> Solution {
         let started = Instant::now();
-        // Nothing that a panic may leave half done is looked at again: a search owns its world, and what solves share is
+        // Nothing that a panic may leave half done is used again: a search owns its world, and what solves share is
         // immutable or filled in whole.
         catch_unwind(AssertUnwindSafe(|| self.solve_unguarded())).unwrap_or_else(|panic| Solution {
             outcome: SearchOutcome::Crashed(panic_message(panic.as_ref())),

@@ -137,7 +137,7 @@ fn every_path_that_a_solve_writes_passes_the_check() {
     run("answers", examine, PROBLEMS, 0.6);
 }
 
-/// What a motion that is looked at only in places would go through.
+/// What a motion that is tested only at samples would pass through.
 #[test]
 fn every_path_among_thin_posts_beside_what_was_swept_passes_the_check() {
     run("posts", examine_among_posts, PROBLEMS / 2, 0.3);

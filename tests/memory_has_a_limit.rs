@@ -1,5 +1,5 @@
 //! Promise: a search that needs more memory than it may have ends with outcome `memory_limit`, in time; a limit only ever turns an
-//! answer into none. Each case runs in a process of its own, whose memory is looked at.
+//! answer into none. Each case runs in a process of its own, whose memory is measured.
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, reason = "what a test expects and does not find fails it")]
 

@@ -63,7 +63,7 @@ fn the_checker_shares_no_code_with_the_search() {
 
 #[test]
 fn clocks_do_not_reach_the_search() {
-    // The deadline is looked at in one place; nothing else may know the time.
+    // The deadline is checked in one place; nothing else may know the time.
     assert_absent("systems/src", &["Instant::now", "SystemTime"], &["events.rs"]);
     assert_absent("systems/kernels/src", &["Instant", "SystemTime"], &[]);
     assert_absent("components/src", &["Instant", "SystemTime"], &[]);

@@ -33,7 +33,7 @@ impl Default for CertifyOptions {
 }
 
 impl Certifier {
-    /// Looks at a motion. See [`CertifyReport`].
+    /// Certifies a motion. See [`CertifyReport`].
     ///
     /// # Errors
     /// A part or link that the scene does not have; an object that cannot be carried.

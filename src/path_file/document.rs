@@ -193,7 +193,7 @@ pub struct CertificateEntry {
     pub min_clearance: Option<f64>,
     /// `within`.
     pub joint_limits: String,
-    /// Which pairs of collision shapes were looked at.
+    /// Which pairs of collision shapes were tested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pairs: Option<PairsEntry>,
 }

@@ -122,7 +122,7 @@ impl std::fmt::Debug for MemoryGuard {
     }
 }
 
-/// The deadline and the token; every stage looks at both before each candidate.
+/// The deadline and the token; every stage checks both before each candidate.
 #[derive(Clone, Debug, Default, Resource)]
 pub struct StopSignal {
     /// When to give up.

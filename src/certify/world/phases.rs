@@ -13,7 +13,7 @@ use foliate_kernels::collision::{CollisionScene, PairId, PairRule, PairSet};
 use foliate_kernels::kinematics::{Kinematics, RigidAttachment};
 use std::collections::HashSet;
 
-/// Why a motion cannot be looked at.
+/// Why a motion cannot be examined.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages are the documentation")]
 pub enum CertifyError {

@@ -64,7 +64,7 @@ pub struct Extreme {
     pub subject: String,
 }
 
-/// How much was looked at.
+/// How much was examined.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Counts {
     /// Parts.
@@ -119,7 +119,7 @@ pub struct CheckReport {
     pub weaker: Vec<String>,
     /// The scene that the path was held against, if any: its name.
     pub scene: Option<String>,
-    /// How much was looked at.
+    /// How much was examined.
     pub counts: Counts,
     /// Smallest distance beyond the margin that was measured.
     pub min_clearance: Option<Extreme>,

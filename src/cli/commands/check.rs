@@ -176,7 +176,7 @@ fn concluded(report: &CheckReport) -> String {
     }
 }
 
-/// What a section looked at, and the worst that it saw.
+/// What a section checked, and the worst value that it found.
 fn proven(section: Section, file: &PathFile, report: &CheckReport) -> String {
     let c = &report.counts;
     let worst = |what: &str, extreme: &Option<Extreme>| match extreme {
@@ -229,7 +229,7 @@ fn proven(section: Section, file: &PathFile, report: &CheckReport) -> String {
     }
 }
 
-/// Which pairs were looked at, and which were left out.
+/// Which pairs were tested, and which were left out.
 fn tested(report: &CheckReport) -> String {
     let c = &report.counts;
     let left_out = [

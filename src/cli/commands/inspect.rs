@@ -61,7 +61,7 @@ struct Found<'a> {
     model: &'a Model,
     robot: &'a Robot,
     warnings: &'a [SceneError],
-    /// `None` where pairs of shapes were not looked at.
+    /// `None` where pairs of shapes were not tested.
     pairs: Option<&'a Inspection>,
     /// Whether every pair that is left out is told.
     lists_pairs: bool,

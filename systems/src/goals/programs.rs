@@ -17,7 +17,7 @@ use glam::DVec3;
 pub(crate) struct GoalProgram {
     /// What the kernels solve; it takes no arguments.
     pub program: ConstraintProgram,
-    /// Numbers of the robots' joints that it does not look at.
+    /// Numbers of the robots' joints that it does not depend on.
     pub idle: Vec<usize>,
 }
 

@@ -25,7 +25,7 @@ struct Draft<'a> {
     state: StateId,
     constraints: Vec<Constraint>,
     extra: Vec<Extra>,
-    /// Bodies that the target looks at.
+    /// Bodies that the target depends on.
     involved: Vec<Option<JointIndex>>,
 }
 
@@ -238,7 +238,7 @@ fn held_at(on: Option<JointIndex>, root: JointIndex, slot: usize) -> Constraint 
     Constraint::RelativePose(RelativePose::rigid(carrier, Frame::of_joint(root), Reference::Argument(slot)))
 }
 
-/// The bodies that a constraint looks at.
+/// The bodies that a constraint depends on.
 fn bodies_of(constraint: &Constraint) -> Vec<Option<JointIndex>> {
     match constraint {
         Constraint::RelativePose(pose) => vec![pose.a.joint, pose.b.joint],

@@ -1,4 +1,4 @@
-//! Thin posts beside what a path sweeps: scenes in which a motion that is looked at only in places goes through something.
+//! Thin posts beside what a path sweeps: scenes in which a motion that is tested only at samples passes through something.
 #![allow(non_snake_case, reason = "pose names carry their frames")]
 
 use super::dense::{Places, in_world};

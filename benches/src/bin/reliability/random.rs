@@ -1,4 +1,4 @@
-//! Random problems, whose paths are made to pass thin posts: what a motion that is looked at only in places goes through.
+//! Random problems, whose paths are made to pass thin posts: what a motion that is tested only at samples passes through.
 
 use crate::every_answer::{Fate, examine_among_posts};
 use crate::independent::{knows, recheck};

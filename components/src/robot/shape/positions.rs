@@ -93,7 +93,7 @@ impl Hasher for Folded {
     }
 
     fn finish(&self) -> u64 {
-        // The table looks at the lowest and the highest bits.
+        // The table uses the lowest and the highest bits.
         let product = u128::from(self.state) * 0x9e37_79b9_7f4a_7c15;
         (product as u64) ^ ((product >> 64) as u64)
     }

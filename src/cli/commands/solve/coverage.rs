@@ -1,4 +1,4 @@
-//! Which pairs of shapes were looked at, in words and for machines.
+//! Which pairs of shapes were tested, in words and for machines.
 
 use foliate::components::coverage::{self, LeftOutPair, PairCounts};
 use foliate::components::robot::ShapeIndex;

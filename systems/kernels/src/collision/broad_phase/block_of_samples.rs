@@ -24,7 +24,7 @@ pub(crate) struct BroadPhase<'a> {
     pub guard: f64,
     /// Lanes of the block that are of interest.
     pub lanes: u16,
-    /// Pairs to look at, those of a group side by side.
+    /// Pairs to test, those of a group side by side.
     pub open: &'a [Open],
     /// Those that stay open.
     pub rest: &'a mut Vec<Open>,

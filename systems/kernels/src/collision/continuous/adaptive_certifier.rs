@@ -6,7 +6,7 @@
 //! from the middle of the motion outwards; a direction that sets a pair apart at one sample is tried at the others before they
 //! are asked (`Along`). Intervals that are still open go on to the next round, cut again, with their open pairs alone. Rounds
 //! go from long intervals to short ones, so that a collision anywhere is met after few samples, and nothing right of a known
-//! collision is looked at again. Intervals that cover the motion are the certificate: nothing tunnels at any speed
+//! collision is tested again. Intervals that cover the motion are the certificate: nothing tunnels at any speed
 //! (Schwarzer, Saha and Latombe 2005).
 
 use crate::collision::broad_phase::along::Along;

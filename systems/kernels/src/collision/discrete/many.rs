@@ -17,7 +17,7 @@ use glam::DVec3;
 /// For each of `configurations` (whole ones, end to end) what
 /// [`first_collision`](crate::collision::discrete::one::first_collision) says of it, appended to `found`: the first pair,
 /// moving and constant ones, that is not at least its margin + `guard` apart. Pairs that keep their relative pose in all of
-/// sixteen configurations are looked at in one of them, so neighbours on a motion cost least. Where several pairs collide a
+/// sixteen configurations are tested in one of them, so neighbours on a motion cost least. Where several pairs collide a
 /// configuration may name another of them than `first_collision`.
 ///
 /// # Panics

@@ -19,7 +19,7 @@ use foliate_components::Pose;
 use foliate_components::robot::JointType;
 use glam::DVec3;
 
-/// Radians turned by all joints together within half an interval, beyond which directions are not looked at.
+/// Radians turned by all joints together within half an interval, beyond which directions are not used.
 pub(crate) const FINE: f64 = 0.8;
 
 /// Bounds for one straight motion; buffers are reused from motion to motion.
@@ -131,7 +131,7 @@ impl MotionBound {
     }
 
     /// At most this far, in metres, do the shapes of a pair come closer or move apart anywhere in the interval, compared to
-    /// the sample; 0 for pairs that do not move on the leaf. Of use for looking at bounds: the certificate asks by group.
+    /// the sample; 0 for pairs that do not move on the leaf. For inspecting bounds: the certificate uses groups.
     ///
     /// # Panics
     /// If `pair` is not the scene's, or `X_WJ` is too short.

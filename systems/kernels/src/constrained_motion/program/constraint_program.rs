@@ -16,12 +16,12 @@ use foliate_components::Pose;
 use glam::DVec3;
 
 /// Constraints in the form in which they are solved: eliminated objects, locked coordinates, and a small Newton problem
-/// in those free coordinates that its rows look at. Immutable; leaf parameters are arguments of each solve.
+/// in those free coordinates that its rows depend on. Immutable; leaf parameters are arguments of each solve.
 #[derive(Clone, Debug)]
 pub struct ConstraintProgram {
     /// Free velocity coordinates: joints neither locked nor eliminated.
     pub(crate) variables: Vec<usize>,
-    /// Those of them that rows look at: the columns of the Newton problem.
+    /// Those of them that rows depend on: the columns of the Newton problem.
     pub(crate) active: Vec<usize>,
     /// How the active variables move a configuration.
     pub(crate) moves: Vec<Move>,
@@ -70,7 +70,7 @@ impl ConstraintProgram {
         &self.variables
     }
 
-    /// The free velocity coordinates that rows look at, in ascending order; a solve changes no other.
+    /// The free velocity coordinates that rows depend on, in ascending order; a solve changes no other.
     #[must_use]
     pub fn active(&self) -> &[usize] {
         &self.active

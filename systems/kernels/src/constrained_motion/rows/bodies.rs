@@ -9,9 +9,9 @@ use glam::{DQuat, DVec3, DVec4};
 /// Steps of forward kinematics in three groups.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Bodies {
-    /// Bodies that rows look at and no variable moves: once per solve.
+    /// Bodies that rows depend on and no variable moves: once per solve.
     pub still: Vec<Step>,
-    /// Bodies that rows look at and variables move: once per iteration.
+    /// Bodies that rows depend on and variables move: once per iteration.
     pub moving: Vec<Step>,
     /// Bodies that only say where eliminated objects are: once, after the solve.
     pub closing: Vec<Step>,
@@ -114,7 +114,7 @@ impl Bodies {
 }
 
 impl Bodies {
-    /// The bodies that variables move and rows look at, inner ones first.
+    /// The bodies that variables move and rows depend on, inner ones first.
     pub(crate) fn moving_bodies(&self) -> Vec<usize> {
         self.moving.iter().map(|step| step.body).collect()
     }

@@ -1,6 +1,6 @@
-//! Promise: a certificate says what it looked at, and looked at all of it. Nothing is free but what one joint joins and touches
-//! wherever it is; what locked joints hold together is tested once; pairs that do not move count too; a certificate over nothing
-//! is no number.
+//! Promise: a certificate counts the pairs that it tested, and every other pair with the reason. By default nothing is free but what
+//! one joint joins and touches at every value of it. What locked joints hold together is tested once. Pairs that do not move count
+//! too. A certificate over nothing has no clearance.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on says so")]
 
 use foliate::check::{CheckOptions, CheckReport, check};
