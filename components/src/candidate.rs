@@ -90,7 +90,7 @@ pub enum LegParameter {
     Fresh(Parameter),
 }
 
-/// One leg of a candidate: where objects hang along it, and its knots.
+/// One leg of a candidate: where objects are attached along it, and its knots.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedLeg {
     /// Number of the leg within the transition.

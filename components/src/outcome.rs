@@ -211,7 +211,7 @@ impl GoalStatistics {
 /// How a search ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SearchOutcome {
-    /// Start and a goal hang together.
+    /// Start and a goal are connected.
     Solved,
     /// The deadline passed first.
     Timeout,

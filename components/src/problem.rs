@@ -41,18 +41,18 @@ pub struct Margin {
 pub enum Goal {
     /// A whole configuration.
     Configuration(Vec<f64>),
-    /// Every configuration, in any state of the graph, in which these demands hold.
+    /// Every configuration, in any state of the graph, in which these requirements hold.
     Partial(PartialGoal),
 }
 
-/// What is demanded of a goal; everything else is free. Demands add up: all of them hold in every goal.
+/// The requirements of a goal; everything else is free. All of them hold in every goal.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PartialGoal {
     /// Poses of these movable objects' root links in the world.
     pub poses: Vec<(PartIndex, Pose)>,
     /// Numbers of a configuration, by index: metres or radians. Of a quaternion all four are named or none.
     pub coordinates: Vec<(usize, f64)>,
-    /// Constraints: a hand at a place, an object upright. Rows that are parameters demand nothing of a goal.
+    /// Constraints: a hand at a place, an object upright. Rows that are parameters require nothing of a goal.
     pub constraints: Vec<NamedConstraint>,
 }
 
@@ -90,7 +90,7 @@ pub struct GraphOptions {
     /// Those of them that hold in every state: feet that stand still, balance.
     pub everywhere: Vec<u32>,
     /// States of the problem's own, such as the stances of a walking robot. Every state of the graph is one of them
-    /// together with a map of grasps; without any there is one that demands nothing.
+    /// together with a map of grasps; without any there is one without constraints.
     pub states: Vec<WrittenState>,
     /// How the states of the problem's own follow one another.
     pub transitions: Vec<WrittenTransition>,
@@ -119,7 +119,7 @@ pub enum JointRest {
 pub struct NamedConstraint {
     /// For output and errors.
     pub name: String,
-    /// What it demands.
+    /// What it requires.
     pub constraint: Constraint,
 }
 
@@ -141,7 +141,7 @@ pub struct WrittenTransition {
     pub from: u32,
     /// Number of the state that is reached.
     pub to: u32,
-    /// Its legs, in order; without any there is one, in `from`, that ends where all that `to` demands holds.
+    /// Its legs, in order; without any there is one, in `from`, that ends where all constraints of `to` hold.
     pub legs: Vec<WrittenLeg>,
 }
 
@@ -150,7 +150,7 @@ pub struct WrittenTransition {
 pub struct WrittenLeg {
     /// Number of the state in which it lies.
     pub within: u32,
-    /// What holds at its end besides what the state demands: numbers of [`GraphOptions::constraints`].
+    /// What holds at its end besides the constraints of the state: numbers of [`GraphOptions::constraints`].
     pub until: Vec<u32>,
     /// Whether its end is looked for near its start instead of anywhere.
     pub short: bool,

@@ -128,7 +128,7 @@ pub enum Bound {
     AtMost,
 }
 
-/// The entries that say what a constraint demands: one, or two where translation rows and a turned reference have different
+/// The entries that express a constraint: one, or two where translation rows and a turned reference have different
 /// axes. Errors stay within `tolerance`, metres and radians.
 pub(crate) fn entries(robot: &Robot, demand: &PathConstraint, tolerance: f64) -> Vec<ConstraintEntry> {
     let argument = demand.argument.unwrap_or_default();

@@ -35,7 +35,7 @@ pub enum SearchEvent {
     },
     /// How the transitions fare, every [`crate::settings::SearchSettings::feedback_interval`] steps and at the end.
     Feedback(Box<Feedback>),
-    /// A goal hangs together with the start.
+    /// A goal is connected with the start.
     Solved {
         /// The step.
         step: u64,

@@ -229,7 +229,7 @@ fn states_and_transitions_may_be_written() {
     let targets = |name: &str| -> Vec<&str> {
         transition(name).legs[0].target.iter().map(|&c| graph.constraint(c).name.as_str()).collect()
     };
-    // What the target demands beyond the state of the leg.
+    // What the target requires beyond the state of the leg.
     assert_eq!(targets("shift left | both"), ["over the left foot"]);
     assert!(targets("shift back | both_left").is_empty() && targets("lift right | both_left").is_empty());
     assert_eq!(targets("land right | left"), ["right foot"]);

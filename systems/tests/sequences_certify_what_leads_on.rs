@@ -201,7 +201,7 @@ fn a_way_that_fails_makes_room_for_another_and_is_not_given_up() {
     assert!(ways[..4].contains(&far.0), "the other way was not tried");
     assert!(ways[20..].contains(&near.0), "the first way was given up");
 
-    // Where start and goal hang together nothing is missing.
+    // Where start and goal are connected nothing is missing.
     roadmap.add_edge(start, goal);
     assert_eq!(graph.cheapest(roadmap.view(), &roots), Some(Vec::new()));
 }

@@ -1,4 +1,4 @@
-//! The story of a portfolio: worlds search one problem in turns, tell each other what they have reached, and one answers.
+//! The story of a portfolio: members search one problem alternately, exchange what they have reached, and one answers.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on says so")]
 
@@ -129,7 +129,7 @@ fn who_enters_late_learns_what_is_known() {
 }
 
 #[test]
-fn budgets_hold_for_all_worlds_together() {
+fn budgets_hold_for_all_members_together() {
     let model = model(boxes_on_a_table(&[(0.6, 0.1)], &[(1.45, 0.75)]).unwrap());
     let settings = SearchSettings { max_nodes: 300, ..seeded(1) };
     let mut limited = Search::new(&model, &trio(), settings, stop_within(60), EventSink::default());
@@ -143,13 +143,13 @@ fn budgets_hold_for_all_worlds_together() {
 
     let (outcome, stepped) = search(&model, &trio(), SearchSettings { max_steps: 9, ..seeded(1) }, 2);
     assert_eq!(outcome, SearchOutcome::StepLimit);
-    // Three worlds, at most two steps each in a round.
+    // Three members, at most two steps each in a round.
     let steps: u64 = counts(&stepped).0.iter().map(|world| world.counter.step).sum();
     assert!((9..15).contains(&steps), "{steps}");
 }
 
 #[test]
-fn where_graphs_are_lazy_worlds_keep_to_themselves() {
+fn where_graphs_are_lazy_members_exchange_nothing() {
     let model = model(eight_arms_and_ten_boxes().unwrap());
     assert!(model.graph.lazy);
     let settings = SearchSettings { max_steps: 12, ..seeded(1) };

@@ -48,7 +48,7 @@ impl ParameterId {
 pub struct Parameter {
     /// Whose complement this is a value of.
     pub constraint: ConstraintId,
-    /// The body on which an object hangs; `None` for the world, and where nothing hangs.
+    /// The body to which an object is attached; `None` for the world, and where there is no object.
     pub carrier: Option<JointIndex>,
     /// The value; lengths in metres.
     pub value: Pose,

@@ -42,7 +42,7 @@ pub struct Certifier {
     counts: PairCounts,
 }
 
-/// A part of a motion in which everything hangs on the same things.
+/// A part of a motion in which everything is attached to the same things.
 #[derive(Clone, Debug)]
 pub(crate) struct Phase {
     /// Places of the motion.

@@ -70,7 +70,7 @@ pub enum Kind {
     Goal,
     /// A grasp or a support that the scene does not allow, or an attachment that differs from the scene.
     Holding,
-    /// What the scene demands of a segment is not in the file, or does not hold.
+    /// What the scene requires of a segment is not in the file, or does not hold.
     Demand,
 }
 

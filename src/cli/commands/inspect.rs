@@ -65,7 +65,7 @@ struct Found<'a> {
     pairs: Option<&'a Inspection>,
     /// Whether every pair that is left out is told.
     lists_pairs: bool,
-    /// Joints by depth-first walk, with their depth.
+    /// Joints in depth-first order, with their depth.
     tree: Vec<(usize, &'a JointModel)>,
 }
 

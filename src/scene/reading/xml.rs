@@ -171,7 +171,7 @@ struct Counts {
     depth: usize,
 }
 
-/// Walks over the markup without building anything, and refuses what the parser could choke on.
+/// Scans the markup without building anything, and refuses what could exhaust the parser.
 fn scan(file: &str, text: &str, stop: &StopSignal) -> Result<(), SceneError> {
     let bytes = text.as_bytes();
     let mut counts = Counts::default();

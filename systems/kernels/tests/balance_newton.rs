@@ -472,7 +472,7 @@ fn objects_on_objects_follow_in_any_order() {
     let both = [links[1], links[0], rigid(drone, lid, 0.2)].map(Constraint::RelativePose);
     let program = ConstraintProgram::compile(&robot, &kinematics, &both, &[], &[]).unwrap();
     assert_eq!((program.rows(), program.rigid_attachments().len()), (6, 2));
-    // Objects that only hang on each other leave one of them free.
+    // Objects that are attached only to each other leave one of them free.
     let floating = [links[1], links[2]].map(Constraint::RelativePose);
     let program = ConstraintProgram::compile(&robot, &kinematics, &floating, &[], &[]).unwrap();
     assert_eq!((program.rows(), program.rigid_attachments().len()), (0, 2));

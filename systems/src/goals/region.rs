@@ -47,7 +47,7 @@ pub(crate) struct Region {
     pub(crate) sites: Vec<Site>,
     /// Sites from the front whose neighbours are sites too; all of them, where the graph is whole.
     widened: usize,
-    /// The site whose turn it is.
+    /// The site of the next try.
     turn: usize,
     /// Tries so far, those in states that turned out to contradict the goal not counted.
     pub(crate) tries: u32,

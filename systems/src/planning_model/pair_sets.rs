@@ -102,7 +102,7 @@ impl Model {
         [touches.grasped, touches.placed].concat()
     }
 
-    /// The links that touch in a state: fingers hang on a gripper's body, and touch too.
+    /// The links that touch in a state: fingers are attached to a gripper's body, and touch too.
     fn touches(&self, state: StateId) -> Touches {
         let robot = &self.problem.robot;
         let mut touches = Touches::default();

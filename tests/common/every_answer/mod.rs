@@ -35,7 +35,7 @@ const ATTEMPTS: u64 = 40;
 /// Attempts that may be too hard.
 const HARD: u64 = 3;
 
-/// The scheduler whose turn a seed is.
+/// The scheduler of a seed.
 pub fn scheduler_of(seed: u64) -> &'static str {
     ["sequence", "mrrt", "portfolio"][(seed % 3) as usize]
 }

@@ -99,7 +99,7 @@ fn direction(draw: &mut Draw) -> DVec3 {
     }
 }
 
-/// A point so far from a solid: walks in from outside as far as is free.
+/// A point so far from a solid: moves in from outside as far as is free.
 fn at_distance(draw: &mut Draw, solid: &Solid, X_WS: &Pose, distance: f64) -> Option<DVec3> {
     let probe = Solid::of(&Geometry::Sphere { radius: 1e-9 });
     let way = direction(draw);

@@ -1,4 +1,4 @@
-//! One part as its files describe it: links, joints and documents, before it is hung into a world.
+//! One part as its files describe it: links, joints and documents, before it is placed in a world.
 //!
 //! Readers (URDF, SRDF) and code produce a [`Model`]; nothing here knows a file format.
 

@@ -5,7 +5,7 @@ use glam::DVec3;
 /// Triangles whose angles' sines square to less have no normal to speak of: they are edges.
 const FLAT: f64 = 1e-20;
 
-/// The simplex that GJK walks with.
+/// The simplex of GJK.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Simplex {
     points: [DVec3; 4],

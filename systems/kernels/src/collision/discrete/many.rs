@@ -79,7 +79,7 @@ pub struct Verdicts<'a> {
     pub scene: &'a CollisionScene,
     /// Where bodies are.
     pub kinematics: &'a Kinematics,
-    /// What objects hang on; those that are not named are where their own coordinates say.
+    /// What objects are attached to; those that are not named are where their own coordinates say.
     pub rigid_attachments: &'a [RigidAttachment],
     /// The pairs.
     pub pairs: &'a PairSet,

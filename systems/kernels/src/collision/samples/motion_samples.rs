@@ -135,7 +135,7 @@ impl MotionSamples {
         self.make_room(scene, pairs);
     }
 
-    /// Lists the bodies that move, each behind what it hangs on.
+    /// Lists the bodies that move, each behind what it is attached to.
     fn find_what_moves(&mut self, scene: &CollisionScene, rigid_attachments: &[RigidAttachment], passes: usize) {
         let joints = scene.joints.len();
         self.body_moves.clear();
