@@ -91,7 +91,7 @@ impl Scheduler for Grower {
 }
 
 #[test]
-fn what_one_world_reaches_the_others_can_use() {
+fn what_one_member_reaches_the_others_can_use() {
     let problem = swap_two_boxes().unwrap();
     let model = model(problem.clone());
     let members = vec![Member::new(Listener), Member::new(Grower), Member::new(Grower)];
@@ -109,7 +109,7 @@ fn what_one_world_reaches_the_others_can_use() {
 }
 
 #[test]
-fn who_enters_late_learns_what_is_known() {
+fn a_member_that_enters_late_gets_what_is_known() {
     // Out of reach: only a limit ends it.
     let model = model(boxes_on_a_table(&[(0.6, 0.1)], &[(1.45, 0.75)]).unwrap());
     let portfolio =
