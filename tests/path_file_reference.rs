@@ -12,7 +12,7 @@ fn is_described(word: &str) -> bool {
 fn every_key_is_described() {
     let fields = |source: &'static str| source.lines().filter_map(|line| line.trim().strip_prefix("pub "));
     let keys = KEYS.into_iter().flat_map(fields).filter_map(|field| field.split_once(": ").map(|(name, _)| name));
-    let keys: Vec<&str> = keys.collect();
+    let keys: Vec<&str> = keys.filter(|key| !key.contains(' ')).collect();
     assert!(keys.len() > 60, "the sources have other keys: {keys:?}");
     let missing: Vec<_> = keys.into_iter().filter(|key| !is_described(key)).collect();
     assert!(missing.is_empty(), "docs/path-file.md does not describe {missing:?}");

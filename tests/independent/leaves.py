@@ -66,7 +66,7 @@ def _check_carriers(motion: SegmentMotion, report: Report) -> None:
     """Written poses of floating objects at every knot against the motion that the contract gives them."""
     for carry in motion.carries:
         if carry.by is None:
-            report.note(f"{carry.member.name} hangs on nothing in some segments: it must rest there")
+            report.note(f"{carry.member.name} has no attachment in some segments: it must rest there")
     knots = np.arange(motion.last + 1)
     if len(knots) == 1:
         return

@@ -38,7 +38,7 @@ fn main() -> Result<()> {
     );
     for scene in ["baxter-case1", "baxter-case4"] {
         match peak_memory(&program, &["solve", scene, "--json", "--time-limit", "300"])? {
-            (_, 2) => println!("SKIPPED peak memory of {scene}: its models are not at hand"),
+            (_, 2) => println!("SKIPPED peak memory of {scene}: its models are not installed"),
             (peak, code) => println!("peak memory of `foliate solve {scene}` (exit code {code}): {peak:.0} MB"),
         }
     }

@@ -96,7 +96,7 @@ pub(crate) fn not_looked_at(robot: &Robot, motion: &Motion, phases: &[Phase]) ->
     let names: Vec<&str> = objects.map(|part| part.name.as_str()).collect();
     (!names.is_empty()).then(|| {
         let names = names.join(", ");
-        format!("bounds of the roots of objects are not looked at, neither on the way nor where they are put: {names}")
+        format!("bounds of the roots of objects are not checked, neither on the way nor where they are put: {names}")
     })
 }
 

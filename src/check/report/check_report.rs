@@ -117,7 +117,7 @@ pub struct CheckReport {
     pub notes: Vec<String>,
     /// Why what is proved is less than an answer to a scene; empty where it is one.
     pub weaker: Vec<String>,
-    /// The scene that the path was held against, if any: its name.
+    /// The scene that the path was compared with, if any: its name.
     pub scene: Option<String>,
     /// How much was examined.
     pub counts: Counts,

@@ -176,7 +176,7 @@ impl Found<'_> {
     /// Which pairs of shapes a scene would test.
     fn coverage(&self, out: &mut String) {
         let Some(pairs) = self.pairs else {
-            let _ = writeln!(out, "\nPairs of shapes: too many to look at");
+            let _ = writeln!(out, "\nPairs of shapes: too many to list");
             return;
         };
         let _ = writeln!(out, "\nPairs of shapes: {}", coverage::sentence(&pairs.counts));

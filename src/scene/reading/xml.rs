@@ -1,4 +1,4 @@
-//! XML from strangers: a scan for depth, counts and document types first, then a tree with line numbers.
+//! XML, which may be hostile: a scan for depth, counts and document types first, then a tree with line numbers.
 
 use crate::scene::reading::error::{SceneError, quoted};
 use crate::scene::reading::limits::look;

@@ -23,7 +23,7 @@ pub struct Spoiled {
     pub file: PathFile,
     pub how: String,
     pub kinds: &'static [Kind],
-    /// Whether it is held against its models alone: the scene would refuse it for other reasons.
+    /// Whether it is compared with its models alone: the scene would refuse it for other reasons.
     pub alone: bool,
 }
 

@@ -1,7 +1,7 @@
 //! How far two bodies can come closer along a straight motion.
 //!
 //! V = Σ |Δᵢ| rᵢ over the joints between the two bodies in the attachment tree (HPP's `velocityBound`), where rᵢ is at least the distance from joint i's axis to any point of the moving body over the whole
-//! interval. Two bounds on rᵢ are at hand, and the smaller counts: the static reach of the chain beyond the joint, and the
+//! interval. There are two bounds on rᵢ, and the smaller counts: the static reach of the chain beyond the joint, and the
 //! distance at the sample plus what the joints beyond it can add within the interval.
 //!
 //! Where a direction n separates the two, less is enough ([`MotionBound::of_pair_along`]): only the speed along n at the
