@@ -289,7 +289,7 @@ impl Row {
             ended => RowOutcome::Ended(ended.clone()),
         };
         if solution.outcome == SearchOutcome::Solved && solution.path.is_none() {
-            self.fail(RowOutcome::Failed, "start and goal hang together, but no path was extracted".into());
+            self.fail(RowOutcome::Failed, "start and goal are connected, but no path was extracted".into());
         }
     }
 

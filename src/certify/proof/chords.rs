@@ -3,7 +3,7 @@
 //! Curves are cut into pieces so short that the chord of each stays within a tenth of a millimetre of the curve, whatever
 //! part of the robot is cut: a joint is off its chord by at most h²/8 · sup|q̈|, and the suprema are those of the
 //! polynomials. The polyline is certified in lanes with margins that much larger. Where that fails the curve itself is
-//! looked at (`advance`), and behind that place lanes go on.
+//! examined (`advance`), and behind that place lanes continue.
 
 #![allow(non_snake_case, reason = "pose names carry their frames")]
 

@@ -277,7 +277,7 @@ fn remarks(entry: &PartEntry, read: &ReadModel, report: &mut CheckReport) {
     }
     if (entry.kind.as_str(), entry.root.as_str()) == ("object", "planar") {
         let subject =
-            format!("{part} is an object with a planar root, which nobody moves: its root is freeflyer or fixed");
+            format!("{part} is an object with a planar root, which no gripper can move: its root is freeflyer or fixed");
         report.violate(Place::FILE, Kind::UnattachedObjectMoved, subject, None, None);
     }
     if read.model.links.iter().all(|link| link.shapes.is_empty()) {
