@@ -113,7 +113,7 @@ impl Drift {
 /// The body of an object that is held in a segment, and what carries it; none for the world and what stands in it.
 fn tie(motion: &SegmentMotion<'_>, part: usize) -> Option<(usize, Option<usize>)> {
     let (world, own) = (motion.world, motion.world.parts[part].bodies.clone());
-    // The tie may be at a link beyond joints of the object: it is the edge that leaves the part.
+    // The attachment may be at a link beyond joints of the object: it is the edge that leaves the part.
     let leaves = |body: &usize| motion.edges[*body].parent.is_none_or(|parent| !own.contains(&parent));
     let held = own.clone().find(|body| matches!(motion.edges[*body].via, Via::Rigid(_)) && leaves(body))?;
     let moves = |body: &usize| world.parts[world.bodies[*body].part].kind != PartKind::Environment;

@@ -49,7 +49,7 @@ pub(crate) struct Edge {
     pub via: Via,
 }
 
-/// A floating object's tie in a segment.
+/// A floating object's attachment in a segment.
 pub(crate) struct Carry {
     pub part: usize,
     /// Index into the segment's attachments; none where the object has no attachment.
@@ -76,7 +76,7 @@ impl<'a> SegmentMotion<'a> {
         let natural = |body: usize| Edge { parent: world.bodies[body].parent, via: Via::Joint(body) };
         let edges = (0..world.bodies.len()).map(natural).collect();
         let mut motion = Self { world, index, knots: &segment.knots, edges, carries: Vec::new(), attachments };
-        // Ties are read off the written poses, so all of them before the tree changes.
+        // Attachments are read from the written poses, so all of them before the tree changes.
         let ties: Vec<_> = (0..world.parts.len()).filter_map(|p| motion.tie(p)).collect();
         for (carry, body, edge) in ties {
             motion.hang(body, edge);

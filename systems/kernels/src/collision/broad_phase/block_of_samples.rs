@@ -1,6 +1,6 @@
-//! The sweep over the open pairs of one block: it keeps those that the bounds do not prove free.
+//! The loop over the open pairs of one block: it keeps those that the bounds do not prove free.
 //!
-//! Where it is asked for, a pair that stays open is also compared by its inner bounds (`scene/inscribed.rs`). Overlaps of more
+//! On request, a pair that stays open is also compared by its inscribed volumes (`scene/inscribed.rs`). Overlaps of more
 //! than the slack are collisions with certainty.
 
 use crate::collision::broad_phase::bounds::{beside_box, between_axes, overlap, reach_along};

@@ -107,7 +107,7 @@ impl<'a> AdaptiveCertifier<'a> {
         }
     }
 
-    /// Every pair that matters is open everywhere, but for those that are tied together well enough.
+    /// Every pair that matters is open everywhere, but for rigid pairs that are close enough to rigid.
     fn open_all(&mut self, block: &mut Block, scratch: &CollisionScratch) {
         let NarrowPhase { scene, pairs, settings } = self.narrow_phase;
         let lanes = all_lanes(block.intervals.len());

@@ -246,7 +246,7 @@ impl Minimum<'_> {
         self.lower = open.iter().fold(self.lower, |lower, open| lower.min(open.lower));
     }
 
-    /// Everything that moves is open, but for pairs that are tied together well enough.
+    /// Everything that moves is open, but for rigid pairs that are close enough to rigid.
     fn open_all(&mut self, moving: &[ActiveGroup], scratch: &CollisionScratch) -> Vec<Open> {
         let mut open = Vec::with_capacity(moving.len());
         for (number, active) in moving.iter().enumerate() {

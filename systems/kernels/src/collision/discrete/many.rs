@@ -1,5 +1,5 @@
-//! Exact verdicts of many configurations, bounds of sixteen of them first: from outside what is surely free, from inside what
-//! surely collides.
+//! Exact verdicts of many configurations, bounds of sixteen of them first: bounding volumes show what is free, inscribed volumes
+//! what collides.
 
 use crate::collision::broad_phase::along::Along;
 use crate::collision::broad_phase::block_of_samples::BroadPhase;
@@ -127,7 +127,7 @@ impl Verdicts<'_> {
         scratch.verdicts = buffers;
     }
 
-    /// The ones of up to sixteen configurations that collide with certainty, as bounds from inside alone tell; the first is the lowest bit.
+    /// The ones of up to sixteen configurations that collide with certainty, as inscribed volumes alone show; the first is the lowest bit.
     ///
     /// # Panics
     /// If `configurations` is not a whole number of them, or more than sixteen.

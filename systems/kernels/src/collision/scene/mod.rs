@@ -1,6 +1,6 @@
 //! What can collide with what: the solids of a robot, the pairs to test, and the queries on one pair.
 //!
-//! * `scene_solid` prepares each collision shape. It stores an outer bound (`bounding`) and an inner bound (`inscribed`) with it.
+//! * `scene_solid` prepares each collision shape. It stores a bounding volume (`bounding`) and an inscribed volume (`inscribed`) with it.
 //! * `scene_joint` stores each joint as the motion bounds need it.
 //! * `pair_filter` decides which links are tested against which. `adjacent` proposes neighbours to leave out, and `coverage`
 //!   reports the pairs that are left out.
