@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 use std::time::Duration;
 
-/// Reads a model as a scene would, and tells what it found
+/// Reads a model as a scene would, and prints what it found
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     /// URDF: a file, or a package:// URL

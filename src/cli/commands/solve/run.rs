@@ -26,7 +26,7 @@ pub(crate) struct Arguments {
     /// Write the path to this file
     #[arg(long, value_name = "PATH.json")]
     out: Option<PathBuf>,
-    /// Say between which shapes the least clearance is, and where on the path
+    /// Print between which shapes the least clearance is, and where on the path
     #[arg(long)]
     clearance: bool,
     /// List every pair of collision shapes that is not tested, with the reason
