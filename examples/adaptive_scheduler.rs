@@ -9,7 +9,7 @@
 //! * No weight falls below a tenth of the graph's: what fails now may be the only way once an object has moved.
 //! * Loops keep the graph's weight. They nearly always succeed and lead to no new leaf; by success alone they would win.
 //!
-//! The counts are components, and counts are all that is looked at: no clock, no random number, so the same seed gives the
+//! The counts are components, and counts are all that it uses: no clock, no random number, so the same seed gives the
 //! same roadmap on any number of threads.
 //!
 //! Whether it helps depends on the problem. Sums of candidates until solved, seeds 1 to 10, all solved: 12112 became 9696 on

@@ -1,4 +1,4 @@
-//! Is somebody's motion free? Certifies a spline through timed points in the embedded scene, without a file.
+//! Is a given motion free? Certifies a spline through timed points in the embedded scene, without a file.
 
 use foliate::certify::{
     Certifier, CertifyOptions, Interpolation, Motion, Point, Rates, Turns, Verdict, find_coordinate,

@@ -68,7 +68,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let Solution { path, report, .. } = planner.solve_on(2)?;
     println!("solved after {} candidates, {} nodes", report.candidates, report.nodes);
 
-    // The certificate says that it holds between the knots too; looking at many points in between shows it.
+    // The certificate says that it holds between the knots too; many points in between show it.
     let kinematics = foliate::kernels::kinematics::Kinematics::new(&robot);
     let (mut q, mut bodies) = (robot.space.neutral(), vec![Pose::identity(); kinematics.bodies()]);
     let (mut knots, mut worst) = (0, f64::INFINITY);

@@ -18,7 +18,7 @@ const FRESH: Duration = Duration::from_millis(10);
 /// Of what a search counts ([`foliate_systems::exploration::memory`]) three quarters of it are allowed, so that the same search
 /// ends at the same step on every machine; the rest is room for models and for what is not counted. Beyond that the resident
 /// memory of the process is
-/// looked at while the search runs. Neither changes an answer but into none.
+/// checked while the search runs. Either can only replace an answer by none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MemoryLimit(u64);
 

@@ -1,6 +1,6 @@
 //! Writing files. Everything that the program writes goes through here.
 //!
-//! A regular file is written whole or not at all: under a name that nobody else has, beside it, and then renamed. What is no
+//! A regular file is written whole or not at all: under a name that no other process uses, beside it, and then renamed. What is no
 //! regular file (a device, a pipe) is never replaced: it is written to. A failure leaves nothing behind.
 
 use std::fs::{self, File, Metadata, OpenOptions};
@@ -55,7 +55,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     }
 }
 
-/// Writes a file that can be made anew at any time, and that whoever reads it looks through: all of it, or none, but without waiting
+/// Writes a file that can be made anew at any time, and that its reader verifies: all of it, or none, but without waiting
 /// for the disk. What had the name is replaced whatever it was, a link too; nothing is written through it.
 ///
 /// # Errors
@@ -184,7 +184,7 @@ impl Lines {
 
     fn owned(file: File) -> io::Result<Self> {
         match file.try_lock() {
-            // Where a file system knows no locks, nobody is kept out.
+            // Where a file system knows no locks, no process is excluded.
             Ok(()) | Err(fs::TryLockError::Error(_)) => Ok(Self { length: file.metadata()?.len(), file }),
             Err(fs::TryLockError::WouldBlock) => Err(ErrorKind::WouldBlock.into()),
         }

@@ -85,7 +85,7 @@ fn every_seed_has_its_row_and_threads_change_nothing_but_times() {
 }
 
 #[test]
-fn a_panic_is_a_row_and_takes_nobody_down() {
+fn a_panic_is_a_row_and_stops_no_other_solve() {
     let folder = Folder::new("panic");
     let batch = batch(settings(2, 60.0)).scheduler(Arc::new(Fragile));
     let rows = batch.run(&folder.0, |_| {}).unwrap();

@@ -180,7 +180,7 @@ fn what_is_carried_collides_too() {
     let down = [point(0.0, &[0.0, 1.0]), point(1.0, &[0.0, 0.9])];
     let down = motion(&problem, &["x", "z"], &down, Interpolation::Auto);
     let report = certify(&problem, &down, &options(vec![attach(0.9, Some("hand"))]));
-    // Bounds of what is carried are not looked at, and that is said; of what nothing carries there is nothing to say.
+    // Bounds of carried objects are not checked, and a note says so; of other objects there is no note.
     let says =
         |report: &CertifyReport| report.notes.iter().any(|n| n.contains("roots of objects") && n.ends_with(": load"));
     assert!(says(&report), "{:?}", report.notes);
@@ -214,7 +214,7 @@ fn limits_of_work_leave_it_undecided() {
     assert_ne!(report.verdict, Verdict::Free, "{report:?}");
 }
 
-/// Two boxes slide along each other without a gap: nobody can tell whether they touch.
+/// Two boxes slide along each other without a gap: whether they touch cannot be decided.
 #[test]
 fn what_grazes_is_undecided_or_in_contact_and_never_free() {
     let robot = link("base", "", [0.0; 3])
@@ -256,7 +256,7 @@ fn among_posts(random: &mut ChaCha8Rng) -> Problem {
     )
 }
 
-/// The least distance beyond margins at a time, by looking at every pair.
+/// The least distance beyond margins at a time, by measuring every pair.
 struct Sampler {
     scene: CollisionScene,
     kinematics: Kinematics,

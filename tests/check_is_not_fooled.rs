@@ -1,4 +1,4 @@
-//! Promise: motions that nobody can make are refused whatever a file calls them, and no file keeps a check busy, or fills its
+//! Promise: impossible motions are refused whatever a file calls them, and no file keeps a check busy, or fills its
 //! memory.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on says so")]
@@ -57,7 +57,7 @@ mod impossible {
     }
 
     #[test]
-    fn a_lid_that_nobody_holds_does_not_creep_open() {
+    fn a_lid_that_no_gripper_holds_does_not_creep_open() {
         let folder = Folder::new();
         let hinge = joint("hinge", "back", "lid", [-0.1, 0.0, 0.0], "");
         folder.write("book.urdf", &robot(&[link("back", "", 0.0), link("lid", "", 0.0), hinge]));
@@ -77,7 +77,7 @@ mod impossible {
     }
 
     #[test]
-    fn documents_of_nobody_hold_nothing() {
+    fn documents_of_no_part_hold_nothing() {
         let folder = Folder::new();
         let mut path = story();
         let handle = path["documents"]["handles"].as_object_mut().unwrap().remove("cube/handle").unwrap();
@@ -118,7 +118,7 @@ mod impossible {
     }
 
     #[test]
-    fn a_hand_holds_one_thing_and_nobody_holds_itself() {
+    fn a_hand_holds_one_thing_and_no_part_holds_itself() {
         let folder = Folder::new();
         let mut path = story();
         path["segments"][1]["attachments"].as_array_mut().unwrap().push(held());

@@ -672,7 +672,7 @@ mod objects {
     }
 
     #[test]
-    fn a_door_moves_only_in_somebodys_hand() {
+    fn a_door_moves_only_while_it_is_held() {
         let (folder, path) = door();
         assert_only(&folder, &path, &[]);
         // It opens by a degree by itself.
@@ -680,7 +680,7 @@ mod objects {
         haunted["segments"][2]["knots"][1][2] = json!(0.7 + 1.0_f64.to_radians());
         assert_only(&folder, &haunted, &["joint-unheld"]);
         assert_eq!(folder.subject(&haunted), "door/hinge");
-        // Nobody holds it after all.
+        // No gripper holds it.
         let mut unheld = path.clone();
         unheld["segments"][1]["attachments"] = json!([]);
         assert_only(&folder, &unheld, &["joint-unheld"]);
@@ -694,7 +694,7 @@ mod objects {
         slips["segments"][1]["knots"][1][2] = json!(0.701);
         slips["segments"][2]["knots"] = json!([[0.7, 0.0, 0.701], [0.7, -0.6, 0.701]]);
         assert_only(&folder, &slips, &["grasp"]);
-        // It should be shut while nobody holds it.
+        // It should be shut while no gripper holds it.
         let shut = json!([{ "kind": "joint", "name": "door shut", "joint": "door/hinge", "position": 0.0, "tolerance": 2e-4 }]);
         let mut ajar = path;
         ajar["segments"][0]["constraints"] = shut.clone();

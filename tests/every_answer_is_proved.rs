@@ -1,6 +1,6 @@
-//! The main promise, on problems that nobody wrote: for random robots, scenes, margins, followers, locked joints, up axes
+//! The main promise, on generated problems: for random robots, scenes, margins, followers, locked joints, up axes
 //! and values of environments, every path that a solve writes passes the check, answers its problem, is the same on two
-//! threads, and keeps its claims where it is looked at densely; pinocchio and coal find nothing in a sample of them.
+//! threads, and keeps its claims at dense samples; pinocchio and coal find nothing in a sample of them.
 //!
 //! `FOLIATE_PROBLEMS=5000 cargo test --release --test every_answer_is_proved -- --nocapture` is the long run, from
 //! `FOLIATE_FIRST` (0) on; `FOLIATE_SEED=N` examines one problem and keeps its files. Seeds once found wrong are always
@@ -137,7 +137,7 @@ fn every_path_that_a_solve_writes_passes_the_check() {
     run("answers", examine, PROBLEMS, 0.6);
 }
 
-/// What a motion that is looked at only in places would go through.
+/// What a motion that is tested only at samples would pass through.
 #[test]
 fn every_path_among_thin_posts_beside_what_was_swept_passes_the_check() {
     run("posts", examine_among_posts, PROBLEMS / 2, 0.3);

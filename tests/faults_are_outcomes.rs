@@ -1,7 +1,7 @@
 //! Promise: whatever fails while a search runs, the host gets an outcome, and the next search of the same planner in the same process
 //! gives the answer that it would have given without the failure.
 //!
-//! The short form looks at every seventh n; `FOLIATE_FAULTS=all cargo test --test faults_are_outcomes` at all of 1 … 1000.
+//! The short form tests every seventh n; `FOLIATE_FAULTS=all cargo test --test faults_are_outcomes` at all of 1 … 1000.
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test that cannot go on says so")]
 
 use bevy_ecs::prelude::{IntoScheduleConfigs, Schedule, World};
@@ -211,7 +211,7 @@ fn a_panic_in_the_middle_of_a_projection_is_an_outcome() {
 }
 
 #[test]
-fn nobody_who_listens_or_stops_to_changes_an_answer() {
+fn no_listener_changes_an_answer() {
     let problem = swap_two_boxes().unwrap();
     let reference = told(&planner(&problem).solve());
     // The channel is full after 4096 events.

@@ -176,7 +176,7 @@ fn path() {
     });
 }
 
-/// The motions that `foliate certify` reads, as others write them; what is read is looked at for a while.
+/// The motions that `foliate certify` reads, as others write them; what is read is certified for a while.
 #[test]
 fn motion() {
     let scene = Scene::load("demo", &PackagePath::default()).unwrap();

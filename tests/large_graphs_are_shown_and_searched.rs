@@ -1,4 +1,4 @@
-//! A scene whose graph nobody could list: `foliate graph` says so and shows what surrounds the start, `foliate solve` answers,
+//! A scene whose graph is too large to list: `foliate graph` says so and shows what surrounds the start, `foliate solve` answers,
 //! and `foliate check` proves the answer.
 #![allow(clippy::unwrap_used, reason = "what a test expects and does not find fails it")]
 

@@ -1,5 +1,5 @@
 //! Promise: a path answers its scene, and a file that says otherwise is refused. Honest files of several scenes are lied to in
-//! every way that a stranger may think of; with the scene every lie is refused, without it none is proved.
+//! every way that an author may try; with the scene every lie is refused, without it none is proved.
 
 #![allow(
     clippy::unwrap_used,

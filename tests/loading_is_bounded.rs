@@ -73,7 +73,7 @@ fn a_raised_signal_stops_the_reading_of_meshes_and_says_which() {
     assert_eq!(stop(&mesh, signal(soon)), None);
 }
 
-/// A signal that is raised after so many looks at it ends a mesh in its middle.
+/// A signal that is raised after so many checks ends a mesh in its middle.
 #[test]
 fn a_signal_is_looked_at_within_a_mesh() {
     let folder = Folder::new("within");
@@ -86,7 +86,7 @@ fn a_signal_is_looked_at_within_a_mesh() {
     assert!(looks.load(std::sync::atomic::Ordering::Relaxed) < 12, "looked on after it was raised");
 }
 
-/// How often reading looks at a signal that is never raised; and that it ends at each of these looks, when it is raised there.
+/// How often reading checks a signal that is never raised; and that it ends at each of these checks if it is raised there.
 fn stops_at_every_look(urdf: &str, srdf: Option<&str>) -> u32 {
     let read = |most: u32| {
         let looks = Arc::new(AtomicU32::new(0));

@@ -1,5 +1,5 @@
 //! Promise: a search that needs more memory than it may have ends with outcome `memory_limit`, in time; a limit only ever turns an
-//! answer into none. Each case runs in a process of its own, whose memory is looked at.
+//! answer into none. Each case runs in a process of its own, whose memory is measured.
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, reason = "what a test expects and does not find fails it")]
 
@@ -28,7 +28,7 @@ fn alone(name: &str) -> bool {
     false
 }
 
-/// Sixteen arms and sixty boxes, of which each shall change places with another: nobody solves that in minutes.
+/// Sixteen arms and sixty boxes, each of which has to change places with another: not solved in minutes.
 fn hopeless_crowd() -> Problem {
     let mut problem = crowd(16, 60).unwrap();
     let mut goal = problem.start.clone();

@@ -1,5 +1,5 @@
-//! The mesh cache changes nothing but the time that loading takes: what is kept is used, what is wrong in it counts for nothing, nobody who
-//! writes into it changes a shape, and no disk makes a load fail.
+//! The mesh cache changes nothing but the time of loading: entries are used, wrong entries are ignored, no writer into the cache
+//! changes a shape, and no disk makes a load fail.
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test that cannot go on says so")]
 
 mod common;
@@ -196,7 +196,7 @@ fn what_is_kept_is_used() {
     let folder = Folder::new("used");
     let urdf = folder.model("m.stl", &small(), "");
     folder.kept(&urdf);
-    // A record that is another and holds, sealed by somebody who knows how.
+    // A record that differs and holds, with a correct seal.
     let mut entry = std::fs::read(folder.entry()).unwrap();
     let order = order_of(&entry);
     entry[order..order + 8].rotate_left(4);
@@ -302,7 +302,7 @@ fn a_forged_entry_is_never_believed() {
     }
 }
 
-/// The whole of an entry but its key and checksum is of another mesh, by somebody who knows how to seal it: the mesh is that of the file.
+/// The whole of an entry but its key and checksum is of another mesh, with a correct seal: the mesh is that of the file.
 #[test]
 fn nothing_in_an_entry_moves_a_vertex() {
     let folder = Folder::new("moved");
@@ -416,7 +416,7 @@ fn the_oldest_go_first_and_what_is_not_ours_stays() {
     std::fs::create_dir(folder.cache()).unwrap();
     let others = ["notes.txt", "a.mesh", &format!("{}.mesh.bak", "0".repeat(64))].map(|name| folder.cache().join(name));
     others.iter().for_each(|path| std::fs::write(path, vec![0; 50_000]).unwrap());
-    // Left behind by somebody who was stopped while writing.
+    // Left behind by a process that was stopped while writing.
     let begun = [".", ""].map(|dot| folder.cache().join(format!("{dot}{}.mesh.1-0.unfinished", "0".repeat(64))));
     for begun in &begun {
         std::fs::write(begun, vec![0; 1000]).unwrap();

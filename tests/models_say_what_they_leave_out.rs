@@ -212,7 +212,7 @@ fn configurations_of_one_name_all_apply() {
     };
     let scene = folder.scene(&(state("a", "left", 1.0) + &state("b", "right", -1.0)), "two = \"home\"").unwrap();
     assert_eq!(scene.problem.start, [1.0, -1.0]);
-    // Twice the same is no contradiction; another value is, where somebody wants to be there.
+    // Twice the same value is no contradiction; two values are, where a configuration uses them.
     let same = state("a", "left", 1.0) + &state("b", "right", -1.0) + &state("c", "left", 1.0);
     assert!(folder.scene(&same, "two = \"home\"").is_ok());
     let other = state("a", "left", 1.0) + &state("b", "right", -1.0) + &state("c", "left", 0.5);

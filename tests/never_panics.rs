@@ -72,7 +72,7 @@ fn damaged_models_and_meshes_are_refused_or_read() {
 
 #[test]
 fn damaged_scenes_are_refused_or_read() {
-    let reference = include_str!("../scenes/README.md");
+    let reference = include_str!("../docs/scene-reference.md");
     let example = reference.split("```toml\n").nth(1).and_then(|t| t.split("```").next()).expect("an example");
     let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
     damaged(example.as_bytes(), |bad| {

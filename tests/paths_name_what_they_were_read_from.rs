@@ -1,5 +1,5 @@
 //! A path file names every file that its problem was read from, with its SHA-256, and all that decides how they are read, so that
-//! whoever proves the path looks at the same world.
+//! a checker of the path reads the same files.
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test that cannot go on says so")]
 
 use foliate::Planner;
@@ -180,7 +180,7 @@ fn every_file_that_a_part_is_read_from_has_its_sum_in_the_path_file() {
     assert_eq!(file.parts[0].sha256, sums(&[("urdf", "gantry.urdf")]));
     let wall = sums(&[("urdf", "wall.urdf"), ("srdf", "wall.srdf"), ("wall.dae", "wall.dae")]);
     assert_eq!(file.parts[1].sha256, wall);
-    // Whoever reads the model again finds the same sums under the same names.
+    // Reading the model again gives the same sums under the same names.
     let name = |name: &str| folder.0.join(name).to_str().unwrap().to_owned();
     let read =
         read_model(&name("wall.urdf"), Some(&name("wall.srdf")), UpAxis::AsWritten, &PackagePath::only(&[])).unwrap();

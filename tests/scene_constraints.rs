@@ -1,4 +1,4 @@
-//! Promise: what a scene demands of its own (constraints, states, resting joints, goals that leave things free) reaches the
+//! Promise: what a scene defines itself (constraints, states, resting joints, goals that leave things free) reaches the
 //! problem as the page of scene files says, with values of the start where it asks for them.
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test that cannot go on says so")]
 

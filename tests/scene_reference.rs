@@ -1,4 +1,4 @@
-//! Promise: the reference of scene files (`scenes/README.md`) is true: its example loads, says every key, and every key that
+//! Promise: the reference of scene files (`docs/scene-reference.md`) is true: its example loads, says every key, and every key that
 //! is read is described. Mistakes in a scene are told with line, key and a hint.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot go on says so")]
 
@@ -7,7 +7,7 @@ use foliate::components::robot::{JointIndex, RootJoint};
 use foliate::scene::{PackagePath, Scene, SceneError};
 use std::path::Path;
 
-const REFERENCE: &str = include_str!("../scenes/README.md");
+const REFERENCE: &str = include_str!("../docs/scene-reference.md");
 
 fn example() -> &'static str {
     let (_, rest) = REFERENCE.split_once("```toml\n").expect("the reference has an example");
@@ -58,7 +58,7 @@ fn the_example_loads_as_the_page_says() {
 }
 
 #[test]
-fn every_key_that_is_read_is_in_the_example_and_in_a_table() {
+fn every_key_that_is_read_is_in_the_example_and_described() {
     // The readers refuse every other key; a new one belongs here, in the example and in a table.
     let keys = "format name description part coordinates ignore margins default_margin constraint locked graph start goal sha256 kind urdf srdf root \
                 pose root_bounds joint_bounds values mimic mesh_up_axis masks mask_complements gripper handle surface link \
@@ -68,7 +68,7 @@ fn every_key_that_is_read_is_in_the_example_and_in_a_table() {
                 everywhere state constraints transition from legs within until short resting_joints";
     let kinds = "\"pose\" \"centre_of_mass\" \"centre_of_mass_between\" \"distance\" \"joint\" \"start\" \"stays\"";
     let keys = format!("{keys} {kinds}");
-    let tables = REFERENCE.rsplit_once("```").expect("the example ends").1;
+    let tables = REFERENCE.replacen(example(), "", 1);
     for key in keys.split_whitespace() {
         assert!(
             tables.contains(&format!("`{key}`"))

@@ -168,7 +168,7 @@ fn an_interrupted_bench_has_its_table_and_goes_on_to_the_same_rows() {
 #[test]
 fn a_second_signal_ends_the_process() {
     let folder = Folder::new("twice");
-    // Nobody reads the pipe: the first signal stops the search, and then the process waits to write.
+    // No process reads the pipe: the first signal stops the search, and then the process waits to write.
     let scene = endless(&folder);
     let fifo = folder.at("pipe");
     if !system("mkfifo", &[fifo.to_str().unwrap()]) {

@@ -63,13 +63,13 @@ fn the_checker_shares_no_code_with_the_search() {
 
 #[test]
 fn clocks_do_not_reach_the_search() {
-    // The deadline is looked at in one place; nothing else may know the time.
+    // The deadline is checked in one place; nothing else may know the time.
     assert_absent("systems/src", &["Instant::now", "SystemTime"], &["events.rs"]);
     assert_absent("systems/kernels/src", &["Instant", "SystemTime"], &[]);
     assert_absent("components/src", &["Instant", "SystemTime"], &[]);
 }
 
-/// Outside `lanes/` nobody names a set of instructions, or the crate that knows them.
+/// Outside `lanes/` no file names a set of instructions, or the crate that provides them.
 #[test]
 fn only_the_lanes_know_instruction_sets() {
     let sets = [

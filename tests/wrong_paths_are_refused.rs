@@ -1,5 +1,5 @@
 //! The check must be able to refuse: paths of random problems, spoiled in a random place, and shown to be wrong by how they
-//! were spoiled or by looking at them densely, are refused with the right reason.
+//! were spoiled or by dense samples, are refused with the right reason.
 //!
 //! `FOLIATE_PROBLEMS=1000 cargo test --release --test wrong_paths_are_refused -- --nocapture` is the long run.
 

@@ -24,7 +24,7 @@ use std::time::Duration;
 
 const SCENES: [&str; 4] = ["panda-table", "panda-shelf", "panda-box", "panda-cage"];
 
-/// Seeds that take turns, so that the mean is over their spread and not one lucky draw.
+/// Seeds that alternate, so that the mean is over their spread and not one lucky draw.
 const SEEDS: u64 = 20;
 
 /// Room for the rounding of other people's checkers, as in a search; metres.

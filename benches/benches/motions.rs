@@ -14,7 +14,7 @@ use std::time::Instant;
 /// Motions; a multiple of all crowds.
 const MOTIONS: usize = 48;
 
-/// What is walked.
+/// The motions to follow.
 struct Bench<'a> {
     program: &'a ConstraintProgram,
     space: &'a ConfigurationSpace,
@@ -23,7 +23,7 @@ struct Bench<'a> {
 }
 
 impl Bench<'_> {
-    /// Walks all motions, so many at once (none: each alone, in scalar code); how many arrive, and their knots.
+    /// Follows all motions, so many at once (none: each alone, in scalar code); how many arrive, and their knots.
     fn walk(&self, crowd: Option<usize>, scratch: &mut MotionScratch, knots: &mut [Vec<f64>]) -> (usize, usize) {
         let Self { program, space, ends, settings } = self;
         knots.iter_mut().for_each(Vec::clear);

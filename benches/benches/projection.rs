@@ -109,7 +109,7 @@ fn pass(
 /// Where single precision hands over to double.
 const SINGLE_UNTIL: f64 = 1e-4;
 
-/// Problems between two looks at the clock: few enough for one turn on a busy machine.
+/// Problems between two readings of the clock: few enough for one time slice on a busy machine.
 const SLICE: usize = 256;
 
 fn bench_starts(

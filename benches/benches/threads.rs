@@ -32,7 +32,7 @@ fn median(mut numbers: Vec<f64>) -> f64 {
     numbers[numbers.len() / 2]
 }
 
-/// One and two threads in turns, and two solves at once on a thread each.
+/// One and two threads interleaved, and two solves at once on a thread each.
 fn compare(name: &str, tables: &Arc<ProblemTables>, pools: &[ThreadPool; 3]) {
     let [one, other, two] = pools;
     let (mut alone, mut together, mut at_once) = (Vec::new(), Vec::new(), Vec::new());

@@ -7,7 +7,7 @@ use foliate_systems::planning_model::PlanningModel;
 use std::hint::black_box;
 use std::time::Duration;
 
-/// Seeds that take turns, so that the mean is over their spread and not one lucky draw.
+/// Seeds that alternate, so that the mean is over their spread and not one lucky draw.
 const SEEDS: u64 = 20;
 
 fn bench_scene(c: &mut Criterion, name: &str, model: &PlanningModel) {

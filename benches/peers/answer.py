@@ -62,7 +62,7 @@ class Finding:
             self.error, self.what = float(error), what
 
     def verdict(self, settings: Settings) -> str:
-        """Collides, breaks (lets go, moves what nobody holds, leaves a fixed pose), misses the goal, or is valid."""
+        """Collides, breaks (lets go, moves what no gripper holds, leaves a fixed pose), misses the goal, or is valid."""
         if self.depth > PENETRATION:
             return COLLIDES
         if self.error > TOLERANCES * settings.threshold:
@@ -216,7 +216,7 @@ class AnswerCheck:
                 continue
             before = rest if rest is not None else sample - 1
             error = _apart(poses[before], poses[sample])
-            finding.see_error(error, f"{name} moves while nobody holds it")
+            finding.see_error(error, f"{name} moves while no gripper holds it")
             rest = before if error <= self.allowed else sample
             lies.append(rest)
         for sample in lies:

@@ -1,4 +1,4 @@
-"""A path of HPP written down as configurations so close that whoever checks them can choose among them."""
+"""A path of HPP written down as configurations so close that a checker can choose among them."""
 
 from __future__ import annotations
 

@@ -116,6 +116,6 @@ CANNOT_STATE: dict[str, str] = {
     "romeo-fridge-upright": "no public script; the door's state and both feet sliding need a graph of one's own",
     "talos-steps": "no public script for Talos; states of the problem's own (which feet stand), which the factory does not build",
     **dict.fromkeys(("panda-table", "panda-shelf", "panda-box", "panda-cage"),
-                    "no public benchmark of HPP; plain motion planning of our own, beside VAMP's figures in benches/README.md"),
+                    "no public benchmark of HPP; plain motion planning of our own, beside VAMP's figures in docs/benchmarks.md"),
 }
 """Scenes that count in no ratio, and why."""

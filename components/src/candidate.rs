@@ -23,14 +23,13 @@ pub struct Candidate {
     pub transition: Option<TransitionId>,
     /// The leaf to extend, where one is chosen before the node.
     pub leaf: Option<LeafId>,
-    /// Where it is guided: the leaf of another tree that it is on its way to.
+    /// Where it is guided: the leaf of another tree that it aims at.
     pub target_leaf: Option<LeafId>,
-    /// For a crossed transition: the leaf of another tree that is aimed at; the values of the rows that the transition
-    /// adds are taken from it.
+    /// For a crossed transition: the leaf of another tree that gives the values of the rows that the transition adds.
     pub drawn: Option<LeafId>,
     /// Whether its waypoints have passed the exact verdict of all pairs.
     pub waypoints_are_free: bool,
-    /// Why nothing more is to be done for it.
+    /// Why it is rejected.
     pub rejected: Option<Rejection>,
     /// What Commit makes of it.
     pub commit_as: CommitAs,
@@ -91,7 +90,7 @@ pub enum LegParameter {
     Fresh(Parameter),
 }
 
-/// One leg of a candidate: where objects hang along it, and its knots.
+/// One leg of a candidate: where objects are attached along it, and its knots.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedLeg {
     /// Number of the leg within the transition.

@@ -1,4 +1,4 @@
-//! Which pairs of collision shapes a proof looks at, and why it leaves out the others.
+//! Which pairs of collision shapes a proof tests, and why it leaves out the others.
 
 use crate::robot::indices::ShapeIndex;
 
@@ -30,7 +30,7 @@ impl LeftOut {
         }
     }
 
-    /// Whether somebody decided it, so that the two may collide nevertheless.
+    /// Whether a file or the problem decided it, so that the two may collide nevertheless.
     #[must_use]
     pub fn is_a_decision(self) -> bool {
         matches!(self, Self::Srdf | Self::Adjacent | Self::Ignored)
@@ -90,7 +90,7 @@ impl PairCounts {
         self.tested + self.rigid
     }
 
-    /// Pairs that somebody decided not to test.
+    /// Pairs that a file or the problem excludes from the test.
     #[must_use]
     pub fn decided(&self) -> u64 {
         self.srdf + self.adjacent + self.ignored

@@ -13,7 +13,7 @@ pub enum Rejection {
     NoNode,
     /// No transition with positive weight leaves the node's state.
     NoTransition,
-    /// Nobody else has reached a leaf that a crossed transition could aim at.
+    /// No other tree has reached a leaf that a crossed transition could aim at.
     NoLeafToAimAt,
     /// The projection of a waypoint did not converge (number of the leg).
     ProjectionFailed(u8),
@@ -101,7 +101,7 @@ impl Prior {
 pub struct TransitionStatistics {
     /// Candidates that chose the transition.
     pub attempts: u64,
-    /// Candidates that reached the transition's target. One that was planted counts until its motions are known not to be free.
+    /// Candidates that reached the transition's target. A lazily extended one counts until its motions are known not to be free.
     pub reached: u64,
     /// Candidates of which a part was kept.
     pub partial: u64,
@@ -213,7 +213,7 @@ impl GoalStatistics {
 /// How a search ended.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SearchOutcome {
-    /// Start and a goal hang together.
+    /// Start and a goal are connected.
     Solved,
     /// The deadline passed first.
     Timeout,

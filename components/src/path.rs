@@ -35,14 +35,14 @@ pub struct Segment {
 pub struct PathConstraint {
     /// For output and messages.
     pub name: String,
-    /// What is demanded; parameter rows are measured against `argument`.
+    /// The constraint; parameter rows are measured against `argument`.
     pub constraint: Constraint,
     /// The leaf's value for the parameter rows, in the form of a solve's argument (a locked joint's value is the x of the
     /// translation); `None` where there are none.
     pub argument: Option<Pose>,
 }
 
-/// What an object hangs on during a segment.
+/// What an object is attached to during a segment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Attachment {
     /// A gripper holds one of its handles.

@@ -84,18 +84,18 @@ pub struct Margin {
 pub enum Goal {
     /// A whole configuration.
     Configuration(Vec<f64>),
-    /// Every configuration, in any state of the graph, in which these demands hold.
+    /// Every configuration, in any state of the graph, in which these requirements hold.
     Partial(PartialGoal),
 }
 
-/// What is demanded of a goal; everything else is free. Demands add up: all of them hold in every goal.
+/// The requirements of a goal; everything else is free. All of them hold in every goal.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PartialGoal {
     /// Poses of these movable objects' root links in the world.
     pub poses: Vec<(PartIndex, Pose)>,
     /// Numbers of a configuration, by index: metres or radians. Of a quaternion all four are named or none.
     pub coordinates: Vec<(usize, f64)>,
-    /// Constraints: a hand at a place, an object upright. Rows that are parameters demand nothing of a goal.
+    /// Constraints: a hand at a place, an object upright. Rows that are parameters require nothing of a goal.
     pub constraints: Vec<NamedConstraint>,
 }
 
@@ -133,13 +133,13 @@ pub struct GraphOptions {
     /// Those of them that hold in every state: feet that stand still, balance.
     pub everywhere: Vec<u32>,
     /// States of the problem's own, such as the stances of a walking robot. Every state of the graph is one of them
-    /// together with a map of grasps; without any there is one that demands nothing.
+    /// together with a map of grasps; without any there is one without constraints.
     pub states: Vec<WrittenState>,
     /// How the states of the problem's own follow one another.
     pub transitions: Vec<WrittenTransition>,
 }
 
-/// A joint of one coordinate that nobody moves but who holds a handle beyond it.
+/// A joint of one coordinate that moves only while a gripper holds a handle beyond it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RestingJoint {
     /// The joint.
@@ -148,7 +148,7 @@ pub struct RestingJoint {
     pub rest: JointRest,
 }
 
-/// Where a joint is while nobody holds it.
+/// Where a joint is while no gripper holds it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum JointRest {
     /// Wherever it was left: its value foliates the states in which it rests.
@@ -162,7 +162,7 @@ pub enum JointRest {
 pub struct NamedConstraint {
     /// For output and errors.
     pub name: String,
-    /// What it demands.
+    /// What it requires.
     pub constraint: Constraint,
 }
 
@@ -184,7 +184,7 @@ pub struct WrittenTransition {
     pub from: u32,
     /// Number of the state that is reached.
     pub to: u32,
-    /// Its legs, in order; without any there is one, in `from`, that ends where all that `to` demands holds.
+    /// Its legs, in order; without any there is one, in `from`, that ends where all constraints of `to` hold.
     pub legs: Vec<WrittenLeg>,
 }
 
@@ -193,7 +193,7 @@ pub struct WrittenTransition {
 pub struct WrittenLeg {
     /// Number of the state in which it lies.
     pub within: u32,
-    /// What holds at its end besides what the state demands: numbers of [`GraphOptions::constraints`].
+    /// What holds at its end besides the constraints of the state: numbers of [`GraphOptions::constraints`].
     pub until: Vec<u32>,
     /// Whether its end is looked for near its start instead of anywhere.
     pub short: bool,
@@ -208,7 +208,7 @@ pub struct ObjectOptions {
     pub handles: Vec<HandleIndex>,
     /// Surfaces on which it may lie.
     pub surfaces: Vec<SurfaceIndex>,
-    /// A plane on which it may stand instead. Without surfaces and plane it stays where it is while nobody holds it.
+    /// A plane on which it may stand instead. Without surfaces and plane it stays where it is while no gripper holds it.
     pub plane: Option<RestingPlane>,
 }
 

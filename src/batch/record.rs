@@ -52,7 +52,7 @@ impl Recorder {
             return Self::create(out, identity);
         }
         identity.compare(out)?;
-        // Nobody else may append between reading and writing.
+        // No other process may append between reading and writing.
         let held = Lines::open(&path).map_err(|source| match source.kind() {
             ErrorKind::WouldBlock => BatchError::Busy { path: path.clone() },
             _ => failed(source),

@@ -207,7 +207,7 @@ impl Batch {
     fn solve(&self, entry: &Entry, seed: u64, out: &Path) -> Row {
         let started = Instant::now();
         let mut row = Row::new(entry, seed, self.scheduler.name());
-        // Nothing that a panic may leave half done is looked at again: a search owns its world, and what solves share is
+        // Nothing that a panic may leave half done is used again: a search owns its world, and what solves share is
         // immutable or filled in whole.
         let solved = catch_unwind(AssertUnwindSafe(|| {
             let mut search = self.settings.search.clone();

@@ -33,7 +33,7 @@ impl Default for CertifyOptions {
 }
 
 impl Certifier {
-    /// Looks at a motion. See [`CertifyReport`].
+    /// Certifies a motion. See [`CertifyReport`].
     ///
     /// # Errors
     /// A part or link that the scene does not have; an object that cannot be carried.
@@ -145,7 +145,7 @@ impl Certifier {
             notes.push(String::from("no pair of shapes was tested: nothing is known of collisions"));
         }
         if !motion.timed {
-            notes.push(String::from("the motion has no times: velocities and accelerations are not looked at"));
+            notes.push(String::from("the motion has no times: velocities and accelerations are not checked"));
         } else if motion.starts() > 0.0 {
             let start = motion.starts();
             notes.push(format!("the first point is at {start} s: the way there is not part of the motion"));

@@ -26,7 +26,7 @@ pub(super) fn check(file: &PathFile, world: &World, report: &mut CheckReport) {
     }
 }
 
-/// Where the file's limits are not the models': a scene may say so, and whoever reads the file should know.
+/// Where the file's limits are not the models': a scene may set them, and a reader of the file should know.
 fn note_differences(file: &PathFile, world: &World, report: &mut CheckReport) {
     for body in &world.bodies {
         let Value::Columns(columns) = &body.value else { continue };

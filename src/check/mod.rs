@@ -10,7 +10,7 @@
 //!
 //! [`check`] answers with a [`CheckReport`], or with a [`CheckError`] where the file or a model cannot be read.
 //!
-//! `prove` runs the proof: `structure` looks at the form of the file, `world` rebuilds its bodies, `limits` needs numbers
+//! `prove` runs the proof: `structure` checks the form of the file, `world` rebuilds its bodies, `limits` needs numbers
 //! only. Segment by segment `leaf` proves the constraints and `clearance` the distances, which `distance` computes; `motion`
 //! is where things are on the way. `contract` compares the file with its scene. All of them write into `report`.
 

@@ -95,7 +95,7 @@ fn count(file: &PathFile, world: &World, report: &mut CheckReport) {
     report.counts.knots = file.segments.iter().map(|s| s.knots.len()).sum();
 }
 
-/// What the proof of all segments looks at.
+/// What the proof of all segments uses.
 struct Proof<'p> {
     file: &'p PathFile,
     world: &'p World,

@@ -9,10 +9,10 @@ use foliate_kernels::kinematics::Kinematics;
 use foliate_systems::runtime::random::{Purpose, stream};
 use glam::DVec3;
 
-/// Random configurations that are looked at.
+/// Random configurations that are tested.
 const SAMPLES: u32 = 100;
 
-/// Models with more shapes are not looked at: their pairs grow with the square.
+/// Models with more shapes are not tested: their pairs grow with the square.
 const SHAPES: usize = 500;
 
 /// What is known of the pairs of a model's shapes.
@@ -29,7 +29,7 @@ pub struct Inspection {
     pub always_colliding: Vec<(ShapeIndex, ShapeIndex)>,
 }
 
-/// Looks at the pairs of a model's shapes as scenes do that say nothing else: in parts without an SRDF, links that one joint
+/// Tests the pairs of a model's shapes as scenes do by default: in parts without an SRDF, links that one joint
 /// joins and that touch wherever it is are left alone. `None` for models with more than 500 shapes.
 #[must_use]
 pub fn inspect_pairs(robot: &Robot) -> Option<Inspection> {
@@ -46,7 +46,7 @@ pub fn inspect_pairs(robot: &Robot) -> Option<Inspection> {
     Some(Inspection { counts: scene.counts(), apart, left_out, always_colliding: always_colliding(robot, &scene) })
 }
 
-/// The pairs that somebody decided not to test although they do not touch at a configuration: a warning.
+/// The pairs that a file leaves out although they do not touch at a configuration: a warning.
 ///
 /// # Panics
 /// If `q` is not a configuration of the robot.

@@ -9,7 +9,7 @@
 //! | `centre_of_mass_between` | `parts`, `frame`, `to`, `height` | balance over the line between the origins of two frames |
 //! | `distance` | `frame`, `to`, `length`, `bound` | the origins of the frames are `length` apart, or at least, or at most |
 //! | `joint` | `joint`, `position` | the joint keeps its position |
-//! | `custom` | – | a function of the program's own, which nobody else can prove |
+//! | `custom` | – | a function of the program that planned, which no other program can prove |
 //!
 //! Rows are tx ty tz rx ry rz, in R³ × SO(3) and in the axes of the value: metres along the axes, radians of the rotation
 //! vector. Where two rotations are masked their axes are held and the third is free: the error is the angle between the free
@@ -128,7 +128,7 @@ pub enum Bound {
     AtMost,
 }
 
-/// The entries that say what a constraint demands: one, or two where translation rows and a turned reference have different
+/// The entries that express a constraint: one, or two where translation rows and a turned reference have different
 /// axes. Errors stay within `tolerance`, metres and radians.
 pub(crate) fn entries(robot: &Robot, demand: &PathConstraint, tolerance: f64) -> Vec<ConstraintEntry> {
     let argument = demand.argument.unwrap_or_default();

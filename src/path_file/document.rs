@@ -142,7 +142,7 @@ pub struct SegmentEntry {
     pub transition: String,
     /// State in which the motion lies.
     pub state: String,
-    /// What each object hangs on.
+    /// What each object is attached to.
     pub attachments: Vec<AttachmentEntry>,
     /// Further constraints that hold along the segment.
     pub constraints: Vec<ConstraintEntry>,
@@ -153,7 +153,7 @@ pub struct SegmentEntry {
     pub times: Option<Vec<f64>>,
 }
 
-/// What an object hangs on: a gripper by a handle, a support by a surface, a link that it rests on, or nothing but its place.
+/// What an object is attached to: a gripper by a handle, a support by a surface, a link that it rests on, or nothing but its place.
 ///
 /// An object follows its carrier. One that is held but has no carrier (its handle leaves rotations free) moves as written,
 /// like a robot's root; one without any attachment stays where it is.
@@ -193,7 +193,7 @@ pub struct CertificateEntry {
     pub min_clearance: Option<f64>,
     /// `within`.
     pub joint_limits: String,
-    /// Which pairs of collision shapes were looked at.
+    /// Which pairs of collision shapes were tested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pairs: Option<PairsEntry>,
 }

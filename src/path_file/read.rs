@@ -1,4 +1,4 @@
-//! Reading a path file that a stranger wrote: regular files only, never more than a cap, and no more memory than a small
+//! Reading path files, which may be hostile: regular files only, never more than a cap, and no more memory than a small
 //! multiple of the text.
 
 use crate::path_file::document::PathFile;

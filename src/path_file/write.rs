@@ -172,7 +172,7 @@ fn documents(robot: &Robot) -> Documents {
     Documents { grippers: grippers.collect(), handles: handles.collect(), surfaces: surfaces.collect() }
 }
 
-/// What a segment says an object hangs on; nothing for one that stays where it is without touching a documented surface.
+/// What a segment says an object is attached to; nothing for one that stays where it is without touching a documented surface.
 fn attachment_entry(robot: &Robot, attachment: &Attachment) -> Option<AttachmentEntry> {
     let part = |object: JointIndex| robot.parts[robot.joints[object.at()].part.at()].name.clone();
     match *attachment {

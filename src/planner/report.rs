@@ -22,13 +22,13 @@ pub struct Report {
     pub graph_time: Duration,
     /// Wall time of the search, from the prepared model to the certified path.
     pub solve_time: Duration,
-    /// Steps, of all worlds where there are several.
+    /// Steps, of all portfolio members where there are several.
     pub steps: u64,
-    /// Candidates, of all worlds.
+    /// Candidates, of all members.
     pub candidates: u64,
-    /// Candidates whose waypoints all projected, whether or not these were free, of all worlds.
+    /// Candidates whose waypoints all projected, whether or not these were free, of all members.
     pub validated: u64,
-    /// What each of several worlds did (scheduler `portfolio`); empty where the search had but one. What follows is of the one
+    /// What each member of a portfolio did (scheduler `portfolio`); empty where the search had but one. What follows is of the one
     /// that answers.
     pub worlds: Vec<MemberCount>,
     /// Roadmap nodes.

@@ -192,7 +192,7 @@ impl Planner {
     /// See [`NoSolutionReason`].
     pub fn solve(&self) -> Result<Solution, NoSolution> {
         let (started, solve) = (Instant::now(), self.next_solve());
-        // Nothing that a panic may leave half done is looked at again: a search owns its world, and what solves share is
+        // Nothing that a panic may leave half done is used again: a search owns its world, and what solves share is
         // immutable or filled in whole.
         catch_unwind(AssertUnwindSafe(|| self.solve_unguarded(solve))).unwrap_or_else(|panic| {
             let reason = NoSolutionReason::Crashed(panic_message(panic.as_ref()));

@@ -56,7 +56,7 @@ pub enum SearchEvent {
     },
     /// How the transitions fare, every [`crate::settings::SearchSettings::feedback_interval`] steps and at the end.
     Feedback(Box<Feedback>),
-    /// A goal hangs together with the start.
+    /// A goal is connected with the start.
     Solved {
         /// The step.
         step: u64,
@@ -125,7 +125,7 @@ impl CancelToken {
         self.0.store(true, Ordering::Relaxed);
     }
 
-    /// Whether somebody asked.
+    /// Whether a stop was requested.
     #[must_use]
     pub fn is_cancelled(&self) -> bool {
         self.0.load(Ordering::Relaxed)
@@ -157,7 +157,7 @@ impl std::fmt::Debug for MemoryGuard {
     }
 }
 
-/// The deadline and the token; every stage looks at both before each candidate.
+/// The deadline and the token; every stage checks both before each candidate.
 #[derive(Clone, Debug, Default, Resource)]
 pub struct StopSignal {
     /// When to give up.

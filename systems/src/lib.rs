@@ -1,6 +1,6 @@
 //! The verbs of Foliate: systems over the nouns of `foliate_components`, with the numbers of `foliate_kernels`.
 //!
-//! [`planning_model`] makes the constraint graph of a problem, compiles what it demands, and holds both with the other
+//! [`planning_model`] makes the constraint graph of a problem, compiles its constraints, and holds both with the other
 //! tables. A search ([`search`]) is a world whose [`schedule`] runs the sets of [`schedule::SearchSet`] step after step; the
 //! systems of these sets are in [`step`], what they have reached in [`exploration`]. [`goals`] draws configurations of goals,
 //! [`heuristic`] tells which leaves are worth extending. The crate

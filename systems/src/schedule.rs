@@ -45,7 +45,7 @@ pub struct StepCounter {
 }
 
 impl StepCounter {
-    /// Counted work, by which searches in several worlds take turns: candidates, whatever becomes of them, and connections.
+    /// Counted work, by which portfolio members alternate: candidates, whatever becomes of them, and connections.
     /// Where time goes differs from scene to scene, but hardly between searches of one scene.
     #[must_use]
     pub fn work(&self) -> u64 {

@@ -63,7 +63,7 @@ pub struct SearchSettings {
     pub level: Level,
     /// Bound that residuals keep between knots, metres and radians.
     pub path_tolerance: f64,
-    /// Clearance demanded beyond every margin, metres: room for the rounding of other people's checkers.
+    /// Clearance required beyond every margin, metres: allows for the rounding of other checkers.
     pub clearance_guard: f64,
     /// How close to the truth the end of a blocked motion's valid prefix has to be, as a share of the motion. What ends well
     /// in front of an obstacle is quicker to prove and a better place to go on from.

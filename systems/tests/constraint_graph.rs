@@ -98,7 +98,7 @@ fn tables_and_rules_restrict_the_states() {
 }
 
 #[test]
-fn graphs_that_nobody_could_read_are_not_listed() {
+fn graphs_that_are_too_large_are_not_listed() {
     let places: Vec<(f64, f64)> = (0..8).map(|i| (0.5 + 0.1 * f64::from(i % 4), 0.1 * f64::from(i / 4))).collect();
     let mut problem = boxes_on_a_table(&places, &places).unwrap();
     for number in 0..7 {
@@ -229,7 +229,7 @@ fn states_and_transitions_may_be_written() {
     let targets = |name: &str| -> Vec<&str> {
         transition(name).legs[0].target.iter().map(|&c| graph.constraint(c).name.as_str()).collect()
     };
-    // What the target demands beyond the state of the leg.
+    // What the target requires beyond the state of the leg.
     assert_eq!(targets("shift left | both"), ["over the left foot"]);
     assert!(targets("shift back | both_left").is_empty() && targets("lift right | both_left").is_empty());
     assert_eq!(targets("land right | left"), ["right foot"]);

@@ -89,7 +89,7 @@ fn without_an_interval_there_is_one_report() {
 
 #[test]
 fn the_object_in_the_way_is_named() {
-    // The goal of box0 is close beside box1: whoever sets it down there meets box1.
+    // The goal of box0 is close beside box1: a hand that sets it down there touches box1.
     let model = model(boxes_on_a_table(&[(0.6, 0.2), (0.62, -0.2)], &[(0.6, -0.13), (0.62, -0.2)]).unwrap());
     let robot = &model.problem.robot;
     let box1 = robot.part("box1").unwrap();

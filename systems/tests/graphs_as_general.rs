@@ -127,7 +127,7 @@ fn a_magnet_takes_over_what_the_hand_brings() {
     }
 }
 
-/// The values of a joint along the segments in which somebody holds a handle, and along the others.
+/// The values of a joint along the segments in which a gripper holds a handle, and along the others.
 fn values_of(model: &PlanningModel, path: &ManipulationPath, joint: &str) -> (Vec<f64>, Vec<Vec<f64>>) {
     let robot = &model.problem.robot;
     let Source::Coordinates { q, .. } = robot.joints[robot.joint(joint).unwrap().at()].source else { panic!() };
@@ -202,7 +202,7 @@ fn a_box_is_moved_by_its_side_and_opened_by_its_lid() {
 
 #[test]
 fn a_target_that_does_not_hold_at_the_start_is_refused_not_asserted() {
-    // `step` now lies within `standing`: who stands already could step, and nobody who starts lifted does.
+    // `step` now lies within `standing`: a robot that stands could step, and none that starts lifted does.
     let mut problem = make_a_step().unwrap();
     problem.graph.transitions.remove(0);
     problem.graph.transitions[0].legs[0].within = 0;

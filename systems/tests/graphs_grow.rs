@@ -1,4 +1,4 @@
-//! Graphs that nobody can list start at once, grow where a search goes, and answer as the whole graph would.
+//! Graphs that are too large to list start at once, grow where a search goes, and answer as the whole graph would.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on says so")]
 
@@ -149,7 +149,7 @@ fn goals_that_leave_something_free_are_looked_for_near_the_start_first() {
     let end = search_on_table.path().unwrap().segments.last().unwrap().state;
     assert_eq!(search_on_table.model().graph.state(end).name, "free");
 
-    // In the air somebody has to hold it: the start's state contradicts that, a neighbour does not.
+    // In the air a gripper has to hold it: the start's state contradicts that, a neighbour does not.
     numbers[2] += 0.2;
     problem.goals = vec![Goal::object_poses(vec![(part, pose_from_array(numbers).unwrap())])];
     let model = new_lazy(problem);

@@ -49,7 +49,7 @@ fn every_stage_with_long_work_looks_at_the_signal() {
         let world = search.world();
         let ends: Vec<_> = candidates.iter(world).map(|c| c.rejected).collect();
         assert!(ends.contains(&Some(Rejection::Stopped)), "after {before:?}: {ends:?}");
-        assert!(ends.iter().all(Option::is_some), "after {before:?} somebody worked on: {ends:?}");
+        assert!(ends.iter().all(Option::is_some), "after {before:?} a member worked on: {ends:?}");
         assert_eq!(search.roadmap().edges().len(), 0);
     }
 }

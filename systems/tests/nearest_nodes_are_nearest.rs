@@ -1,4 +1,4 @@
-//! Whoever asks for near nodes gets those that measuring every node gives, also once they lie in lanes, whoever asks beside.
+//! A query for near nodes gets those that measuring every node gives, also from lanes, and whatever other queries share its pass.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on says so")]
 
@@ -59,7 +59,7 @@ fn questions<'q>(
         // At the node itself, and again: ties.
         ask(Region::Leaf(row.leaf), Some(tree), q),
         ask(Region::Leaf(row.leaf), Some(tree), q),
-        // Nobody is in that tree.
+        // No node is in that tree.
         ask(Region::Leaf(row.leaf), Some(TreeId(1_000_000)), q),
     ]
 }
@@ -92,16 +92,16 @@ impl Scheduler for Apart {
 #[test]
 fn nodes_found_in_lanes_are_those_found_one_by_one() {
     let model = model(boxes_on_a_table(&[(0.6, 0.1)], &[(0.6, 0.1)]).unwrap());
-    // Of a problem that has no solution: many trees that are planted on one leaf.
+    // Of a problem that has no solution: many trees of the lazy extension on one leaf.
     let unsolvable = self::model(boxes_on_a_table(&[(0.6, 0.1)], &[(1.45, 0.75)]).unwrap());
     let apart = [Selection::Guided, Selection::StateFirst, Selection::Nearest].map(|s| (&model, &Apart as _, s));
-    let planted: [(_, &dyn Scheduler, _); 1] = [(&unsolvable, &Sequence, Selection::Guided)];
-    for (model, scheduler, selection) in apart.into_iter().chain(planted) {
+    let lazy: [(_, &dyn Scheduler, _); 1] = [(&unsolvable, &Sequence, Selection::Guided)];
+    for (model, scheduler, selection) in apart.into_iter().chain(lazy) {
         let settings = seeded(7).with(|s| (s.max_steps, s.selection) = (40, selection));
         let (_, mut search) = search(model, scheduler, settings, 1);
         let crowd = busiest_leaf(search.roadmap());
         assert!(crowd.len() > 40, "no leaf has become a crowd");
-        // Of those that were planted there some hang together.
+        // Of the trees of the lazy extension some are connected.
         if scheduler.name() == "sequence" {
             crowd.windows(9).step_by(2).for_each(|near| {
                 writer::add_edge(search.world_mut(), (near[0], near[8]), TransitionId(0), Vec::new());

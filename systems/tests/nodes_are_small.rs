@@ -24,7 +24,7 @@ use foliate_systems::step::commit::commit_extensions;
 use skip::{Needs, skipped};
 
 /// Gives every candidate a node on the start's leaf, a little off the start, at the end of an edge without motions.
-fn plant(world: &mut World) {
+fn add_nodes(world: &mut World) {
     let model = world.resource::<PlanningModel>().clone();
     let (start, leaf) = {
         let roadmap = roadmap_in(world);
@@ -65,7 +65,7 @@ fn a_hundred_thousand_nodes_take_what_the_roadmap_says() {
     let mut search = Search::new(&model, &Mrrt, seeded(1), stop_within(600), EventSink::default());
     let world = search.world_mut();
     while roadmap_in(world).nodes().len() < 1000 {
-        plant(world);
+        add_nodes(world);
     }
     let taken = |world: &World| {
         let roadmap = roadmap_in(world);
@@ -74,7 +74,7 @@ fn a_hundred_thousand_nodes_take_what_the_roadmap_says() {
     };
     let (nodes, before, apart) = (roadmap_in(world).nodes().len(), resident(), taken(world));
     while roadmap_in(world).nodes().len() < 101_000 {
-        plant(world);
+        add_nodes(world);
     }
     let new = roadmap_in(world).nodes().len() - nodes;
     let expected = RoadmapStore::NODE_BYTES + RoadmapStore::EDGE_BYTES;

@@ -1,4 +1,4 @@
-//! What every scheduler owes, whoever wrote it: it solves the small problems, its schedule has no ambiguity, it stops
+//! The contract of every scheduler: it solves the small problems, its schedule has no ambiguity, it stops
 //! when told to, it answers infeasible problems without searching, and its answers are paths from start to goal.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on says so")]

@@ -1,5 +1,5 @@
-//! The story of the scheduler `sequence`: short motions between leaves are planted without the long motions that lead there,
-//! and of the long ones only those are certified that lie on a way from the start to a goal.
+//! The story of the scheduler `sequence`: trees are extended lazily, by short motions between leaves without the long motions that
+//! lead there. Of the long ones only those are certified that are on a way from the start to a goal.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on says so")]
 
@@ -48,7 +48,7 @@ fn fewer_long_motions_are_certified() {
 }
 
 #[test]
-fn what_was_planted_in_vain_hangs_together_with_nothing() {
+fn what_no_way_needs_stays_unconnected() {
     let model = model(swap_two_boxes().unwrap());
     let mut left = 0;
     for seed in 1..=3 {
@@ -65,11 +65,11 @@ fn what_was_planted_in_vain_hangs_together_with_nothing() {
             assert_eq!(root.side, row.side, "the tree of a start or a goal grows for itself");
         }
     }
-    assert!(left > 0, "everything that was planted was joined: nothing was lazy");
+    assert!(left > 0, "every lazy extension was connected: nothing was lazy");
 }
 
 #[test]
-fn of_what_is_planted_only_what_a_sequence_needs_is_certified() {
+fn of_unvalidated_edges_only_those_on_a_way_are_certified() {
     let model = model(swap_two_boxes().unwrap());
     let (mut open, mut made) = (0, 0);
     for seed in 1..=3 {
@@ -94,7 +94,7 @@ fn of_what_is_planted_only_what_a_sequence_needs_is_certified() {
 }
 
 #[test]
-fn motions_on_one_leaf_need_nothing_planted() {
+fn motions_on_one_leaf_need_no_lazy_extension() {
     let mut problem = move_one_box().unwrap();
     let mut goal = problem.start.clone();
     (goal[0], goal[1], goal[3]) = (1.2, -0.2, 1.0);
@@ -201,7 +201,7 @@ fn a_way_that_fails_makes_room_for_another_and_is_not_given_up() {
     assert!(ways[..4].contains(&far.0), "the other way was not tried");
     assert!(ways[20..].contains(&near.0), "the first way was given up");
 
-    // Where start and goal hang together nothing is missing.
+    // Where start and goal are connected nothing is missing.
     roadmap.add_edge(start, goal);
     assert_eq!(graph.cheapest(roadmap.view(), &roots), Some(Vec::new()));
 }

@@ -1,4 +1,4 @@
-//! Small worlds in which motions are certified: a ball on a slider, an arm in a plane, a box to carry.
+//! Small scenes in which motions are certified: a ball on a slider, an arm in a plane, a box to carry.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot go on says so")]
 #![allow(dead_code, reason = "each test uses its part")]
 

@@ -180,7 +180,7 @@ class Clearance:
 
     def _touching_bodies(self, segment: Segment) -> set[frozenset[int]]:
         """Body pairs in contact by an attachment: the held body with the holder's, and for a gripper with the bodies
-        that hang directly on it (fingers)."""
+        that are attached directly to it (fingers)."""
         touching = set()
         for neighbour in self._of_one_transition(segment):
             for attachment in neighbour.attachments:

@@ -1,5 +1,5 @@
 """Whether a segment stays on its leaf: carried objects where their carriers take them, grasps and placements as they
-should be and unchanging, further constraints held, joints of objects at rest while nobody holds them.
+should be and unchanging, further constraints held, joints of objects at rest while no gripper holds them.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ def _check_carriers(motion: SegmentMotion, report: Report) -> None:
     """Written poses of floating objects at every knot against the motion that the contract gives them."""
     for carry in motion.carries:
         if carry.by is None:
-            report.note(f"{carry.member.name} hangs on nothing in some segments: it must rest there")
+            report.note(f"{carry.member.name} has no attachment in some segments: it must rest there")
     knots = np.arange(motion.last + 1)
     if len(knots) == 1:
         return

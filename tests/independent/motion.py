@@ -19,7 +19,7 @@ from scene import Member, Scene
 
 @dataclass(frozen=True)
 class Carry:
-    """An object that hangs on something: `carrier_from_carried` is constant; bodies in the scene's numbering,
+    """An object that is attached to something: `carrier_from_carried` is constant; bodies in the scene's numbering,
     `carrier` None for the world. `carried` is the object's body that is held, mostly its root."""
 
     member: Member

@@ -1,7 +1,7 @@
 """One part of a scene (robot, object, environment) as pinocchio and coal see it.
 
-The model is built without a root joint: body poses are told in the frame of the part's root link, and whoever uses
-them places that frame. A *body* is a pinocchio joint with everything rigidly fixed to it; body 0 is the root link.
+The model is built without a root joint: body poses are given in the frame of the part's root link, and the caller
+places that frame. A *body* is a pinocchio joint with everything rigidly fixed to it; body 0 is the root link.
 """
 
 from __future__ import annotations

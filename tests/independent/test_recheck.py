@@ -421,7 +421,7 @@ class Leaves(Case):
         path = story()
         path["segments"][0]["attachments"] = []
         self.assert_only(path)
-        self.assertIn("cube hangs on nothing in some segments: it must rest there", self.check(path).notes)
+        self.assertIn("cube has no attachment in some segments: it must rest there", self.check(path).notes)
         path["segments"][0]["attachments"] = [{"object": "cube", "carrier": True}]
         self.assert_only(path)
         path["segments"][0]["knots"][1][3] += 1e-3

@@ -304,7 +304,7 @@ class Objects(HoldsButNot):
         magnet["link_from_gripper"][2] += 1e-3
         self.assert_kinds(path, "grasp")
 
-    def test_a_door_moves_only_in_somebodys_hand(self):
+    def test_a_door_moves_only_while_it_is_held(self):
         hinge = joint("hinge", "frame", "leaf", (0, 0, 0.5))
         self.write("door.urdf", robot(link("frame"), link("leaf"), hinge))
         full = story()

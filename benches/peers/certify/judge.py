@@ -30,7 +30,7 @@ COLUMNS = ("scene", "file", "verdict", "free_until", "at", "depth_mm", "pair", "
            "colliding_samples", "first_colliding", "confirmed_by")
 
 PLACES = 33
-"""Places of a contact at which its pair is looked at."""
+"""Places of a contact at which its pair is tested."""
 
 
 def certify(program: Path, world: World, files: list[Path]) -> dict[str, dict]:

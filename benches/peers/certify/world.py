@@ -1,6 +1,6 @@
 """A scene of one fixed robot among fixed obstacles, as one URDF that every peer reads, and as pinocchio and coal see it.
 
-The obstacles of the scene are hung below the robot's root by fixed joints. Joints that the scene locks keep their values;
+The obstacles of the scene are attached to the robot's root by fixed joints. Joints that the scene locks keep their values;
 what mimics a locked joint keeps its own.
 """
 

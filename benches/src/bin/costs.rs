@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
-/// Between two looks at how much memory a program has used at most.
+/// Between two readings of the peak memory of a program.
 const POLL: Duration = Duration::from_millis(2);
 
 fn main() -> Result<()> {
@@ -38,7 +38,7 @@ fn main() -> Result<()> {
     );
     for scene in ["baxter-case1", "baxter-case4"] {
         match peak_memory(&program, &["solve", scene, "--json", "--time-limit", "300"])? {
-            (_, 2) => println!("SKIPPED peak memory of {scene}: its models are not at hand"),
+            (_, 2) => println!("SKIPPED peak memory of {scene}: its models are not installed"),
             (peak, code) => println!("peak memory of `foliate solve {scene}` (exit code {code}): {peak:.0} MB"),
         }
     }
@@ -90,7 +90,7 @@ fn start_up(program: &Path) -> Result<f64> {
     Ok(times[times.len() / 2])
 }
 
-/// Megabytes that a program has had in memory at most (`VmHWM`, looked at until it ends), and its exit code.
+/// Peak memory of a program in megabytes (`VmHWM`, read until it ends), and its exit code.
 fn peak_memory(program: &Path, arguments: &[&str]) -> Result<(f64, i32)> {
     let mut child = Command::new(program).args(arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn()?;
     let status = format!("/proc/{}/status", child.id());
@@ -112,7 +112,7 @@ fn high_water_mark(status: &str) -> Option<f64> {
     Some(kibibytes * 1024.0 / 1e6)
 }
 
-/// Candidates before steps are looked at, and while they are.
+/// Candidates before steps are measured, and while they are.
 const WARM_UP: usize = 256;
 
 /// Seeds that are tried for a search which lasts long enough.

@@ -17,7 +17,7 @@ pub struct BodyMass {
     pub center: DVec3,
 }
 
-/// The masses whose common centre is looked at.
+/// The masses whose common centre is constrained.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Masses {
     parts: Arc<[PartIndex]>,

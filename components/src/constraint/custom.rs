@@ -14,7 +14,7 @@ pub trait Function: Debug + Send + Sync {
     /// Name, for messages and path files.
     fn name(&self) -> &str;
 
-    /// The frames that it looks at; the same on every call.
+    /// The frames that it depends on; the same on every call.
     fn frames(&self) -> &[Frame];
 
     /// What is asked of each row; the same on every call, without parameters.

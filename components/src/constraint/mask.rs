@@ -1,4 +1,4 @@
-//! Which of the six components of a relative pose a constraint looks at.
+//! Which of the six components of a relative pose a constraint uses.
 
 use std::ops::{BitOr, Not};
 

@@ -19,13 +19,13 @@ impl ConstraintId {
 pub struct GraphConstraint {
     /// `g grasps h`, `place_o`, …
     pub name: String,
-    /// What it demands.
+    /// What it requires.
     pub kind: ConstraintKind,
     /// Whether it has rows that are right-hand sides: the complement that foliates the states it holds in (P0 eq. 5, 9).
     pub foliates: bool,
 }
 
-/// What a constraint demands. Objects are indices into [`crate::graph::constraint_graph::ConstraintGraph::objects`].
+/// What a constraint requires. Objects are indices into [`crate::graph::constraint_graph::ConstraintGraph::objects`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ConstraintKind {
     /// The handle sits in the gripper, up to the handle's mask.
@@ -56,7 +56,7 @@ pub enum ConstraintKind {
         /// The body whose supports are to carry it.
         on: Option<JointIndex>,
     },
-    /// An object without surfaces stays where it is while nobody holds it (HPP: locked joints as placement complement).
+    /// An object without surfaces stays where it is while no gripper holds it (HPP: locked joints as placement complement).
     Rest {
         /// The object.
         object: u32,

@@ -111,7 +111,7 @@ impl ConstraintGraph {
 
     /// Transitions that leave a state, by id; none of a state that is not expanded.
     pub fn leaving(&self, state: StateId) -> impl Iterator<Item = (TransitionId, &Transition)> {
-        // Hands may have taken transitions away since they were indexed; then all have to be looked at.
+        // Hands may have taken transitions away since they were indexed; then all have to be compared.
         let range = match self.indexed == self.transitions.len() {
             true => self.ranges.get(state.at()).cloned().unwrap_or(0..0),
             false => 0..self.transitions.len() as u32,

@@ -48,7 +48,7 @@ impl ParameterId {
 pub struct Parameter {
     /// Whose complement this is a value of.
     pub constraint: ConstraintId,
-    /// The body on which an object hangs; `None` for the world, and where nothing hangs.
+    /// The body to which an object is attached; `None` for the world, and where there is no object.
     pub carrier: Option<JointIndex>,
     /// The value; lengths in metres.
     pub value: Pose,
@@ -81,7 +81,7 @@ impl LeafIndex {
 
     /// The parameter of the same constraint and carrier within `tolerance` (metres and radians), or a new one.
     ///
-    /// For configurations that come from outside (start, goals), so that an object which nobody has to move stands on one
+    /// For configurations that come from outside (start, goals), so that an object which need not move stands on one
     /// and the same leaf in both. Linear in the parameters met so far: not for the search itself.
     pub fn intern_parameter(&mut self, parameter: Parameter, tolerance: f64) -> ParameterId {
         let near = |other: &Parameter| {

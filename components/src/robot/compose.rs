@@ -1,4 +1,4 @@
-//! Hangs models into one tree and numbers their coordinates.
+//! Joins models into one tree and numbers their coordinates.
 //!
 //! Order is pinocchio's, so that configurations read alike in both: depth first, the children of a link in alphabetical
 //! order of their joints' names, parts in the order in which they are given.
@@ -15,7 +15,7 @@ use glam::{DQuat, DVec3};
 use std::collections::HashMap;
 
 impl Robot {
-    /// Hangs the models into one tree.
+    /// Joins the models into one tree.
     ///
     /// # Errors
     /// Duplicate part, link or joint names; a model that is not a tree; a document on an unknown link; a mimic joint whose
@@ -167,7 +167,7 @@ impl Robot {
     }
 }
 
-/// The depth-first walk that numbers links, shapes and joints of one part.
+/// The depth-first traversal that numbers links, shapes and joints of one part.
 struct Walk<'a> {
     robot: &'a mut Robot,
     model: &'a Model,

@@ -84,7 +84,7 @@ impl ConfigurationSpace {
         self.dimension
     }
 
-    /// All zeros, with identity quaternions; bounds are not looked at.
+    /// All zeros, with identity quaternions; bounds are ignored.
     #[must_use]
     pub fn neutral(&self) -> Vec<f64> {
         let mut q = vec![0.0; self.size()];

@@ -1,6 +1,6 @@
 //! The hybrid robot: every robot, object and environment part as one kinematic tree (P0 §II-A).
 //!
-//! [`model`] describes one part as a file does (links, joints, documents) and knows no world; [`Robot::compose`] hangs
+//! [`model`] describes one part as a file does (links, joints, documents) and knows no world; [`Robot::compose`] joins
 //! any number of models into one tree, numbers their coordinates and absorbs fixed joints into bodies. The result is
 //! immutable during a search.
 
@@ -48,7 +48,7 @@ pub struct Part {
     pub name: String,
     /// What the planner may do with it.
     pub kind: PartKind,
-    /// How its root link hangs in the world.
+    /// How its root link is attached to the world.
     pub root: RootJoint,
     /// Pose of the root link in the world where the root is fixed; of the plane where it is planar.
     pub world_from_root: Pose,

@@ -82,7 +82,7 @@ impl Seen {
                 found.push(LinkIndex(at as u32));
                 continue;
             }
-            // Fixed joints make a tree: whoever was visited is where this link was reached from.
+            // Fixed joints make a tree: a link that was visited is the one from which this link was reached.
             let others = self.fixed[at - self.start].iter().filter(|other| !visited.contains(other));
             let others: Vec<usize> = others.copied().collect();
             visited.extend(others);

@@ -138,7 +138,7 @@ pub enum PartKind {
     Environment,
 }
 
-/// How a part's root link hangs in the world.
+/// How a part's root link is attached to the world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum RootJoint {
     /// Rigidly.

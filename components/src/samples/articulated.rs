@@ -1,4 +1,4 @@
-//! Drawers and lids: joints that move only while somebody holds a handle beyond them.
+//! Drawers and lids: joints that move only while a gripper holds a handle beyond them.
 
 use crate::Pose;
 use crate::problem::{Goal, GraphOptions, JointRest, ObjectOptions, Problem, RestingJoint};
@@ -13,7 +13,7 @@ use glam::DVec3;
 /// Where the drawer's frame is when it is shut.
 const SHUT: DVec3 = DVec3::new(1.05, 0.0, 0.35);
 
-/// A drawer in front of an arm that rests as said; it is shut and shall be `opened` metres open, nobody holding it.
+/// A drawer in front of an arm that rests as said; it is shut, and the goal is `opened` metres open with empty hands.
 ///
 /// # Errors
 /// None in practice: the models are fixed.
@@ -30,7 +30,7 @@ pub fn open_a_drawer(rest: JointRest, opened: f64) -> Result<Problem, ComposeErr
     Ok(Problem { name, robot, graph, ignored_pairs, margins: Vec::new(), start, goals })
 }
 
-/// The same with a box in the drawer that nobody can hold: it comes along.
+/// The same with a box in the drawer that no gripper can hold: it moves with the drawer.
 ///
 /// # Errors
 /// None in practice: the models are fixed.

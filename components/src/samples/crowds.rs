@@ -1,4 +1,4 @@
-//! Many arms and many boxes: graphs that nobody can list.
+//! Many arms and many boxes: graphs that are too large to list.
 
 use crate::Pose;
 use crate::problem::{Goal, GraphOptions, ObjectOptions, Problem};

@@ -26,7 +26,7 @@ fn down(height: f64) -> Frame {
     Frame::world(Pose::from_parts(DVec3::Z * height, DQuat::from_rotation_y(FRAC_PI_2)))
 }
 
-/// Where a frame of the arm is; all joints turn and hang on one another.
+/// Where a frame of the arm is; all joints are revolute and in one chain.
 fn place(robot: &Robot, q: &[f64], frame: &Frame) -> Pose {
     let mut pose = Pose::identity();
     for (joint, &angle) in robot.joints.iter().zip(q) {

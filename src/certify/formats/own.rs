@@ -46,7 +46,7 @@ fn same(a: &[f64], b: &[f64]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(x, y)| (x - y).abs() <= SAME)
 }
 
-/// What hangs on something else than before.
+/// What is attached to something else than before.
 fn attach(
     path: &PathFile,
     segment: &SegmentEntry,

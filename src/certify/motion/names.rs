@@ -61,7 +61,7 @@ pub(crate) fn links_with(robot: &Robot, link: LinkIndex) -> Vec<LinkIndex> {
     (0..robot.links.len()).filter(same).map(|l| LinkIndex(l as u32)).collect()
 }
 
-/// The links that are one body with a link or hang on it: a hand with its fingers.
+/// The links that are one body with a link or are attached to it: a hand with its fingers.
 pub(crate) fn links_beyond(robot: &Robot, link: LinkIndex) -> Vec<LinkIndex> {
     let Some(body) = robot.links[link.at()].joint else { return vec![link] };
     let hangs = |&other: &usize| {

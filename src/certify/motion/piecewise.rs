@@ -18,7 +18,7 @@ pub enum Interpolation {
     /// linear
     #[default]
     Auto,
-    /// Straight from point to point; velocities and accelerations are not looked at
+    /// Straight from point to point; velocities and accelerations are ignored
     Linear,
     /// Cubic Hermite splines through positions and velocities
     Cubic,

@@ -1,8 +1,8 @@
 //! The first contact on a curve, found by conservative advancement (B. Mirtich, Impulse-based dynamic simulation, 1996).
 //!
 //! A pair whose distance exceeds its margin by d is free until its two shapes may have approached each other by d. How fast they can
-//! is bounded over the window that is looked at (`world::levers`), so each pair has a place up to which it is free; the pair with the
-//! earliest is looked at next. What comes to a stand before a contact is pushed on a little until the two have met.
+//! is bounded over the window (`world::levers`), so each pair has a place up to which it is free; the pair with the
+//! earliest is measured next. A pair that stops before a contact is advanced a little further, until the two touch.
 #![allow(non_snake_case, reason = "pose names carry their frames")]
 
 use crate::certify::motion::piecewise::Motion;

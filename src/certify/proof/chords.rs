@@ -1,9 +1,9 @@
 //! The proof over a motion's chords.
 //!
 //! Curves are cut into pieces so short that the chord of each stays within a tenth of a millimetre of the curve, whatever
-//! part of the robot is looked at: a joint is off its chord by at most h²/8 · sup|q̈|, and the suprema are those of the
+//! part of the robot is cut: a joint is off its chord by at most h²/8 · sup|q̈|, and the suprema are those of the
 //! polynomials. The polyline is certified in lanes with margins that much larger. Where that fails the curve itself is
-//! looked at (`advance`), and behind that place lanes go on.
+//! examined (`advance`), and behind that place lanes continue.
 
 #![allow(non_snake_case, reason = "pose names carry their frames")]
 
@@ -22,13 +22,13 @@ pub(crate) const DEVIATION: f64 = 1e-4;
 const GUARD: f64 = 2e-9;
 /// Between two knots no joint turns farther than this, radians: kernels take the shortest way round.
 const MOST_TURN: f64 = 1.5;
-/// Pieces of a segment at most; what then is farther off its chord is looked at on the curve.
+/// Pieces of a segment at most; what is then farther off its chord is measured on the curve.
 const MOST_PIECES: f64 = 4096.0;
-/// Configurations that lanes may look at in one go.
+/// Configurations that lanes may test in one go.
 const SAMPLES: u32 = 100_000;
-/// Knots that are certified in one go: whoever asks for a deadline waits no longer than that.
+/// Knots that are certified in one go; a deadline is checked between two of these.
 const KNOTS: usize = 1024;
-/// The shortest and the first part of a segment that is looked at on the curve itself.
+/// The shortest and the first part of a segment that is measured on the curve itself.
 const FIRST_STEP: f64 = 1.0 / 64.0;
 
 /// What is proved so far.
@@ -128,7 +128,7 @@ impl<'a> Proof<'a> {
                 }
                 Err(free_until) => free_until,
             };
-            // Lanes came no farther than the last window: look at more of the curve at once.
+            // Lanes came no farther than the last window: measure more of the curve at once.
             step = if free_until > from { self.step_at(free_until) } else { 2.0 * step };
             from = from.max(free_until);
             let to = (from + step).min(phase.to).min(from.floor() + 1.0);
@@ -204,7 +204,7 @@ impl<'a> Proof<'a> {
         }
     }
 
-    /// How much of a segment to look at on the curve itself, to begin with.
+    /// How much of a segment to measure on the curve itself at first.
     fn step_at(&self, place: f64) -> f64 {
         let next = self.places.partition_point(|&p| p <= place);
         let piece = match (self.places.get(next.wrapping_sub(1)), self.places.get(next)) {

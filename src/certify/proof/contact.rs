@@ -10,7 +10,7 @@ use foliate_components::Pose;
 use foliate_kernels::collision::{DistanceQuery, PairId, contained, pair_clearance};
 use glam::DVec3;
 
-/// Places behind a contact at which the pair is looked at.
+/// Places behind a contact at which the pair is measured.
 const PLACES: u32 = 256;
 /// Places of the contact at which its depth is found.
 const DEPTHS: u32 = 16;

@@ -129,7 +129,7 @@ impl Levers {
             };
             let mut reach = cluster.solids.iter().map(ball).fold(0.0, f64::max);
             let mut chain = Vec::new();
-            // Carriages that carry each other in a circle end after as many steps as there are bodies.
+            // Attachments that form a circle end after as many steps as there are bodies.
             for _ in 0..=robot.joints.len() {
                 let next = match rigid_attachments.iter().rev().find(|c| c.object == body) {
                     Some(rigid_attachment) => {

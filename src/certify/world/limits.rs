@@ -54,7 +54,7 @@ struct Axis<'a> {
     alone: bool,
 }
 
-/// Looks at all joints that a motion moves.
+/// Checks all joints that a motion moves.
 pub(crate) fn look(robot: &Robot, motion: &Motion, rates: &Rates) -> LimitsReport {
     let mut report = LimitsReport::default();
     for axis in axes(robot, motion) {
@@ -81,7 +81,7 @@ pub(crate) fn look(robot: &Robot, motion: &Motion, rates: &Rates) -> LimitsRepor
     report
 }
 
-/// Says of which objects that move the bounds of their roots are not looked at.
+/// Names the objects that move and whose root bounds are not checked.
 pub(crate) fn not_looked_at(robot: &Robot, motion: &Motion, phases: &[Phase]) -> Option<String> {
     let moves = |root: JointIndex| {
         let joint = &robot.joints[root.at()];
@@ -96,7 +96,7 @@ pub(crate) fn not_looked_at(robot: &Robot, motion: &Motion, phases: &[Phase]) ->
     let names: Vec<&str> = objects.map(|part| part.name.as_str()).collect();
     (!names.is_empty()).then(|| {
         let names = names.join(", ");
-        format!("bounds of the roots of objects are not looked at, neither on the way nor where they are put: {names}")
+        format!("bounds of the roots of objects are not checked, neither on the way nor where they are put: {names}")
     })
 }
 

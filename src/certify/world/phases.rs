@@ -13,7 +13,7 @@ use foliate_kernels::collision::{CollisionScene, PairId, PairRule, PairSet};
 use foliate_kernels::kinematics::{Kinematics, RigidAttachment};
 use std::collections::HashSet;
 
-/// Why a motion cannot be looked at.
+/// Why a motion cannot be examined.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs, reason = "the messages are the documentation")]
@@ -43,7 +43,7 @@ pub struct Certifier {
     counts: PairCounts,
 }
 
-/// A part of a motion in which everything hangs on the same things.
+/// A part of a motion in which everything is attached to the same things.
 #[derive(Clone, Debug)]
 pub(crate) struct Phase {
     /// Places of the motion.

@@ -118,11 +118,11 @@ pub struct Peak {
 pub struct LimitsReport {
     /// What is broken, in order of time.
     pub violations: Vec<LimitViolation>,
-    /// Joints whose positions were looked at, continuously.
+    /// Joints whose positions were checked, continuously.
     pub positions: usize,
-    /// Joints whose velocities were looked at.
+    /// Joints whose velocities were checked.
     pub velocities: usize,
-    /// Joints whose accelerations were looked at.
+    /// Joints whose accelerations were checked.
     pub accelerations: usize,
     /// The largest share of a velocity limit.
     pub velocity_peak: Option<Peak>,
@@ -176,7 +176,7 @@ pub struct CertifyReport {
     pub clearance: Option<ClearanceReport>,
     /// Joint limits.
     pub limits: LimitsReport,
-    /// Which pairs were looked at.
+    /// Which pairs were tested.
     pub pairs: PairCounts,
     /// Distances that were asked for one by one, beyond what lanes decided.
     pub distances: u64,

@@ -14,7 +14,7 @@ use glam::DQuat;
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
-/// Values of a joint at which its links are looked at, evenly over its range, both ends included.
+/// Values of a joint at which its links are tested, evenly over its range, both ends included.
 const SAMPLES: usize = 17;
 /// Links that are no farther apart than this touch, metres: the accuracy of distances.
 const TOUCH: f64 = 1e-6;

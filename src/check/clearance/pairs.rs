@@ -127,7 +127,7 @@ fn touching<'a>(world: &World, attachments: impl Iterator<Item = &'a Attachment>
     found
 }
 
-/// Whether a body hangs on another one, over any number of joints.
+/// Whether a body is attached to another one, over any number of joints.
 fn is_beyond(world: &World, body: usize, carrier: usize) -> bool {
     std::iter::successors(world.bodies[body].parent, |&b| world.bodies[b].parent).any(|b| b == carrier)
 }

@@ -1,7 +1,7 @@
-//! What the scene demands of a segment is in the file and holds: constraints that hold everywhere or in a state of the
+//! What the scene requires of a segment is in the file and holds: constraints that hold everywhere or in a state of the
 //! problem's own, planes that objects stand on, joints that rest.
 //!
-//! Demands are told in the words of path files, so that the file's own constraints can be recognised: these are proved
+//! Requirements are expressed as entries of path files, so that the file's own constraints can be recognised: these are proved
 //! anyway. What cannot be recognised (parameters of a centre of mass, which are free from leaf to leaf) is proved here.
 
 use super::parts::same_pose;
@@ -33,12 +33,12 @@ const NEAR: f64 = 1e-6;
 /// A motion is within the path tolerance of its leaf, and so is its first knot.
 const FROM_THE_FIRST_KNOT: f64 = 2.1;
 
-/// How a file's constraints say what a scene demands.
+/// How a file's constraints express what a scene requires.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Said {
-    /// As it is: then the file's own are proved, and with them the demand.
+    /// As it is: then the file's own are proved, and with them the requirement.
     Exactly,
-    /// About the same frames and rows; the demand is proved on its own.
+    /// About the same frames and rows; the requirement is proved on its own.
     Loosely,
     No,
 }
@@ -104,7 +104,7 @@ impl Contract<'_> {
         Ok(())
     }
 
-    /// Resting joints, while nobody holds what is beyond them.
+    /// Resting joints, while no gripper holds what is beyond them.
     fn resting_joints(&self, motion: &SegmentMotion<'_>) -> Vec<NamedConstraint> {
         let robot = &self.problem.robot;
         let demand = |resting: &foliate_components::problem::RestingJoint| {
@@ -121,7 +121,7 @@ impl Contract<'_> {
         self.problem.graph.resting_joints.iter().filter_map(demand).collect()
     }
 
-    /// Objects that nobody holds stand on their planes.
+    /// Objects that no gripper holds stand on their planes.
     fn planes(&self, motion: &SegmentMotion<'_>) -> Vec<NamedConstraint> {
         let robot = &self.problem.robot;
         let demand = |object: &foliate_components::problem::ObjectOptions| {
@@ -152,7 +152,7 @@ pub(super) fn all_hold(
     work: &mut Work,
 ) -> Result<bool, CheckError> {
     let mut scratch = CheckReport::default();
-    // Of a goal parameters demand nothing.
+    // Parameters require nothing of a goal.
     let Some(constraint) = named.constraint.without_parameters() else { return Ok(true) };
     let fixed = NamedConstraint { name: named.name.clone(), constraint };
     hold(robot, &fixed, motion, file, frames, &mut scratch, work)?;
@@ -219,7 +219,7 @@ fn frozen_centre(
     Ok(Some((constraint, Pose::from_translation(first))))
 }
 
-/// Whether the constraints of a segment say what a scene demands.
+/// Whether the constraints of a segment express what a scene requires.
 pub(super) fn said(robot: &Robot, named: &NamedConstraint, file: &PathFile, segment: usize) -> Said {
     let tolerance = file.certificate.path_tolerance;
     let given = &file.segments[segment].constraints;

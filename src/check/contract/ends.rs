@@ -19,7 +19,7 @@ use std::f64::consts::TAU;
 const NEAR: f64 = 1e-5;
 
 impl Contract<'_> {
-    /// Looks at the first and the last segment.
+    /// Checks the first and the last segment.
     pub(in crate::check) fn ends(
         &self,
         file: &PathFile,

@@ -64,7 +64,7 @@ impl Contract<'_> {
         rules.iter().find(applies).map_or(rules.is_empty(), |rule| rule.allowed)
     }
 
-    /// How one object hangs: in grippers, on a support, on its plane, or where it is.
+    /// How one object is attached: in grippers, on a support, on its plane, or where it is.
     fn object(&self, object: &ObjectOptions, entries: &[AttachmentEntry], wrong: &mut HashSet<String>) {
         let part = &self.problem.robot.parts[object.part.at()];
         let name = &part.name;

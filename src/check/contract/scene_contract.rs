@@ -14,7 +14,7 @@ use std::cell::OnceCell;
 use std::collections::HashMap;
 use std::path::Path;
 
-/// A problem that a path is held against.
+/// A problem that a path is compared with.
 pub(crate) struct Contract<'c> {
     pub(crate) problem: &'c Problem,
     pub(crate) scene: Option<&'c Scene>,
@@ -61,7 +61,7 @@ pub(crate) fn differs(report: &mut CheckReport, subject: impl Into<String>) {
     report.violate(Place::FILE, Kind::Scene, subject, None, None);
 }
 
-/// The scene that a path is held against, if any. A scene that the file only names may be missing; one that was asked for
+/// The scene that a path is compared with, if any. A scene that the file only names may be missing; one that was asked for
 /// may not.
 pub(crate) fn scene_of(
     file: &PathFile,
@@ -73,7 +73,7 @@ pub(crate) fn scene_of(
     let failed = |error| CheckError::Scene(Box::new(error));
     match choice {
         SceneChoice::Nothing => {
-            report.weaker("the path was held against no scene");
+            report.weaker("the path was compared with no scene");
             Ok(None)
         }
         SceneChoice::Given(name) => {

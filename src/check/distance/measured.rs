@@ -38,7 +38,7 @@ pub(crate) struct Distance {
 }
 
 impl Measured {
-    /// Meshes that several shapes share are looked at once.
+    /// Meshes that several shapes share are prepared once.
     pub(crate) fn all(shapes: &[Shape]) -> Vec<Self> {
         let mut known: Vec<(&Geometry, Arc<Pieces>)> = Vec::new();
         let mut measured = Vec::with_capacity(shapes.len());

@@ -108,7 +108,7 @@ fn distances_are_those_of_the_search_and_bounds_close() {
             let case = format!("round {round}: {} {}: {found:?}, the search says {search}", a.kind(), b.kind());
             assert!(found.upper - found.lower < 1e-7 || found.upper <= 0.0, "{case}");
             if search > 1e-9 || found.lower > 1e-9 {
-                // A mesh around the other's surface is hollow here: enclosure is looked at elsewhere.
+                // A mesh around the other's surface is hollow here: enclosure is tested elsewhere.
                 let hollow = search <= 0.0 && (one == 4 || other == 4);
                 assert!(hollow || (found.lower - search).abs() < 1e-6, "{case}");
             }

@@ -8,7 +8,7 @@ use crate::check::world::models::World;
 use crate::path_file::document::PathFile;
 use foliate_components::robot::PartKind;
 
-/// How far a joint that nobody holds may be from where the segment's first knot has it, radians and metres.
+/// How far a joint that no gripper holds may be from where the segment's first knot has it, radians and metres.
 const TOLERANCE: f64 = 1e-5;
 
 pub(crate) fn check(motion: &SegmentMotion<'_>, file: &PathFile, report: &mut CheckReport) {

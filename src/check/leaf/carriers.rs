@@ -20,7 +20,7 @@ pub(crate) fn check(motion: &SegmentMotion<'_>, file: &PathFile, report: &mut Ch
         };
         if carry.attachment.is_none() {
             let object = &motion.world.parts[carry.part].name;
-            report.note(format!("{object} hangs on nothing in some segments: it must rest there"));
+            report.note(format!("{object} has no attachment in some segments: it must rest there"));
         }
         let root = motion.world.parts[carry.part].root;
         for knot in 0..motion.knots.len() {

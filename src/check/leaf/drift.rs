@@ -1,5 +1,5 @@
 //! Steps that add up: within a segment an object may be written some micrometres off its carrier, and over thousands of
-//! segments that is a motion. What hangs on one body through consecutive segments stays where the first of them has it,
+//! segments that is a motion. What is attached to one body through consecutive segments stays where the first of them has it,
 //! and all steps of a path together are bounded too; unheld joints of objects likewise.
 
 use crate::check::leaf::articulation::{held_beyond, joints_of_objects};
@@ -19,7 +19,7 @@ const BOTH_ENDS: f64 = 2.0 * TOLERANCE;
 /// 1.7e-6, in a handle's position and in its rotation, which moves the object's origin as much again a metre from the handle.
 const PER_CHANGE: f64 = 4e-6;
 
-/// What an object hangs on, and where it was when that began.
+/// What an object is attached to, and where it was when that began.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Hung {
     carrier: Option<usize>,
@@ -113,7 +113,7 @@ impl Drift {
 /// The body of an object that is held in a segment, and what carries it; none for the world and what stands in it.
 fn tie(motion: &SegmentMotion<'_>, part: usize) -> Option<(usize, Option<usize>)> {
     let (world, own) = (motion.world, motion.world.parts[part].bodies.clone());
-    // The tie may be at a link beyond joints of the object: it is the edge that leaves the part.
+    // The attachment may be at a link beyond joints of the object: it is the edge that leaves the part.
     let leaves = |body: &usize| motion.edges[*body].parent.is_none_or(|parent| !own.contains(&parent));
     let held = own.clone().find(|body| matches!(motion.edges[*body].via, Via::Rigid(_)) && leaves(body))?;
     let moves = |body: &usize| world.parts[world.bodies[*body].part].kind != PartKind::Environment;

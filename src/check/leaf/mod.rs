@@ -2,7 +2,7 @@
 //! hold; all of it between the knots too.
 //!
 //! `check` runs the proof of a segment. `on_leaf` proves attachments, and is what `constraint` and `balance` prove listed
-//! constraints with; `case` is one of these with its place in the file. `carriers`, `articulation` and `drift` look at the
+//! constraints with; `case` is one of these with its place in the file. `carriers`, `articulation` and `drift` check the
 //! knots: objects follow their carriers, joints of objects rest, steps do not add up.
 
 pub(crate) mod articulation;

@@ -31,7 +31,7 @@ impl At {
     }
 }
 
-/// How a body hangs on another one in the segment's attachment tree.
+/// How a body is attached to another one in the segment's attachment tree.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Via {
     /// Rigidly; the body's pose in its parent.
@@ -49,10 +49,10 @@ pub(crate) struct Edge {
     pub via: Via,
 }
 
-/// A floating object's tie in a segment.
+/// A floating object's attachment in a segment.
 pub(crate) struct Carry {
     pub part: usize,
-    /// Index into the segment's attachments; none where the object hangs on nothing.
+    /// Index into the segment's attachments; none where the object has no attachment.
     pub attachment: Option<usize>,
 }
 
@@ -76,7 +76,7 @@ impl<'a> SegmentMotion<'a> {
         let natural = |body: usize| Edge { parent: world.bodies[body].parent, via: Via::Joint(body) };
         let edges = (0..world.bodies.len()).map(natural).collect();
         let mut motion = Self { world, index, knots: &segment.knots, edges, carries: Vec::new(), attachments };
-        // Ties are read off the written poses, so all of them before the tree changes.
+        // Attachments are read from the written poses, so all of them before the tree changes.
         let ties: Vec<_> = (0..world.parts.len()).filter_map(|p| motion.tie(p)).collect();
         for (carry, body, edge) in ties {
             motion.hang(body, edge);
@@ -90,7 +90,7 @@ impl<'a> SegmentMotion<'a> {
         self.knots.len() - 1
     }
 
-    /// What a floating object hangs on: the body that is held, and its new edge. None for one that is held without a
+    /// What a floating object is attached to: the body that is held, and its new edge. None for one that is held without a
     /// carrier: it moves as written, and its grasps are proved like any relation.
     fn tie(&self, part: usize) -> Option<(Carry, usize, Edge)> {
         let root = self.world.parts[part].root.filter(|_| self.world.parts[part].floats)?;
@@ -108,7 +108,7 @@ impl<'a> SegmentMotion<'a> {
         Some((carry, held, Edge { parent: carrier, via: Via::Rigid(carrier_from_held) }))
     }
 
-    /// Gives a body a new parent; the bodies between it and its part's root then hang on it.
+    /// Gives a body a new parent; the bodies between it and its part's root are then attached to it.
     fn hang(&mut self, body: usize, edge: Edge) {
         let mut below = body;
         while let Some(parent) = self.world.bodies[below].parent {

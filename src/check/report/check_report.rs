@@ -64,7 +64,7 @@ pub struct Extreme {
     pub subject: String,
 }
 
-/// How much was looked at.
+/// How much was examined.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Counts {
     /// Parts.
@@ -117,9 +117,9 @@ pub struct CheckReport {
     pub notes: Vec<String>,
     /// Why what is proved is less than an answer to a scene; empty where it is one.
     pub weaker: Vec<String>,
-    /// The scene that the path was held against, if any: its name.
+    /// The scene that the path was compared with, if any: its name.
     pub scene: Option<String>,
-    /// How much was looked at.
+    /// How much was examined.
     pub counts: Counts,
     /// Smallest distance beyond the margin that was measured.
     pub min_clearance: Option<Extreme>,

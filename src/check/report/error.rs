@@ -3,7 +3,7 @@
 use crate::scene::reading::error::SceneError;
 use std::time::Duration;
 
-/// What a path is held against.
+/// What a path is compared with.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum SceneChoice {
     /// The scene that the file names, where it can be found; else nothing, which the report says.
@@ -22,7 +22,7 @@ pub struct CheckOptions {
     pub work_limit: u64,
     /// Time that a check may take, reading of models included; what is then left is undecided.
     pub time_limit: Option<Duration>,
-    /// What the path is held against.
+    /// What the path is compared with.
     pub scene: SceneChoice,
     /// Whether the smallest clearance is asked for: see
     /// [`CheckReport::clearance`](crate::check::report::check_report::CheckReport::clearance).
@@ -60,7 +60,7 @@ pub enum CheckError {
         #[source]
         error: Box<SceneError>,
     },
-    /// The scene that the path is to be held against cannot be read.
+    /// The scene that the path is to be compared with cannot be read.
     #[error("scene: {0}")]
     Scene(Box<SceneError>),
 }

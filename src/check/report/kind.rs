@@ -28,9 +28,9 @@ pub enum Kind {
     ObjectOffCarrier,
     /// A placed object moves.
     PlacedObjectMoved,
-    /// An object that hangs on nothing moves.
+    /// An object without an attachment moves.
     UnattachedObjectMoved,
-    /// A joint of an object moves while nobody holds what is beyond it.
+    /// A joint of an object moves while no gripper holds what is beyond it.
     JointUnheld,
     /// A handle is not in its gripper.
     Grasp,
@@ -68,9 +68,9 @@ pub enum Kind {
     Start,
     /// The path does not end at a goal of the scene.
     Goal,
-    /// Somebody holds or lies on what the scene does not allow, or an object hangs otherwise than the scene has it.
+    /// A grasp or a support that the scene does not allow, or an attachment that differs from the scene.
     Holding,
-    /// What the scene demands of a segment is not in the file, or does not hold.
+    /// What the scene requires of a segment is not in the file, or does not hold.
     Demand,
 }
 

@@ -1,8 +1,8 @@
-//! How much a check may still do: distances and residuals are counted, and the clock is looked at now and then.
+//! How much a check may still do: distances and residuals are counted, and the clock is read now and then.
 
 use std::time::Instant;
 
-/// Distances and residuals between two looks at the clock.
+/// Distances and residuals between two readings of the clock.
 const LOOK: u64 = 16;
 /// What is still done once a promise is broken: enough to tell what else is, little beside a proof.
 const AFTER_REFUSAL: u64 = 4_000;
@@ -56,7 +56,7 @@ impl Work {
         true
     }
 
-    /// Looks at the clock.
+    /// Reads the clock.
     pub(crate) fn look(&mut self) {
         self.until_look = LOOK;
         if self.stop.is_none() && self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {

@@ -1,4 +1,4 @@
-//! What objects hang on in each segment, read from the file: grasps, contacts, a link that they rest on, or nothing but
+//! What objects are attached to in each segment, read from the file: grasps, contacts, a link that they rest on, or nothing but
 //! their place.
 
 use crate::check::report::check_report::shown;

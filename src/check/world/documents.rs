@@ -120,7 +120,7 @@ fn from_the_scene(name: &str, model: &Model, report: &mut CheckReport) {
     report.weaker(format!("{} {why}", shown(name)));
 }
 
-/// A document is called after the part that its link is on: one of nobody would be compared with no model.
+/// A document has the name of the part that its link belongs to; without a part it would be compared with no model.
 fn owned(file: &PathFile, report: &mut CheckReport) {
     let documents = &file.documents;
     let grippers = documents.grippers.iter().map(|(name, entry)| (name, &entry.link));

@@ -1,5 +1,5 @@
 //! The world of a path file, rebuilt from what it names: bodies and shapes (`models`), then the frames of grippers, handles
-//! and surfaces on them (`documents`), then what objects hang on in each segment (`attachments`).
+//! and surfaces on them (`documents`), then what objects are attached to in each segment (`attachments`).
 
 pub(crate) mod attachments;
 pub(crate) mod documents;

@@ -276,8 +276,9 @@ fn remarks(entry: &PartEntry, read: &ReadModel, report: &mut CheckReport) {
         report.violate(Place::FILE, Kind::Model, subject, None, None);
     }
     if (entry.kind.as_str(), entry.root.as_str()) == ("object", "planar") {
-        let subject =
-            format!("{part} is an object with a planar root, which nobody moves: its root is freeflyer or fixed");
+        let subject = format!(
+            "{part} is an object with a planar root, which no gripper can move: its root is freeflyer or fixed"
+        );
         report.violate(Place::FILE, Kind::UnattachedObjectMoved, subject, None, None);
     }
     if read.model.links.iter().all(|link| link.shapes.is_empty()) {

@@ -27,7 +27,7 @@ pub(crate) struct Arguments {
     /// The scene that the path has to answer, shipped or a file; without it the one that the path names
     #[arg(long, value_name = "SCENE", conflicts_with = "no_scene")]
     scene: Option<String>,
-    /// Hold the path against its models alone: what is proved is then relative to what the file says
+    /// Compare the path with its models alone: what is proved is then relative to what the file says
     #[arg(long)]
     no_scene: bool,
     /// Seconds after which what is left counts as undecided; reading is included
@@ -36,7 +36,7 @@ pub(crate) struct Arguments {
     /// Distances and residuals after which what is left counts as undecided
     #[arg(long, default_value_t = CheckOptions::default().work_limit, value_name = "N")]
     work_limit: u64,
-    /// Tell the smallest clearance: to a tenth, or a tenth of a millimetre
+    /// Print the smallest clearance, proved to a tenth of it or 0.1 mm
     #[arg(long)]
     clearance: bool,
     /// List the pairs of links that are not tested, with the reason
@@ -133,7 +133,7 @@ fn text(path: &Path, file: &PathFile, report: &CheckReport, time: Duration) -> S
     let c = &report.counts;
     let _ = writeln!(
         out,
-        "{}: {} of {} knots in {} segments; {} parts, {} shapes",
+        "{}: {} of {} knots in {} segments (counted from 0; t counts knots); {} parts, {} shapes",
         path.display(),
         file.scene.escape_debug(),
         c.knots,
@@ -176,7 +176,7 @@ fn concluded(report: &CheckReport) -> String {
     }
 }
 
-/// What a section looked at, and the worst that it saw.
+/// What a section checked, and the worst value that it found.
 fn proven(section: Section, file: &PathFile, report: &CheckReport) -> String {
     let c = &report.counts;
     let worst = |what: &str, extreme: &Option<Extreme>| match extreme {
@@ -224,12 +224,12 @@ fn proven(section: Section, file: &PathFile, report: &CheckReport) -> String {
                 let name = name.escape_debug();
                 format!("start, goal, models, documents, limits, pairs, grasps and constraints are those of {name}")
             }
-            None => "the path was held against no scene".to_owned(),
+            None => "the path was compared with no scene".to_owned(),
         },
     }
 }
 
-/// Which pairs were looked at, and which were left out.
+/// Which pairs were tested, and which were left out.
 fn tested(report: &CheckReport) -> String {
     let c = &report.counts;
     let left_out = [

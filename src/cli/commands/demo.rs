@@ -9,7 +9,7 @@ use foliate::scene::PackagePath;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Solves the embedded scene and says what happens
+/// Solves the embedded scene and prints what happens
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]
@@ -50,8 +50,8 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     print(&format!(
         "Solved in {:.0} ms: {} extensions were tried, {} configurations on {} leaves were reached.\n\n\
          What the robot does ({} motions):\n{}\n\
-         Proven between the samples too, along every motion: joint limits are kept, nothing comes closer than {},\n\
-         and no constraint is off by more than {:.1e} (m, rad).\n\n\
+         Proved along every motion, between the samples too: joint limits are kept, all tested pairs of shapes stay at\n\
+         least {} apart, and grasps and placements hold to {:.1e} (m, rad).\n\n\
          The same seed gives the same answer on any number of threads. Try another: foliate demo --seed 2\n",
         report.time().as_secs_f64() * 1e3,
         report.candidates,

@@ -1,7 +1,7 @@
 //! `foliate graph`: the constraint graph of a scene as text, DOT or Mermaid.
 
-use crate::cli::console::loading;
 use crate::cli::console::print::{Ending, Refusal, print};
+use crate::cli::console::{loading, words};
 use foliate::components::graph::{ConstraintGraph, StateId, TransitionKind};
 use foliate::components::problem::Problem;
 use foliate::inspection::diagram;
@@ -63,6 +63,13 @@ fn shown(problem: Problem) -> Result<ConstraintGraph, Refusal> {
     Ok(model.graph.clone())
 }
 
+/// What the words of the listing mean.
+const LEGEND: &str = "\
+Each state lists its constraints, those whose values distinguish its leaves, and the transitions that leave it. A leg is
+a motion on one leaf. The weight is the relative probability among the transitions of a state. In brackets: the name in
+path files. A transition onto a leaf of another tree takes the new values from a leaf that this tree has reached.
+";
+
 /// States with their constraints, and the transitions that leave each.
 fn listing(graph: &ConstraintGraph) -> String {
     let count = |number: usize, what: &str| format!("{number} {what}{}", if number == 1 { "" } else { "s" });
@@ -74,26 +81,26 @@ fn listing(graph: &ConstraintGraph) -> String {
              neighbours\n{out}"
         );
     }
+    out.push_str(LEGEND);
     for (index, state) in graph.states.iter().enumerate() {
         let names = |ids: &[foliate::components::graph::ConstraintId]| {
             ids.iter().map(|&c| graph.constraint(c).name.clone()).collect::<Vec<_>>().join(", ")
         };
-        let _ = writeln!(out, "\n{}", state.name);
+        let _ = writeln!(out, "\nstate {}", state.name);
         let or = |names: String, nothing: &str| if names.is_empty() { nothing.to_owned() } else { names };
-        let _ = writeln!(out, "  holds: {}", or(names(&state.manifold), "nothing"));
-        let _ = writeln!(out, "  leaves by: {}", or(names(&state.foliation), "nothing, it is one leaf"));
+        let _ = writeln!(out, "  constraints: {}", or(names(&state.manifold), "none"));
+        let _ =
+            writeln!(out, "  constant on a leaf: {}", or(names(&state.foliation), "nothing, the state is one leaf"));
         if !graph.is_expanded(StateId(index as u32)) {
             let _ = writeln!(out, "  not expanded yet");
         }
         for (_, t) in graph.leaving(StateId(index as u32)) {
-            let kind = match t.kind {
-                TransitionKind::Loop => "loop   ",
-                TransitionKind::Regular => "regular",
-                TransitionKind::Crossed => "crossed",
+            let to = match t.kind {
+                TransitionKind::Loop => String::new(),
+                TransitionKind::Regular | TransitionKind::Crossed => format!(" → {}", graph.state(t.to).name),
             };
-            let to = &graph.state(t.to).name;
             let legs = count(t.legs.len(), "leg");
-            let _ = writeln!(out, "  {kind} {} → {to} ({legs}, weight {:.3})", t.name, t.weight);
+            let _ = writeln!(out, "  {}{to} ({legs}, weight {:.3}) [{}]", words::action(t), t.weight, t.name);
         }
     }
     out

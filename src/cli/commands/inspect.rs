@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 use std::time::Duration;
 
-/// Reads a model as a scene would, and tells what it found
+/// Reads a model as a scene would, and prints what it found
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     /// URDF: a file, or a package:// URL
@@ -61,11 +61,11 @@ struct Found<'a> {
     model: &'a Model,
     robot: &'a Robot,
     warnings: &'a [SceneError],
-    /// `None` where pairs of shapes were not looked at.
+    /// `None` where pairs of shapes were not tested.
     pairs: Option<&'a Inspection>,
     /// Whether every pair that is left out is told.
     lists_pairs: bool,
-    /// Joints by depth-first walk, with their depth.
+    /// Joints in depth-first order, with their depth.
     tree: Vec<(usize, &'a JointModel)>,
 }
 
@@ -176,7 +176,7 @@ impl Found<'_> {
     /// Which pairs of shapes a scene would test.
     fn coverage(&self, out: &mut String) {
         let Some(pairs) = self.pairs else {
-            let _ = writeln!(out, "\nPairs of shapes: too many to look at");
+            let _ = writeln!(out, "\nPairs of shapes: too many to list");
             return;
         };
         let _ = writeln!(out, "\nPairs of shapes: {}", coverage::sentence(&pairs.counts));

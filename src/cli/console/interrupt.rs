@@ -10,7 +10,7 @@ use std::sync::{Arc, OnceLock};
 pub(crate) const EXIT_CODE: u8 = 130;
 
 /// From now on the first SIGINT or SIGTERM cancels the token, which is the same for all who ask; a second one ends the process at
-/// once. Commands that look at no token do without, so that the first one ends them.
+/// once. Commands that check no token do without, so that the first one ends them.
 pub(crate) fn token() -> CancelToken {
     static TOKEN: OnceLock<CancelToken> = OnceLock::new();
     TOKEN.get_or_init(registered).clone()
@@ -19,7 +19,7 @@ pub(crate) fn token() -> CancelToken {
 fn registered() -> CancelToken {
     let flag = Arc::new(AtomicBool::new(false));
     let registered = [SIGINT, SIGTERM].into_iter().try_for_each(|signal| {
-        // In this order: the flag is looked at before the same signal raises it.
+        // In this order: the flag is read before the same signal raises it.
         signal_hook::flag::register_conditional_shutdown(signal, i32::from(EXIT_CODE), Arc::clone(&flag))?;
         signal_hook::flag::register(signal, Arc::clone(&flag)).map(drop)
     });

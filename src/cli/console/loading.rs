@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
-/// Between two looks at the token.
+/// Between two checks of the token.
 const INTERVAL: Duration = Duration::from_millis(20);
 /// A file that is being written may take so long to be finished before the process ends without it.
 const LONGEST_WRITE: Duration = Duration::from_millis(500);
@@ -51,7 +51,7 @@ impl From<Refusal> for Failure {
 }
 
 /// Does what may take long on a thread of its own, and waits for it until the limit is reached or a signal comes, and then as long as
-/// `patience` says: some of it (a disk that does not answer, say) looks at no signal. What is left to itself ends with the process,
+/// `patience` says: some of it (a disk that does not answer, say) checks no signal. What is left to itself ends with the process,
 /// but for a file that it is just writing.
 pub(crate) fn beside<T: Send + 'static>(
     limit: Duration,

@@ -1,11 +1,11 @@
-//! The limit of memory where no search looks at it: while files are read and paths are checked.
+//! The limit of memory where no search checks it: while files are read and paths are checked.
 
 use crate::cli::console::print::say;
 use foliate::memory::{MemoryLimit, resident};
 use std::io::Write;
 use std::time::Duration;
 
-/// Between two looks at the memory of the process.
+/// Between two readings of the memory of the process.
 const INTERVAL: Duration = Duration::from_millis(20);
 /// Beyond the limit, of which a search that ends by itself gets rid: an eighth.
 const SLACK: u64 = 8;

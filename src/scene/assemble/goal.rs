@@ -1,4 +1,4 @@
-//! `[[goal]]`: whole configurations, or what is demanded of any.
+//! `[[goal]]`: whole configurations, or requirements on any.
 
 use super::written::several;
 use crate::scene::assemble::names::configuration::{Reader, coordinate_names};

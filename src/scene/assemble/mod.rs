@@ -1,7 +1,7 @@
 //! From a scene file to a problem.
 //!
 //! `load` reads the tables of a file in turn: parts by `part` (with `documents`, the grippers, handles and surfaces that a
-//! scene adds), pairs by `pairs`, the graph by `graph` and `written`, goals by `goal`. Graph and goals read their demands by
+//! scene adds), pairs by `pairs`, the graph by `graph` and `written`, goals by `goal`. Graph and goals read their constraints by
 //! `constraints`; all of them read coordinates, frames and locked joints by `names`. `scene` is the result, and what is at
 //! hand while it is made.
 

@@ -212,7 +212,7 @@ fn freeze(keys: &mut Keys<'_>, model: &mut Model, mimic_follows: bool) -> Result
     // The joint that one follows, and its own value.
     let value = |index: usize| {
         let (mut at, mut factor, mut offset) = (index, 1.0, 0.0);
-        // The URDF reader has refused cycles; the walk is bounded all the same.
+        // The URDF reader has refused cycles; the loop is bounded all the same.
         for _ in 0..model.joints.len() {
             match &model.joints[at].mimic {
                 Some((leader, multiplier, shift)) if mimic_follows => {

@@ -1,4 +1,4 @@
-//! A scene as it was read: the problem, and where its files came from; and what is at hand while one is read.
+//! A scene as it was read: the problem, and where its files came from; and what the reading needs.
 
 use crate::scene::mesh::formats::triangles::UpAxis;
 use crate::scene::mesh::meshes::Meshes;
@@ -42,7 +42,7 @@ pub enum SceneOrigin {
     File(PathBuf),
 }
 
-/// What is at hand while a scene is read.
+/// What the reading of a scene needs.
 pub(crate) struct Loader<'a> {
     pub packages: &'a PackagePath,
     pub base: SceneBase,

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// Something in a file that cannot be read, or (as a warning) should be looked at.
+/// Something in a file that cannot be read, or (as a warning) should be reviewed.
 ///
 /// Displays as `file:line: element: message (hint)`; formats without lines leave the line out.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -75,7 +75,7 @@ impl<'f> Keys<'f> {
         all
     }
 
-    /// Refuses keys that nobody asked for.
+    /// Refuses keys that no reader has asked for.
     pub fn finish(self) -> Result<(), SceneError> {
         match self.table.iter().find(|(k, _)| !self.asked.contains(&k.get_ref().as_ref())) {
             Some((key, _)) => {

@@ -1,4 +1,4 @@
-//! XML from strangers: a scan for depth, counts and document types first, then a tree with line numbers.
+//! XML, which may be hostile: a scan for depth, counts and document types first, then a tree with line numbers.
 
 use crate::scene::reading::error::{SceneError, quoted};
 use crate::scene::reading::limits::look;
@@ -16,9 +16,9 @@ const ATTRIBUTES_OF_ONE: usize = 128;
 /// Most namespace declarations in a file; the parser searches them linearly.
 const NAMESPACES: usize = 64;
 
-/// Between two looks at the signal that stops the reading there are as many tags.
+/// Tags between two checks of the signal that stops the reading.
 const TAGS_BETWEEN_LOOKS: usize = 1 << 12;
-/// As many numbers.
+/// Numbers between two checks.
 const NUMBERS_BETWEEN_LOOKS: usize = 1 << 16;
 
 /// A parsed file that knows its name.
@@ -46,7 +46,7 @@ impl<'a> Xml<'a> {
         Ok(Self { file, document, line_starts, stop: stop.clone() })
     }
 
-    /// Now and then, by the number of elements that were understood so far, looks at the signal.
+    /// Checks the signal now and then, by the number of elements that were read so far.
     pub fn look(&self, elements: usize) -> Result<(), SceneError> {
         match elements > 0 && elements.is_multiple_of(TAGS_BETWEEN_LOOKS) {
             true => look(&self.stop, self.file),
@@ -54,7 +54,7 @@ impl<'a> Xml<'a> {
         }
     }
 
-    /// The words of a text that holds numbers; the signal is looked at now and then.
+    /// The words of a text that holds numbers; the signal is checked now and then.
     pub fn words<'t>(&self, text: &'t str) -> impl Iterator<Item = Result<&'t str, SceneError>> {
         text.split_ascii_whitespace().enumerate().map(|(index, word)| {
             if index > 0 && index.is_multiple_of(NUMBERS_BETWEEN_LOOKS) {
@@ -171,7 +171,7 @@ struct Counts {
     depth: usize,
 }
 
-/// Walks over the markup without building anything, and refuses what the parser could choke on.
+/// Scans the markup without building anything, and refuses what could exhaust the parser.
 fn scan(file: &str, text: &str, stop: &StopSignal) -> Result<(), SceneError> {
     let bytes = text.as_bytes();
     let mut counts = Counts::default();

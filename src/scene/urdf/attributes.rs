@@ -1,7 +1,7 @@
 //! What a URDF says and is not read: attributes, and misspelt elements, of what decides where solids are and how they move.
 //!
-//! Other programs put elements of their own into URDF files, so that a name alone is no fault. It is told, since whoever wrote
-//! `<origin xzy="…"/>` meant a place.
+//! Other programs put elements of their own into URDF files, so an unknown name is no error. It is a remark, since the author of
+//! `<origin xzy="…"/>` meant a pose.
 
 use crate::scene::reading::error::{SceneError, nearest, quoted};
 use crate::scene::reading::xml::{Xml, elements};
@@ -37,7 +37,7 @@ const CHILDREN: [(&str, &[&str]); 4] = [
 /// What is not known: by element and name, the first place and how often.
 type Unknown<'n, 'i> = BTreeMap<(&'n str, &'n str), (Node<'n, 'i>, usize)>;
 
-/// Tells what a model says and nobody reads; one remark for all places of an element's attribute.
+/// Reports attributes that are not read; one remark for all places of an element's attribute.
 pub(super) fn tell_unknown(xml: &Xml<'_>, root: Node<'_, '_>, warnings: &mut Vec<SceneError>) {
     let (mut attributes, mut children) = (Unknown::new(), Unknown::new());
     let mut stack: Vec<Node<'_, '_>> = elements(root, "joint").chain(elements(root, "link")).collect();

@@ -1,7 +1,7 @@
 //! URDF: one strict pass that knows the line of everything it refuses.
 //!
 //! Names must exist and be unique, vectors have exactly three finite numbers, the joints make one tree, followers have a
-//! leader. What only concerns looks or simulation (`visual`, `gazebo`, `transmission`) is not looked at.
+//! leader. Elements for display or simulation only (`visual`, `gazebo`, `transmission`) are not read.
 //!
 //! `read` reads the links and calls `joints`, which `tree` checks. Both read `values`. `attributes` reports what a file says
 //! and is not read. `parsed` takes what the crate `urdf-rs` has read instead.

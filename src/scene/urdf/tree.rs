@@ -87,7 +87,7 @@ pub(super) fn check_mimics(
     let mut walked_in = vec![usize::MAX; joints.len()];
     for index in 0..joints.len() {
         let mut at = index;
-        // A joint that an earlier walk has seen leads to an end; one that this walk has seen leads back to itself.
+        // A joint that an earlier traversal has seen leads to an end; one that this traversal has seen leads back to itself.
         while walked_in[at] == usize::MAX {
             walked_in[at] = index;
             match leaders[at] {

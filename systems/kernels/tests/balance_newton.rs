@@ -457,7 +457,7 @@ fn objects_on_objects_follow_in_any_order() {
             for (ours, theirs) in bodies.iter().zip(expected.iter()) {
                 assert!(ours.translation.distance(theirs.translation) < 1e-9, "{order:?} {turned}");
             }
-            // Forward kinematics takes carriages in any order too.
+            // Forward kinematics takes rigid attachments in any order too.
             let mut rigid_attachments: Vec<RigidAttachment> = Vec::new();
             assert!(program.resolve_attachments(&[], &mut rigid_attachments));
             let ordered = poses(&kinematics, &rigid_attachments, &start);
@@ -472,7 +472,7 @@ fn objects_on_objects_follow_in_any_order() {
     let both = [links[1], links[0], rigid(drone, lid, 0.2)].map(Constraint::RelativePose);
     let program = ConstraintProgram::compile(&robot, &kinematics, &both, &[], &[]).unwrap();
     assert_eq!((program.rows(), program.rigid_attachments().len()), (6, 2));
-    // Objects that only hang on each other leave one of them free.
+    // Objects that are attached only to each other leave one of them free.
     let floating = [links[1], links[2]].map(Constraint::RelativePose);
     let program = ConstraintProgram::compile(&robot, &kinematics, &floating, &[], &[]).unwrap();
     assert_eq!((program.rows(), program.rigid_attachments().len()), (0, 2));

@@ -194,7 +194,7 @@ fn of_meshes_without_numbers_nothing_is_recorded() {
     }
 }
 
-/// Whoever changes what is found has to count it, or trees would depend on whether a record was there.
+/// A change of what is found has to change the version, or trees would depend on whether a record was there.
 #[test]
 fn a_record_of_this_version_is_what_it_was() {
     // Coordinates that are the same on every machine.

@@ -315,7 +315,7 @@ fn a_start_that_is_half_a_turn_off_is_not_taken_for_a_solution() {
 }
 
 #[test]
-fn what_does_not_fit_is_said_and_holds_up_nobody() {
+fn what_does_not_fit_is_reported_and_delays_no_other() {
     let mut cell = Cell::new();
     let (_, program, mut problems) = cell.programs().swap_remove(0);
     let expected = solve(&program, &problems, &Settings::default());

@@ -96,7 +96,7 @@ fn lanes_find_the_nearest_of_all() {
         let metric = Metric::new(&space, &weights);
         let count = *[1, 15, 16, 17, 300, 2500].get(rng.random_range(0..6)).unwrap();
         let all = crowd(&space, &mut rng, count);
-        // Two buckets, to which ids go in turns of their own: the lowest may stand in the later one. Nothing is in the third.
+        // Two buckets, which take ids by their own rules: the lowest may stand in the later one. Nothing is in the third.
         let mut buckets = [Bucket::default(), Bucket::default(), Bucket::default()];
         for (id, q) in (0..).zip(&all) {
             buckets[usize::from(rng.random_bool(0.3))].push(&metric, id, q);
@@ -215,7 +215,7 @@ fn most_of_a_crowd_is_never_measured() {
 }
 
 #[test]
-fn whoever_asks_for_several_gets_all_within_the_cutoff() {
+fn a_query_for_several_gets_all_within_the_cutoff() {
     let mut rng = ChaCha8Rng::seed_from_u64(13);
     for _ in 0..20 {
         let (space, weights) = random_space(&mut rng);

@@ -94,7 +94,7 @@ impl Bench {
     }
 }
 
-/// Walks a motion finely and returns the largest residual between and at its knots.
+/// Samples a motion finely and returns the largest residual between and at its knots.
 fn largest_residual(
     bench: &Bench,
     program: &ConstraintProgram,
@@ -422,7 +422,7 @@ fn the_bound_on_second_derivatives_is_sound_and_not_wasteful() {
 /// What is asked of a motion: its ends and arguments.
 type Wanted = (Vec<f64>, Vec<f64>, Vec<Pose>);
 
-/// Walks motions side by side.
+/// Follows motions side by side.
 fn side_by_side(
     bench: &Bench,
     program: &ConstraintProgram,

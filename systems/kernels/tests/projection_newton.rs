@@ -119,7 +119,7 @@ fn half_of_random_starts_reach_random_reachable_poses() {
             assert!(bench.robot.space.first_out_of_bounds(&q, 0.0).is_none(), "bounds hold exactly");
             let reached = gripper.in_world(&bench.poses(&q));
             assert!((reached.translation - X_WT.translation).length() < 2e-6);
-            assert_eq!(q[7..], before[7..], "coordinates that no row looks at keep their values");
+            assert_eq!(q[7..], before[7..], "coordinates that no row depends on keep their values");
         }
     }
     let share = f64::from(successes) / f64::from(tries);

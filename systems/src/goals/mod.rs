@@ -1,9 +1,9 @@
 //! Goals that leave something free: configurations for them are drawn, at the start and again during the search.
 //!
-//! For every state of the graph one program says what holds in a goal of that state: what the state demands, what the goal
-//! demands, and that objects which neither moves stay where the start has them. A held object whose pose the goal leaves
+//! For every state of the graph one program says what holds in a goal of that state: the constraints of the state, the requirements of
+//! the goal, and that objects which neither moves stay where the start has them. A held object whose pose the goal leaves
 //! free is eliminated and follows the hand; one whose pose the goal names makes the hand follow. A state whose program
-//! contradicts itself whatever the free joints do (it wants the object on the table, the goal wants it in the air) is never
+//! contradicts itself whatever the free joints do (the object is on the table, the goal has it in the air) is never
 //! tried again. The others are tried in turn, from random configurations. In a lazy graph these are the start's state, then
 //! its neighbours, then theirs, breadth first, as long as nothing is found.
 //!

@@ -1,4 +1,4 @@
-//! What a goal demands in a state, compiled: the state's manifold, the goal's demands, and which objects stay.
+//! A goal in a state, compiled: the state's manifold, the goal's requirements, and which objects stay.
 
 use crate::planning_model::model::Model;
 use crate::planning_model::state_classification::coordinate;
@@ -17,7 +17,7 @@ use glam::DVec3;
 pub(crate) struct GoalProgram {
     /// What the kernels solve; it takes no arguments.
     pub program: ConstraintProgram,
-    /// Numbers of the robots' joints that it does not look at.
+    /// Numbers of the robots' joints that it does not depend on.
     pub idle: Vec<usize>,
 }
 
@@ -30,7 +30,7 @@ struct GoalConstraints {
 
 impl GoalProgram {
     /// Compiles a goal in a state. Objects and joints that rest there and that the goal leaves free stay where `start` has
-    /// them, as far as nothing else demands otherwise; objects on supports only where `supported_too` says so.
+    /// them, as far as nothing else requires otherwise; objects on supports only where `supported_too` says so.
     ///
     /// # Errors
     /// What contradicts what, whatever the free joints do.
@@ -213,7 +213,7 @@ fn root_rows(index: JointIndex, joint: &Joint, values: &[Option<f64>]) -> Constr
     })
 }
 
-/// What a constraint of the graph demands of a configuration, right-hand sides aside; `None` where nothing.
+/// What a constraint of the graph requires of a configuration, right-hand sides aside; `None` where nothing.
 fn rows_of(model: &Model, constraint: ConstraintId) -> Option<Constraint> {
     match model.graph.constraint(constraint).kind {
         ConstraintKind::Grasp { .. } => Some(Constraint::RelativePose(model.grasp(constraint)?.constraint())),
@@ -232,7 +232,7 @@ fn rows_of(model: &Model, constraint: ConstraintId) -> Option<Constraint> {
     }
 }
 
-/// Something that stays where the start has it, if nothing demands otherwise.
+/// Something that stays where the start has it, if nothing requires otherwise.
 enum Staying {
     /// An object at rest.
     Object(AttachmentTemplate),

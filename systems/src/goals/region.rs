@@ -27,7 +27,7 @@ const BATCH: usize = 16;
 /// Every how many tries in a state objects on supports may stand elsewhere than in the start.
 const MOVED_EVERY: u32 = 4;
 
-/// Tries in a state of a lazy graph, all in vain, before its neighbours are tried too.
+/// Failed tries in a state of a lazy graph before its neighbours are tried too.
 const PATIENCE: u32 = 8;
 
 /// States of a lazy graph in which a goal is looked for at most.
@@ -47,7 +47,7 @@ pub(crate) struct Region {
     pub(crate) sites: Vec<Site>,
     /// Sites from the front whose neighbours are sites too; all of them, where the graph is whole.
     widened: usize,
-    /// The site whose turn it is.
+    /// The site of the next try.
     turn: usize,
     /// Tries so far, those in states that turned out to contradict the goal not counted.
     pub(crate) tries: u32,

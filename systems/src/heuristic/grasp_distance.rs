@@ -1,7 +1,7 @@
 //! How many grasps lie between two leaves.
 //!
 //! What a leaf says falls into *subjects*: each object with all that holds or carries it, each joint at rest, and the
-//! stance of the robot itself. The constraint graph, looked at through one subject, is a small graph of its own (on the
+//! stance of the robot itself. The constraint graph, restricted to one subject, is a small graph of its own (on the
 //! table, in the left hand, in both, …). The distance between two leaves is the sum over the subjects of the shortest ways
 //! in these graphs: an estimate that forgets that hands are needed twice and that things are in each other's way, as the
 //! relaxed plans of task planners do. It costs nanoseconds and tells which of a thousand leaves are worth extending.

@@ -292,7 +292,7 @@ mod tests {
         for count in [0, 1, 31, 32, 33, 400] {
             // One leaf more than is asked about.
             let many: Vec<_> = (0..4).map(|row| column((0..=count).map(|leaf| number(row, leaf)))).collect();
-            // Values that nobody has, in one row after another.
+            // Values that no leaf has, in one row after another.
             for absent in 0..16 {
                 let own = |row| if absent >> row & 1 == 1 { nobodys } else { number(row, 11) };
                 let one: Vec<ParameterId> = (0..4).map(own).collect();

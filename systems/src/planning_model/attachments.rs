@@ -1,4 +1,4 @@
-//! What carries each object, how it hangs there, and where that puts it.
+//! What carries each object, how it is attached there, and where that puts it.
 
 use crate::planning_model::graph::attachment_order::{Carriers, is_rigid, solid_grasp};
 use crate::planning_model::graph::support_placement::SupportPlacement;
@@ -62,7 +62,7 @@ impl Model {
         self.grasp(constraint).is_some_and(|grasp| is_rigid(grasp, root))
     }
 
-    /// How every object hangs on what carries it, in a state whose foliating constraints have the values `parameter`; a
+    /// How every object is attached to what carries it, in a state whose foliating constraints have the values `parameter`; a
     /// carrier comes before what it carries.
     pub fn rigid_attachments<'a>(
         &self,
@@ -81,7 +81,7 @@ impl Model {
         carriers.order.iter().filter_map(rigid_attachment).collect()
     }
 
-    /// How every object hangs on what carries it, on a leaf.
+    /// How every object is attached to what carries it, on a leaf.
     #[must_use]
     pub fn attachments_of_leaf(&self, leaf: &Leaf, leaves: &LeafIndex) -> Vec<RigidAttachment> {
         let foliation = &self.graph.state(leaf.state).foliation;
@@ -91,7 +91,7 @@ impl Model {
         })
     }
 
-    /// How every object hangs on what carries it, along a leg.
+    /// How every object is attached to what carries it, along a leg.
     #[must_use]
     pub fn attachments_of_leg(&self, leg: &PlannedLeg, leaves: &LeafIndex) -> Vec<RigidAttachment> {
         self.rigid_attachments(leg.state, |constraint| {
@@ -99,7 +99,7 @@ impl Model {
         })
     }
 
-    /// What every object hangs on, on a leaf, for output; an object's carrier comes first.
+    /// What every object is attached to, on a leaf, for output; an object's carrier comes first.
     #[must_use]
     pub fn attachments(&self, leaf: &Leaf, leaves: &LeafIndex) -> Vec<Attachment> {
         let state = self.graph.state(leaf.state);

@@ -102,7 +102,7 @@ impl Model {
         [touches.grasped, touches.placed].concat()
     }
 
-    /// The links that touch in a state: fingers hang on a gripper's body, and touch too.
+    /// The links that touch in a state: fingers are attached to a gripper's body, and touch too.
     fn touches(&self, state: StateId) -> Touches {
         let robot = &self.problem.robot;
         let mut touches = Touches::default();
@@ -150,7 +150,7 @@ impl Model {
         all_collisions(&self.collision, X_WJ, self.verdict_pairs(state), guard)
     }
 
-    /// Likewise of the pairs that locked joints hold together, which are looked at nowhere else.
+    /// Likewise of the pairs that locked joints hold together, which are tested nowhere else.
     #[must_use]
     pub fn rigid_collisions(&self, state: StateId, X_WJ: &[Pose], guard: f64) -> Vec<Contact> {
         rigid_collisions(&self.collision, X_WJ, self.verdict_pairs(state), guard)

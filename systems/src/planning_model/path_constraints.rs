@@ -1,4 +1,4 @@
-//! What a leaf demands besides its attachments, for output: whoever proves a path again has to know it.
+//! The constraints of a leaf besides its attachments, for output: a checker of the path needs them.
 
 use crate::planning_model::graph::support_placement::SupportPlacement;
 use crate::planning_model::model::Model;
@@ -28,7 +28,7 @@ impl Model {
         match self.graph.constraint(id).kind {
             ConstraintKind::Placement { object, on } => {
                 // Polygons that touch are attachments. A plane is no document, so the file has to say how it is stood on;
-                // that the object keeps its place on it is told by its hanging on nothing.
+                // that the object keeps its place on it follows from its having no attachment.
                 let resting = &self.objects().get(object as usize)?.placement_on(on)?.resting;
                 let on_plane = matches!(resting, SupportPlacement::Plane { .. }).then(|| resting.constraint(0.0))?;
                 Some(PathConstraint { name, constraint: on_plane, argument: None })

@@ -48,7 +48,7 @@ fn seed_tables(robot: &Robot) -> Vec<(JointIndex, OnceLock<Option<SeedTable>>)> 
 }
 
 impl ProblemTables {
-    /// Starts for solves that bring this body somewhere, where it carries a gripper and hangs on an arm of its own.
+    /// Starts for solves that bring this body somewhere, where it carries a gripper and is attached to an arm of its own.
     #[must_use]
     pub fn seeds(&self, tip: JointIndex) -> Option<&SeedTable> {
         let (_, table) = self.seeds.iter().find(|(body, _)| *body == tip)?;

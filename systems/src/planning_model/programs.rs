@@ -1,6 +1,6 @@
-//! Compiles what the graph demands into what the kernels solve: one program per leg, and one per state for motions in it.
+//! Compiles constraints of the graph into what the kernels solve: one program per leg, and one per state for motions in it.
 //!
-//! Along a leg every object hangs on something: a gripper, or the body on which it lies. Those poses are right-hand sides,
+//! Along a leg every object is attached to something: a gripper, or the body on which it lies. Those poses are right-hand sides,
 //! so they are arguments; nothing of a leaf is ever written into a program. Argument slots, in order: one pose per object
 //! in its carrier; one per further constraint of the state that has parameters (a second hand's grasp, a door that stays
 //! where it was left, a foot that stands); one per drawn target of a crossed transition.
@@ -19,13 +19,13 @@ use foliate_components::robot::{JointIndex, Source};
 use foliate_kernels::constrained_motion::{AttachmentTemplate, CompileError, ConstraintProgram};
 use glam::DVec3;
 
-/// Constraints, carriages and arguments while they are collected.
+/// Constraints, rigid attachments and arguments while they are collected.
 struct Draft<'a> {
     model: &'a Model,
     state: StateId,
     constraints: Vec<Constraint>,
     extra: Vec<Extra>,
-    /// Bodies that the target looks at.
+    /// Bodies that the target depends on.
     involved: Vec<Option<JointIndex>>,
 }
 
@@ -43,7 +43,7 @@ impl LegProgram {
         draft.compile()
     }
 
-    /// The program of motions within a state: only what the state demands beyond its carriers.
+    /// The program of motions within a state: only what the state requires beyond its carriers.
     ///
     /// # Errors
     /// As [`Self::of_leg`].
@@ -122,7 +122,7 @@ fn support_normal(model: &Model, object: usize, on: Option<JointIndex>, X_CO: &P
 }
 
 impl<'a> Draft<'a> {
-    /// What a state demands beyond its carriers: further grasps of what is carried already, grasps of doors, joints at
+    /// What a state requires beyond its carriers: further grasps of what is carried already, grasps of doors, joints at
     /// rest, constraints of the problem's own.
     fn new(model: &'a Model, state: StateId) -> Self {
         let mut draft = Self { model, state, constraints: Vec::new(), extra: Vec::new(), involved: Vec::new() };
@@ -238,7 +238,7 @@ fn held_at(on: Option<JointIndex>, root: JointIndex, slot: usize) -> Constraint 
     Constraint::RelativePose(RelativePose::rigid(carrier, Frame::of_joint(root), Reference::Argument(slot)))
 }
 
-/// The bodies that a constraint looks at.
+/// The bodies that a constraint depends on.
 fn bodies_of(constraint: &Constraint) -> Vec<Option<JointIndex>> {
     match constraint {
         Constraint::RelativePose(pose) => vec![pose.a.joint, pose.b.joint],
@@ -260,7 +260,7 @@ fn bodies_of(constraint: &Constraint) -> Vec<Option<JointIndex>> {
     }
 }
 
-/// Numbers of the joints on which none of the involved bodies hangs; none where nothing is involved.
+/// Numbers of the joints that move none of the involved bodies; none where nothing is involved.
 fn idle_coordinates(
     model: &Model,
     rigid_attachments: &[AttachmentTemplate],
@@ -279,7 +279,7 @@ fn idle_coordinates(
         None => joints[joint.at()].parent,
     };
     for &body in involved {
-        // Carriages close no circle, so no chain is longer than the robot.
+        // Rigid attachments close no circle, so no chain is longer than the robot.
         for joint in std::iter::successors(body, above).take(joints.len()) {
             moves[joint.at()] = true;
             if let Source::Follows { leader, .. } = joints[joint.at()].source {

@@ -54,7 +54,7 @@ pub fn reach_feasible(
     reach(model, settings, q, false)
 }
 
-/// As [`reach_feasible`], of the start: also what locked joints hold together is looked at, here and nowhere else.
+/// As [`reach_feasible`], of the start: also what locked joints hold together is tested, here and nowhere else.
 ///
 /// # Errors
 /// As [`feasible`].

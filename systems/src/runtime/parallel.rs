@@ -9,7 +9,7 @@ use std::sync::{Mutex, PoisonError};
 pub const LEAST_SHARED: usize = 8;
 
 /// Does `work` on every item: threads take one item after another from the front, each with a scratch of its own, so that
-/// nobody waits while items are left and the first are begun first. Items are of unequal length (one candidate's motions
+/// no thread waits while items are left, and the first are begun first. Items are of unequal length (one candidate's motions
 /// take a hundred times another's), so that halves of the list would not be halves of the work. What comes out must not
 /// depend on the scratch, and then does not depend on the threads.
 pub fn each<T: Send, S>(items: &mut [T], scratch: impl Fn() -> S + Sync, work: impl Fn(&mut S, &mut T) + Sync) {

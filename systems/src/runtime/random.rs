@@ -23,7 +23,7 @@ pub enum Purpose {
     Goal = 5,
     /// Where trees grow that are to be joined on a leaf.
     Join = 7,
-    /// How far from the near node what is planted starts to be looked for.
+    /// How far from the near node the search for the waypoints of a lazy extension starts.
     LazyExtension = 8,
 }
 

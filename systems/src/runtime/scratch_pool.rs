@@ -9,7 +9,7 @@ use std::sync::{Mutex, PoisonError};
 pub struct ScratchPool<T>(Mutex<Vec<T>>);
 
 impl<T: Default> ScratchPool<T> {
-    /// Buffers that nobody else has now; they come back when they are dropped.
+    /// Buffers that are not in use elsewhere; they come back when they are dropped.
     pub fn borrow(&self) -> Borrowed<'_, T> {
         let known = self.0.lock().unwrap_or_else(PoisonError::into_inner).pop();
         Borrowed { buffers: known.unwrap_or_default(), pool: self }

@@ -11,7 +11,7 @@ use foliate::kernels::kinematics::{Kinematics, RigidAttachment};
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};
 
-/// Places at which a path is looked at, about.
+/// Number of samples of a path, about.
 const PLACES: usize = 600;
 /// How far a distance may be off, metres.
 const SLACK: f64 = 1e-9;

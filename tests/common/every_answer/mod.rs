@@ -35,12 +35,12 @@ const ATTEMPTS: u64 = 40;
 /// Attempts that may be too hard.
 const HARD: u64 = 3;
 
-/// The scheduler whose turn a seed is.
+/// The scheduler of a seed.
 pub fn scheduler_of(seed: u64) -> &'static str {
     ["sequence", "mrrt", "portfolio"][(seed % 3) as usize]
 }
 
-/// Solves the problem of a seed, then the same with thin posts beside what its path swept, and holds that answer against
+/// Solves the problem of a seed, then the same with thin posts beside what its path swept, and compares that answer with
 /// everything.
 pub fn examine_among_posts(seed: u64, folder: &Path) -> (RandomScene, Fate) {
     let scheduler = scheduler_of(seed);
@@ -60,7 +60,7 @@ pub fn examine_among_posts(seed: u64, folder: &Path) -> (RandomScene, Fate) {
     (scene, fate)
 }
 
-/// Draws the problem of a seed, solves it, and holds the answer against everything. All files stay in `folder`.
+/// Draws the problem of a seed, solves it, and checks the answer in every way. All files stay in `folder`.
 pub fn examine(seed: u64, folder: &Path) -> (RandomScene, Fate) {
     match first_answer(seed, folder) {
         Ok((scene, answer)) => {

@@ -1,4 +1,4 @@
-//! Thin posts beside what a path sweeps: scenes in which a motion that is looked at only in places goes through something.
+//! Thin posts beside what a path sweeps: scenes in which a motion that is tested only at samples passes through something.
 #![allow(non_snake_case, reason = "pose names carry their frames")]
 
 use super::dense::{Places, in_world};
@@ -99,7 +99,7 @@ fn direction(draw: &mut Draw) -> DVec3 {
     }
 }
 
-/// A point so far from a solid: walks in from outside as far as is free.
+/// A point so far from a solid: moves in from outside as far as is free.
 fn at_distance(draw: &mut Draw, solid: &Solid, X_WS: &Pose, distance: f64) -> Option<DVec3> {
     let probe = Solid::of(&Geometry::Sphere { radius: 1e-9 });
     let way = direction(draw);

@@ -16,7 +16,7 @@ pub const MASKS: [([u8; 6], [u8; 6]); 7] = [
     ([1, 1, 0, 1, 1, 1], [0, 0, 1, 0, 0, 0]),
 ];
 
-/// An object, and what of it matters to whoever places it.
+/// An object, and the data that its placement needs.
 #[derive(Clone, Debug)]
 pub struct Block {
     pub model: Model,

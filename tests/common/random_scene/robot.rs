@@ -146,7 +146,7 @@ impl Robot {
         self.hands.push(Hand { gripper: format!("{name}_grip"), link: tip, place, opening, leader });
     }
 
-    /// With an SRDF or without; one names the hands, and perhaps the pairs that are not looked at.
+    /// With an SRDF or without; one names the hands, and perhaps the pairs that are not tested.
     fn describe(&mut self, draw: &mut Draw) {
         let mut elements = Vec::new();
         for hand in &self.hands {
@@ -173,7 +173,7 @@ impl Robot {
         }
     }
 
-    /// Whether its SRDF says which pairs are not looked at.
+    /// Whether its SRDF says which pairs are not tested.
     pub fn disables(&self) -> bool {
         self.model.srdf.iter().flatten().any(|element| element.starts_with("<disable"))
     }

@@ -70,7 +70,7 @@ pub fn shift(file: &mut PathFile, segment: usize, knot: usize, column: usize, by
     }
 }
 
-/// Calls for every place that is looked at of the ways between knots, with the pair and its distance, up to `most`.
+/// Calls for every sample of the ways between knots, with the pair and its distance, up to `most`.
 fn look(answer: &Answer, segment: &Segment, knots: &[Vec<f64>], most: f64, mut see: impl FnMut(&str, f64)) {
     let robot = &answer.model.problem.robot;
     let kinematics = Kinematics::new(robot);

@@ -23,7 +23,7 @@ pub struct Spoiled {
     pub file: PathFile,
     pub how: String,
     pub kinds: &'static [Kind],
-    /// Whether it is held against its models alone: the scene would refuse it for other reasons.
+    /// Whether it is compared with its models alone: the scene would refuse it for other reasons.
     pub alone: bool,
 }
 
@@ -33,7 +33,7 @@ type Spoiler = fn(&mut Draw, &RandomScene, &Answer, &Path) -> Option<Spoiled>;
 pub const SPOILERS: [(&str, Spoiler); 7] = [
     ("a joint a micrometre beyond its limit", beyond),
     ("a detour through something", detour),
-    ("an object that nobody holds moves", adrift),
+    ("an object that no gripper holds moves", adrift),
     ("an object slips in the hand", slipped),
     ("a claim above what there is", claimed),
     ("a thin post where something passes", post),

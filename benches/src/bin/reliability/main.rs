@@ -69,7 +69,7 @@ fn main() -> Result<()> {
         let size = if quick { short } else { (full * percent / 100).max(1) };
         let kept =
             folder.join(format!("{name}-{size}-{}.json", version.replace(|c: char| !c.is_ascii_alphanumeric(), "_")));
-        // Whoever changes the code without a commit measures anew.
+        // Changed code without a commit is measured anew.
         let known = std::fs::read_to_string(&kept).ok().filter(|_| !version.ends_with("+"));
         let known = known.and_then(|text| Figure::read(&text));
         let known = known.or_else(|| if reuse { latest(&folder, &format!("{name}-{size}-")) } else { None });

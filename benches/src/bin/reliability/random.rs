@@ -1,4 +1,4 @@
-//! Random problems, whose paths are made to pass thin posts: what a motion that is looked at only in places goes through.
+//! Random problems, whose paths are made to pass thin posts: what a motion that is tested only at samples passes through.
 
 use crate::every_answer::{Fate, examine_among_posts};
 use crate::independent::{knows, recheck};
@@ -41,7 +41,7 @@ pub(crate) fn measure(size: usize) -> Result<Figure> {
         scenes::progress("random", number as usize + 1, size);
     }
     let how = format!(
-        "Problems that nobody wrote (robots, hands, followers, locked joints, margins, up axes, values, furniture; seeds from {FIRST} on), each \
+        "Generated problems (robots, hands, followers, locked joints, margins, up axes, values, furniture; seeds from {FIRST} on), each \
          solved, then solved again among one to four posts of 1 mm that stand 0.6 to 6 mm beside what the first path swept. Every path has to pass \
          `foliate check`, hold its claims where it is sampled densely, answer its problem, and be the same on two threads."
     );

@@ -1,4 +1,4 @@
-//! One part as its files describe it: links, joints and documents, before it is hung into a world.
+//! One part as its files describe it: links, joints and documents, before it is placed in a world.
 //!
 //! Readers (URDF, SRDF) and code produce a [`Model`]; nothing here knows a file format.
 
@@ -141,6 +141,6 @@ pub struct GroupState {
     pub name: String,
     /// Joint names and values.
     pub values: Vec<(String, f64)>,
-    /// What is told where the description contradicts itself in a joint: nobody can be in this configuration.
+    /// The message where the description contradicts itself in a joint: no robot can be in this configuration.
     pub contradiction: Option<String>,
 }

@@ -72,7 +72,7 @@ fn unique<'a>(what: &str, names: impl Iterator<Item = &'a str>) -> Result<(), St
 /// Whom a joint of a model follows, chains resolved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Follow {
-    /// Nobody: it has coordinates of its own.
+    /// No joint: it has coordinates of its own.
     Nothing,
     /// A joint (by its number in the model) that has a coordinate of its own.
     Joint { leader: usize, multiplier: f64, offset: f64 },
@@ -89,7 +89,7 @@ pub(crate) fn follows(model: &Model, mimic_follows: bool) -> Result<Vec<Follow>,
     for index in 0..model.joints.len() {
         let mut chain = Vec::new();
         let mut at = index;
-        // Towards the leader, as far as nobody has been.
+        // Towards the leader, up to the first joint that was visited before.
         let mut end = loop {
             let joint = &model.joints[at];
             let leader = joint.mimic.as_ref().filter(|_| mimic_follows);

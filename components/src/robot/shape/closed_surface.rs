@@ -167,7 +167,7 @@ impl Faces {
         Surface { closed, doubled: ascending(&doubled) }
     }
 
-    /// Whether everything that hangs together has one of these triangles.
+    /// Whether every connected piece has one of these triangles.
     fn pieces_are_among(&self, some: impl Iterator<Item = [u32; 3]>) -> bool {
         let most = self.0.iter().map(|face| face.corners[2]).max().map_or(0, |most| most as usize + 1);
         let mut parent: Vec<u32> = (0..most as u32).collect();

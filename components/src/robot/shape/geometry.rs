@@ -47,7 +47,7 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
     /// Whether the mesh bounds a solid ([`Surface::of`](crate::robot::shape::closed_surface::Surface::of)).
     pub closed: bool,
-    /// What was found out about vertices and triangles before, so that it need not be again. Whoever uses it proves it first.
+    /// What an earlier search over vertices and triangles found, so that it need not be repeated. Its user proves it first.
     pub record: Option<MeshRecord>,
 }
 

@@ -1,6 +1,6 @@
 //! What takes long to find out about a mesh and little time to prove once it is known.
 
-/// What a search over a mesh's vertices and triangles has found, for whoever wants to be spared it (the kernels, which build their
+/// What a search over a mesh's vertices and triangles has found, so that it need not be repeated (by the kernels, which build their
 /// trees from it). Nothing in it is to be believed: it may come from a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshRecord {

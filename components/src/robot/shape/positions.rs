@@ -6,8 +6,8 @@ use std::hash::{BuildHasher, Hasher, RandomState};
 
 /// Numbers of positions, equal bit for bit but for the sign of zeros.
 ///
-/// What is answered never depends on the hashes, whose keys are drawn anew for each index: files of strangers are read with it, and
-/// nobody can write one whose positions all fall into one place of the table.
+/// Answers never depend on the hashes. Their keys are drawn anew for each index, since the files that are read may be hostile:
+/// no file can contain one whose positions all fall into one place of the table.
 #[derive(Clone, Debug)]
 pub struct Positions {
     known: HashMap<[u64; 3], u32, Keys>,
@@ -93,7 +93,7 @@ impl Hasher for Folded {
     }
 
     fn finish(&self) -> u64 {
-        // The table looks at the lowest and the highest bits.
+        // The table uses the lowest and the highest bits.
         let product = u128::from(self.state) * 0x9e37_79b9_7f4a_7c15;
         (product as u64) ^ ((product >> 64) as u64)
     }

@@ -121,7 +121,7 @@ fn kept(report: &CertifyReport, clearance: Option<&ClearanceReport>) -> String {
             pair(name)
         ),
         _ => format!(
-            ": at least {:.3} mm beyond margins (a bound that the proof brings along, often far below the least clearance; \
+            ": at least {:.3} mm beyond margins (a bound that the proof yields, often far below the least clearance; \
              --clearance finds that, and where)",
             found.at_least * 1e3
         ),
@@ -145,7 +145,7 @@ fn limits(out: &mut String, report: &CertifyReport) {
     let verdict = if l.violations.is_empty() { "ok       " } else { "LIMIT    " };
     let _ = writeln!(
         out,
-        "  {verdict}  limits: positions of {}, velocities of {}, accelerations of {} coordinates; efforts are not looked at",
+        "  {verdict}  limits: positions of {}, velocities of {}, accelerations of {} coordinates; efforts are not checked",
         l.positions, l.velocities, l.accelerations
     );
     for violation in &l.violations {

@@ -1,4 +1,4 @@
-//! Which published robots are at hand, and how they are fetched.
+//! Which published robots are installed, and how they are fetched.
 
 use crate::cli::commands::models::unpack;
 use crate::cli::console::interrupt;
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 
-/// Tells which published robot models are at hand, and fetches them from PyPI on request
+/// Lists which published robot models are installed, and fetches them from PyPI on request
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     /// Download the packages that are missing (166 MB, 480 MB unpacked) into the user's model cache
@@ -78,7 +78,7 @@ fn list(packages: &PackagePath) -> Ending {
     for published in &PUBLISHED {
         let place = packages.find(published.package);
         missing |= place.is_none();
-        let place = place.map_or("not at hand".to_owned(), |p| p.display().to_string());
+        let place = place.map_or("not installed".to_owned(), |p| p.display().to_string());
         print(&format!("{:20} {place}\n{:20} {}\n", published.package, "", published.holds));
     }
     if missing {
@@ -105,7 +105,7 @@ fn by_hand(cache: &Path) -> String {
 
 /// Downloads a wheel and unpacks its models; the cache sees either all of them or nothing.
 ///
-/// The thousands of files are not written one by one through [`foliate::output`]: all of them lie in a folder that nobody else has
+/// The thousands of files are not written one by one through [`foliate::output`]: all of them lie in a folder that no other process has
 /// until its one renaming puts them in their place. A failure or a signal removes that folder.
 fn install(published: &Published, cache: &Path, token: &CancelToken) -> Result<(), String> {
     let work = fresh(cache, published.package)?;

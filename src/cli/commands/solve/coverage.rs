@@ -1,4 +1,4 @@
-//! Which pairs of shapes were looked at, in words and for machines.
+//! Which pairs of shapes were tested, in words and for machines.
 
 use foliate::components::coverage::{self, LeftOutPair, PairCounts};
 use foliate::components::robot::ShapeIndex;
@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 pub(crate) struct LeftOut {
     /// All of them.
     pub pairs: Vec<LeftOutPair>,
-    /// Those that somebody decided to leave out although they do not touch at the start.
+    /// Those that a file leaves out although they do not touch at the start.
     pub apart: Vec<LeftOutPair>,
 }
 
@@ -91,7 +91,7 @@ pub(crate) fn counts_json(counts: &PairCounts) -> Value {
     })
 }
 
-/// Pairs that are left out: shape, shape, reason, whether they are apart although somebody decided to leave them out.
+/// Pairs that are left out: shape, shape, reason, whether they are apart although a file leaves them out.
 pub(crate) fn list_json<'a>(
     pairs: &[LeftOutPair],
     apart: &[LeftOutPair],

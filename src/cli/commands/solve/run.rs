@@ -26,7 +26,7 @@ pub(crate) struct Arguments {
     /// Write the path to this file
     #[arg(long, value_name = "PATH.json")]
     out: Option<PathBuf>,
-    /// Say between which shapes the least clearance is, and where on the path
+    /// Print between which shapes the least clearance is, and where on the path
     #[arg(long)]
     clearance: bool,
     /// List every pair of collision shapes that is not tested, with the reason
@@ -58,7 +58,7 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     // The limit is that of everything, reading included.
     let planner = arguments.search.planner(tables)?.time_limit(limit.saturating_sub(load_time));
     let (planner, mut answer) = solve(planner, &arguments.search, !arguments.json)?;
-    // Once, for whoever reads the answer: no part of what a solve costs.
+    // Once, for the reader of the answer: no part of the cost of a solve.
     let clearance = answer.measure_clearance().filter(|_| arguments.clearance);
     if let (Some(out), Ok(solution)) = (&arguments.out, &answer.0) {
         write(out, &scene, &planner, solution, &arguments.search)?;

@@ -3,7 +3,9 @@
 use crate::cli::commands::solve::answer::Answer;
 use crate::cli::commands::solve::coverage::LeftOut;
 use crate::cli::commands::solve::{coverage, story};
+use crate::cli::console::words;
 use foliate::FunnelRow;
+use foliate::components::graph::ConstraintGraph;
 use foliate::components::outcome::Rejection;
 use foliate::components::robot::ShapeIndex;
 use foliate::scene::Scene;
@@ -61,24 +63,24 @@ pub(crate) fn text(loaded: &Loaded<'_>, answer: &Answer) -> String {
         let MemberCount { scheduler, answers, counter } = world;
         let what = if *answers { ", answers" } else { "" };
         let (steps, candidates) = (counter.step, counter.candidates);
-        let _ = writeln!(out, "    world of {scheduler}: {steps} steps, {candidates} candidates{what}");
+        let _ = writeln!(out, "    portfolio member {scheduler}: {steps} steps, {candidates} candidates{what}");
     }
     if let Some(path) = answer.path() {
         let _ = writeln!(
             out,
-            "  path: {} segments, {} knots, weighted length {:.2} m",
+            "  path: {} motions, each on one leaf, with {} knots; joint travel {:.2} m (angles times reach)",
             path.segments.len(),
             path.segments.iter().map(|s| s.knots.len()).sum::<usize>(),
             report.path_length.unwrap_or_default()
         );
         let c = &path.certificate;
         let clearance = match c.min_clearance {
-            Some(clearance) => format!("clearance beyond margins ≥ {}", distance(clearance)),
+            Some(clearance) => format!("all tested pairs keep their margins and at least {} more", distance(clearance)),
             None => "no pair of shapes was tested: nothing is said about collisions".to_owned(),
         };
         let _ = writeln!(
             out,
-            "  certificate: joint limits kept, residual ≤ {:.1e} (allowed {:.1e}), {clearance}",
+            "  certificate: joint limits kept; grasps, placements and constraints hold to {:.1e} (m, rad; allowed {:.1e}); {clearance}",
             c.max_residual, c.path_tolerance
         );
         let _ = writeln!(out, "  pairs of shapes: {}", coverage::sentence(&c.pairs));
@@ -93,7 +95,7 @@ pub(crate) fn text(loaded: &Loaded<'_>, answer: &Answer) -> String {
         }
     }
     if !report.funnel.is_empty() {
-        out.push_str(&funnel(&report.funnel, answer.path().is_some()));
+        out.push_str(&funnel(&report.funnel, graph, answer.path().is_some()));
     }
     out
 }
@@ -121,18 +123,22 @@ fn closest(loaded: &Loaded<'_>, answer: &Answer) -> String {
 }
 
 /// The funnel: what became of the candidates, per transition. Short when the problem is solved.
-fn funnel(rows: &[FunnelRow], short: bool) -> String {
-    let mut out = String::from("  funnel (candidates: tried → reached + kept in part; what stopped the rest):\n");
+fn funnel(rows: &[FunnelRow], graph: &ConstraintGraph, short: bool) -> String {
+    let mut out = String::from(
+        "  funnel (candidates by transition: tried → reached + kept in part; what stopped the rest, and on which leg: the \
+         first, second, … motion of the transition):\n",
+    );
     let mut rows: Vec<&FunnelRow> = rows.iter().collect();
     rows.sort_by(|a, b| b.statistics.attempts.cmp(&a.statistics.attempts).then(a.transition.cmp(&b.transition)));
     let shown = if short { 6 } else { rows.len() };
     for row in rows.iter().take(shown) {
         let s = &row.statistics;
-        let _ = writeln!(out, "    {}: {} → {} + {}", row.transition, s.attempts, s.reached, s.partial);
+        let name = described(&row.transition, graph);
+        let _ = writeln!(out, "    {name}: {} → {} + {}", s.attempts, s.reached, s.partial);
         let mut reasons: Vec<_> = s.rejections.iter().collect();
         reasons.sort_by(|a, b| b.1.cmp(a.1).then(a.0.cmp(b.0)));
         for (reason, count) in reasons.iter().take(if short { 2 } else { usize::MAX }) {
-            let _ = writeln!(out, "      {count:>6}  {}", words(**reason));
+            let _ = writeln!(out, "      {count:>6}  {}", why(**reason));
         }
         for (a, b, count) in row.blocked_by.iter().take(if short { 1 } else { 5 }) {
             let _ = writeln!(out, "      {count:>6}  blocked by {a} and {b}");
@@ -144,7 +150,15 @@ fn funnel(rows: &[FunnelRow], short: bool) -> String {
     out
 }
 
-fn words(reason: Rejection) -> String {
+/// A transition of the funnel in words, with the state that it leaves.
+fn described(name: &str, graph: &ConstraintGraph) -> String {
+    match graph.transitions.iter().find(|transition| transition.name == name) {
+        Some(transition) => format!("{}, from {}", words::action(transition), graph.state(transition.from).name),
+        None => name.to_owned(),
+    }
+}
+
+fn why(reason: Rejection) -> String {
     match reason.leg() {
         Some(leg) => format!("{} (leg {})", reason.describe(), leg + 1),
         None => reason.describe().to_owned(),

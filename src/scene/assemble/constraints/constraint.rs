@@ -1,4 +1,4 @@
-//! `[[constraint]]`: what a problem may demand of its own, by name.
+//! `[[constraint]]`: constraints of the problem's own, by name.
 
 use crate::scene::assemble::constraints::mass;
 use crate::scene::assemble::names::frame::{Context, ReadFrame, frame, one_of, or_start};

@@ -1,4 +1,4 @@
-//! The files of the cache: read whole, written so that nobody ever sees half of one, the oldest deleted where there are too many.
+//! The files of the cache: read whole, written so that no reader ever sees half of one, the oldest deleted where there are too many.
 
 use crate::output;
 use crate::output::UNFINISHED;

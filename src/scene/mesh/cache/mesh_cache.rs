@@ -26,7 +26,7 @@ pub struct MeshCache {
 
 /// What there is under a key.
 pub(crate) enum Kept {
-    /// What somebody says of the mesh: to be proved.
+    /// A claim about the mesh: to be proved.
     Record(MeshRecord),
     /// An entry that is not what it should be, and why.
     Bad(String),

@@ -91,7 +91,7 @@ impl<'a, 'i> Reader<'a, 'i> {
             .ok_or_else(|| self.xml.error(node, format!("`{}` names nothing in this file", quoted(url))))
     }
 
-    /// Walks the node hierarchy, instanced nodes included, and adds every geometry it places.
+    /// Traverses the node hierarchy, instanced nodes included, and adds every geometry it places.
     fn place(&mut self, nodes: Vec<Node<'a, 'i>>, world_from_scene: DMat4) -> Result<(), SceneError> {
         let mut stack: Vec<_> = nodes.into_iter().rev().map(|n| (n, world_from_scene, 0)).collect();
         let mut placed = 0;

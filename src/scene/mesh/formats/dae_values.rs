@@ -1,6 +1,6 @@
 //! Values of COLLADA elements: index lists, kinds of primitives, node transforms.
 //!
-//! They need none of the state that `dae` keeps while it walks over the nodes of a document.
+//! They need none of the state that `dae` keeps while it traverses the nodes of a document.
 
 use crate::scene::reading::error::{SceneError, quoted};
 use crate::scene::reading::xml::Xml;

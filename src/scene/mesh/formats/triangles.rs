@@ -29,7 +29,7 @@ impl Triangles {
         Self { stop: stop.clone(), ..Self::default() }
     }
 
-    /// Refuses the next triangle where the cap is reached, and vertex numbers beyond 32 bits; now and then looks at the signal.
+    /// Refuses the next triangle where the cap is reached, and vertex numbers beyond 32 bits; now and then checks the signal.
     pub(crate) fn check_room(&self) -> Result<(), String> {
         if (self.triangles.len() + self.vertices.len()).is_multiple_of(1 << 14) && self.stop.is_raised() {
             return Err("was not read to its end".into());

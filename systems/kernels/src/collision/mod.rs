@@ -4,7 +4,7 @@
 //! configuration, [`first_collisions`] many, [`certify_motion`] a straight motion over the continuum and [`certify_polyline`]
 //! many of them in a row; [`minimum_clearance_along`] says how close the closest pair comes, and where. Cheap bounds come first,
 //! of sixteen configurations at once: balls of bodies, balls, boxes and capsules of shapes; then GJK or the meshes' trees.
-//! Where bounds from inside overlap, two solids collide with certainty.
+//! Where inscribed volumes overlap, two solids collide with certainty.
 //! Nothing is ever called free that is not proved so: in doubt, in collision.
 //!
 //! `convex` and `solids` define solids, `distance` computes the distance of two. `scene` puts the solids of a robot together and

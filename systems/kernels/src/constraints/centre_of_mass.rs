@@ -86,7 +86,7 @@ pub fn value(balance: &CentreOfMass, arguments: &[Pose], X_WJ: &[Pose], values: 
 }
 
 /// The argument that makes parameter rows zero where the bodies are: the shortest such translation, so that what the
-/// parameter rows do not look at does not tell leaves apart.
+/// parameter rows do not use does not distinguish leaves.
 ///
 /// # Panics
 /// If `X_WJ` is too short.

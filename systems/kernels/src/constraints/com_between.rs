@@ -90,7 +90,7 @@ fn write(balance: &CentreOfMassBetween, stance: &Stance, values: &mut [f64]) {
     values.iter_mut().zip(all).for_each(|(value, row)| *value = row);
 }
 
-/// How free coordinates move what the rows look at, all of it against the world.
+/// How free coordinates move what the rows depend on, all of it against the world.
 #[derive(Clone, Debug)]
 pub struct StanceColumns {
     /// The centre of mass.

@@ -43,7 +43,7 @@ impl FunctionColumns {
         Self { columns: frames.iter().map(columns).collect(), frames, rows: own.0.rows().to_vec(), own: own.clone() }
     }
 
-    /// The frames that the function looks at.
+    /// The frames that the function depends on.
     #[must_use]
     pub fn frames(&self) -> &[Frame] {
         &self.frames

@@ -1,6 +1,6 @@
 //! Any constraint at given poses of bodies, on its own: how far it is from holding, and which leaf the bodies are on.
 //!
-//! This serves whoever classifies and checks configurations. A solve compiles its constraints instead.
+//! This is for classifying and checking configurations. A solve compiles its constraints instead.
 
 use super::{centre_of_mass, com_between, custom, distance, placement, relative_pose};
 use crate::constraints::rows_out::placement_of;

@@ -112,7 +112,7 @@ impl Kinematics {
         }
     }
 
-    /// Moves carried objects to where their carriers take them, in any order of `rigid_attachments`. Bodies that hang on an
+    /// Moves carried objects to where their carriers take them, in any order of `rigid_attachments`. Bodies that are attached to an
     /// object's root by joints of their own follow. Objects that carry each other in a circle end anywhere.
     ///
     /// # Panics
@@ -133,7 +133,7 @@ impl Kinematics {
         }
     }
 
-    /// How often to go through carriages: in dependency order, which is the rule, once is enough; otherwise each pass
+    /// How often to go through rigid attachments: in dependency order, which is the rule, once is enough; otherwise each pass
     /// settles at least one more.
     pub(crate) fn passes(&self, rigid_attachments: &[RigidAttachment]) -> usize {
         if self.carriers_come_first(rigid_attachments) { 1 } else { rigid_attachments.len() }
@@ -162,7 +162,7 @@ impl Kinematics {
     pub fn write_back(&self, rigid_attachments: &[RigidAttachment], X_WJ: &[Pose], q: &mut [f64]) {
         for rigid_attachment in rigid_attachments {
             let step = &self.steps[rigid_attachment.object.at()];
-            // Object roots hang in the world: their coordinates are their pose in the frame of the root joint.
+            // Object roots are attached to the world: their coordinates are their pose in the frame of the root joint.
             let X_JB = step.X_PJ.inverse() * X_WJ[rigid_attachment.object.at()];
             let old = quaternion(q, step.q);
             let turn = X_JB.rotation.normalize();

@@ -1,18 +1,18 @@
 //! How fast frames move: geometric Jacobians along the attachment tree.
 //!
-//! The *attachment tree* is the robot's tree with every carried object hung on its carrier instead of the world: what
+//! The *attachment tree* is the robot's tree with every carried object attached to its carrier instead of the world: what
 //! moves a held box is the arm, not the box's own free-flyer. Velocities are those of the configuration space: a
 //! free-flyer translates in its joint frame and turns in the moving frame, a follower adds `multiplier` times its column
 //! to its leader's coordinate.
 //!
-//! A robot that flies freely may *stand*: the world then hangs on a foot of it, and what moves anything against the world
+//! A robot that flies freely may *stand*: the world is then attached to a foot of it, and what moves anything against the world
 //! are the joints between it and that foot, not the root.
 
 use foliate_components::Pose;
 use foliate_components::robot::{JointIndex, JointType, Robot, Source};
 use glam::DVec3;
 
-/// The robot's tree with carried objects hung on their carriers.
+/// The robot's tree with carried objects attached to their carriers.
 #[derive(Clone, Debug)]
 pub struct AttachmentTree<'a> {
     robot: &'a Robot,
@@ -37,8 +37,8 @@ impl<'a> AttachmentTree<'a> {
         Self { robot, carrier: vec![None; robot.joints.len()], standing: None }
     }
 
-    /// The robot's tree with the given objects (free-flyer roots) hung on their carriers. Objects that cannot be hung as
-    /// asked (see [`Self::hang`]) stay where they were.
+    /// The robot's tree with the given objects (free-flyer roots) attached to their carriers. Objects that cannot be attached as
+    /// requested (see [`Self::hang`]) stay where they were.
     #[must_use]
     pub fn with_carried(robot: &'a Robot, carried: impl IntoIterator<Item = (JointIndex, Option<JointIndex>)>) -> Self {
         let mut tree = Self::new(robot);
@@ -48,7 +48,7 @@ impl<'a> AttachmentTree<'a> {
         tree
     }
 
-    /// Hangs an object on a carrier. Returns false, and changes nothing, where the object is carried already or would
+    /// Attaches an object to a carrier. Returns false, and changes nothing, where the object is carried already or would
     /// carry itself.
     ///
     /// # Panics
@@ -61,8 +61,8 @@ impl<'a> AttachmentTree<'a> {
         true
     }
 
-    /// Hangs the world on a body of a robot that flies freely; its root is then carried. Comes after all objects have been
-    /// hung. Returns the robot's root, or `None`, and changes nothing, where a robot stands already, or the body is no
+    /// Attaches the world to a body of a robot that flies freely; its root is then carried. Comes after all objects have been
+    /// attached. Returns the robot's root, or `None`, and changes nothing, where a robot stands already, or the body is no
     /// foot: a root itself, or on nothing that flies freely.
     ///
     /// # Panics
@@ -91,19 +91,19 @@ impl<'a> AttachmentTree<'a> {
         self.carrier[joint.at()].is_some()
     }
 
-    /// The body on which this one hangs.
+    /// The body to which this one is attached.
     #[must_use]
     pub fn parent(&self, joint: JointIndex) -> Option<JointIndex> {
         self.carrier[joint.at()].unwrap_or(self.robot.joints[joint.at()].parent)
     }
 
-    /// The body and those on which it hangs, outermost first, up to the world.
+    /// The body and those to which it is attached, outermost first, up to the world.
     pub fn line(&self, joint: JointIndex) -> impl Iterator<Item = JointIndex> + '_ {
         std::iter::successors(Some(joint), |&j| self.parent(j))
     }
 
-    /// The body (or the world) and those on which it hangs, outermost first. Where a robot stands, the world hangs on its
-    /// foot, and its root is what all else hangs on.
+    /// The body (or the world) and those to which it is attached, outermost first. Where a robot stands, the world is attached to its
+    /// foot, and its root is what all else is attached to.
     pub fn chain(&self, joint: Option<JointIndex>) -> impl Iterator<Item = JointIndex> + '_ {
         let below_world = self.standing.map(|standing| standing.foot);
         let is_last = move |joint| self.standing.is_some_and(|standing| standing.root == joint);
@@ -113,7 +113,7 @@ impl<'a> AttachmentTree<'a> {
     }
 
     /// The bodies between two: those above `a` (outermost first) and those above `b` (innermost first), without the
-    /// bodies that both hang on, for these move neither relative to the other.
+    /// bodies that both are attached to, for these move neither relative to the other.
     #[must_use]
     pub fn between(&self, a: Option<JointIndex>, b: Option<JointIndex>) -> (Vec<JointIndex>, Vec<JointIndex>) {
         let (mut up, mut down): (Vec<_>, Vec<_>) = (self.chain(a).collect(), self.chain(b).collect());

@@ -28,7 +28,7 @@ impl LaneKinematics {
         Self::of_bodies(robot, all)
     }
 
-    /// The bodies on which one hangs, and itself, in this order.
+    /// The bodies to which one is attached, and itself, in this order.
     #[must_use]
     pub fn chain_to(robot: &Robot, tip: JointIndex) -> Self {
         let mut bodies: Vec<_> = std::iter::successors(Some(tip), |&j| robot.joints[j.at()].parent).collect();

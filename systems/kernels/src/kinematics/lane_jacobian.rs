@@ -104,7 +104,7 @@ impl LaneColumn {
     }
 }
 
-/// The Jacobian of a frame that hangs on a chain of joints.
+/// The Jacobian of a frame that is attached to a chain of joints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LaneJacobian {
     columns: Vec<LaneColumn>,

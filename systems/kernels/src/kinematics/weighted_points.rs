@@ -1,7 +1,7 @@
 //! Weighted sums of points on many bodies, seen from one body: where a centre of mass is, and how joints move it.
 //!
 //! Read from that body outwards, every joint moves what lies beyond it: the motion of the sum is the joint's motion of the
-//! *moment* Σ wₖpₖ of the points beyond. One pass over the tree finds all moments; nothing is looked at once per point
+//! *moment* Σ wₖpₖ of the points beyond. One pass over the tree finds all moments; nothing is computed once per point
 //! and joint.
 
 use super::jacobian::{AttachmentTree, Column};

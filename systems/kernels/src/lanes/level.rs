@@ -32,7 +32,7 @@ pub trait Kernel {
     fn run<I: Isa>(self, isa: I) -> Self::Output;
 }
 
-/// A level that this machine does not have, or nobody.
+/// A level that this machine does not have, or that does not exist.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("there is no SIMD level `{name}` here; this machine has {}", here.join(", "))]
 pub struct UnknownLevel {
@@ -97,7 +97,7 @@ impl Level {
     /// The level of that name: `scalar`, `avx2`, `avx512`, `neon` or `simd128`.
     ///
     /// # Errors
-    /// A name that nobody knows or this machine does not have.
+    /// A name that is unknown or that this machine does not have.
     pub fn named(name: &str) -> Result<Self, UnknownLevel> {
         let levels = Self::available();
         let found = levels.iter().find(|level| level.name() == name).copied();

@@ -17,7 +17,7 @@ pub(crate) struct LaneSystem<'a, R> {
     pub frozen: &'a [u32],
 }
 
-/// Which rows of a Jacobian are looked at.
+/// Which rows of a Jacobian are used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Rows {
     Every,
@@ -271,7 +271,7 @@ mod tests {
         ((row * 131 + column * 17 + lane * 7 + 3) as f64 * 0.618_034).fract() * 2.0 - 1.0
     }
 
-    /// Rows 1 and 2 of five are zero where only three are looked at.
+    /// Rows 1 and 2 of five are zero where only three are used.
     fn entry(rows: Rows, row: usize, column: usize, lane: usize) -> f64 {
         if rows == Rows::ThreeOfFive && (row == 1 || row == 2) { 0.0 } else { number(row, column, lane) }
     }

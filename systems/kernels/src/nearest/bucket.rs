@@ -6,11 +6,11 @@ use crate::nearest::metric::Metric;
 use crate::nearest::queries::{BucketQueries, Seeker};
 use crate::nearest::scan::{Bounds, CHUNK, LANES, PASS, Place, Scan, Within, width};
 
-/// Queries that go over a bucket together: so many take turns at a chunk while it lies in the cache.
+/// Queries that go over a bucket together: so many alternate on a chunk while it lies in the cache.
 const TOGETHER: usize = 16;
 
 /// So few configurations are measured in less time than bounds of them are found, for four queries at once on 33 rows in as
-/// much. A tree that is planted often has no more on a leaf.
+/// much. A tree of the lazy extension often has no more on a leaf.
 const FEW: usize = 2;
 
 /// Relative error of a sum of squares in lanes, with room to spare for some hundred rows.

@@ -9,7 +9,7 @@ pub trait Seeker {
     /// The distance beyond which nothing is wanted by a query, by its number. It may fall whenever something is measured.
     fn cutoff(&self, query: usize) -> f64;
 
-    /// Looks at a configuration that may be within the cutoff of a query.
+    /// Measures a configuration that may be within the cutoff of a query.
     fn measure(&mut self, query: usize, id: u32);
 }
 

@@ -1,7 +1,7 @@
-//! What carries each object in a state: which constraint says where it hangs, and in which order the objects follow.
+//! What carries each object in a state: which constraint says where it is attached, and in which order the objects follow.
 //!
 //! Grippers may sit on objects (magnets), and surfaces on objects may carry others, so who carries whom can be a chain;
-//! it must not be a circle. An object that lies somewhere hangs there. Of the grasps of any other, the first in the
+//! it must not be a circle. An object that lies somewhere is attached there. Of the grasps of any other, the first in the
 //! state's order that closes no circle carries it, and further ones are rows. A grasp of a handle that is not on an
 //! object's root carries nothing: the door moves, not the fridge.
 
@@ -15,13 +15,13 @@ use glam::DQuat;
 /// The carriers of a state's objects.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Carriers {
-    /// By object: the constraint whose value says how it hangs; none where nothing determines it wholly.
+    /// By object: the constraint whose value says how it is attached; none where nothing determines it wholly.
     pub of: Vec<Option<ConstraintId>>,
     /// The carried objects, a carrier before what it carries.
     pub order: Vec<usize>,
 }
 
-/// The chain of bodies that objects hang on, while it is found out.
+/// The chain of bodies that objects are attached to, while it is found out.
 #[derive(Clone, Debug)]
 pub struct Chain<'a> {
     robot: &'a Robot,
@@ -57,7 +57,7 @@ impl<'a> Chain<'a> {
         self.carrier[object].is_some()
     }
 
-    /// Hangs an object on a body; false, and nothing changes, where it is carried already or would carry itself.
+    /// Attaches an object to a body; false, and nothing changes, where it is carried already or would carry itself.
     pub fn hang(&mut self, object: usize, body: Option<JointIndex>) -> bool {
         if self.is_carried(object) || self.hangs_on(body, object) {
             return false;
@@ -66,7 +66,7 @@ impl<'a> Chain<'a> {
         true
     }
 
-    /// Hangs objects on the grippers that hold them by their roots, in order, those first that are held rigidly; `hung`
+    /// Attaches objects to the grippers that hold them by their roots, in order, those first that are held rigidly; `hung`
     /// hears the number of the grasp and the object.
     pub fn hold<'g>(
         &mut self,
@@ -84,7 +84,7 @@ impl<'a> Chain<'a> {
         }
     }
 
-    /// Whether a body hangs on an object, or is part of it.
+    /// Whether a body is attached to an object, or is part of it.
     fn hangs_on(&self, mut body: Option<JointIndex>, object: usize) -> bool {
         // No chain is longer than there are objects.
         for _ in 0..=self.carrier.len() {
@@ -97,7 +97,7 @@ impl<'a> Chain<'a> {
         true
     }
 
-    /// How many objects there are between an object and what does not hang.
+    /// How many objects are between an object and a body that is attached to nothing.
     fn depth(&self, object: usize) -> usize {
         let below = |&object: &usize| self.object_of(self.carrier[object].flatten());
         std::iter::successors(Some(object), below).take(self.carrier.len()).count()
@@ -157,7 +157,7 @@ pub fn is_rigid(grasp: &Grasp, root: Option<JointIndex>) -> bool {
     root.is_some() && grasp.handle.joint == root && (grasp.mask | grasp.complement) == Mask::ALL
 }
 
-/// The documents of a grasp. A handle on a link that hangs on its part's root by joints that never move is read as a
+/// The documents of a grasp. A handle on a link that is attached to its part's root by joints that never move is read as a
 /// handle on the root.
 ///
 /// # Errors

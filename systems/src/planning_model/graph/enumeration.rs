@@ -1,6 +1,6 @@
 //! Builds the constraint graph of a problem: P1 Algorithm 1, with the waypoints of P0 §III-C.
 //!
-//! A state is one of the problem's own states (one that demands nothing, where there are none), an injective map from some
+//! A state is one of the problem's own states (one without constraints, where there are none), an injective map from some
 //! grippers to handles, and for every object that nothing holds the body on which it lies (or it stays where it is, when it
 //! has no surfaces). A transition adds or takes away one grasp, or goes from one of the problem's own states to another.
 //! Between two states lie waypoints; for a grasp in HPP's order and numbering (its factory's `_pregrasp`, `_intersec`,
@@ -228,7 +228,7 @@ impl Builder<'_> {
         self.with_twin(name, from, to, legs)
     }
 
-    /// What `state` demands and `other` does not.
+    /// What `state` requires and `other` does not.
     fn difference(&self, state: StateId, other: StateId) -> Vec<ConstraintId> {
         let other = &self.graph.state(other).manifold;
         self.graph.state(state).manifold.iter().copied().filter(|c| !other.contains(c)).collect()

@@ -1,7 +1,7 @@
 //! The constraint graph (P0 §II-D, P1 Algorithm 1): built whole, or growing while it is searched.
 //!
 //! `support_placement` says how an object may rest, `attachment_order` in which order the objects of a state follow their
-//! carriers. `checks` refuses problems of which no graph can be built. `state_keys` tells states apart by what they demand,
+//! carriers. `checks` refuses problems of which no graph can be built. `state_keys` distinguishes states by what they require,
 //! `transitions` makes the transitions between them. `enumeration` builds a whole graph from these; `lazy_graph` builds the
 //! same states and transitions one by one.
 

@@ -1,5 +1,5 @@
-//! What tells the states of a constraint graph apart, and what each of them demands; asked of the problem's documents, so
-//! that a state need not exist to be known.
+//! What distinguishes the states of a constraint graph, and what each of them requires. Both follow from the problem's documents, so
+//! a state need not exist to be known.
 
 use crate::planning_model::graph::attachment_order::{Chain, grasp_of, is_beyond, root_of};
 use crate::planning_model::graph::checks::GraphError;
@@ -196,7 +196,7 @@ impl<'a> StateKeys<'a> {
         manifold
     }
 
-    /// What holds an object in place while nobody holds it.
+    /// What keeps an object in place while no gripper holds it.
     pub fn resting_constraint(&self, object: usize, on: Option<JointIndex>) -> ConstraintKind {
         let rests = !self.documents.bodies[object].is_empty();
         let object = object as u32;

@@ -1,6 +1,6 @@
-//! How an object rests while nobody holds it: polygons on polygons (P0 §II-C.1), or a frame on a plane.
+//! How an object rests while no gripper holds it: polygons on polygons (P0 §II-C.1), or a frame on a plane.
 //!
-//! Supports are grouped by the body that carries them, for it is the body on which the object hangs while it lies there.
+//! Supports are grouped by the body that carries them, because the object is attached to that body while it lies there.
 
 use foliate_components::Pose;
 use foliate_components::constraint::{Constraint, Frame, Placement, Reference, RelativePose, Row};

@@ -1,7 +1,7 @@
 //! Whether a separating direction that an exact query found in one lane also separates the pair in the other lanes.
 //!
 //! The direction moves with the nearest common ancestor of the two bodies. Where a mesh has a hull, the support of the hull
-//! counts instead of that of its outer form. The kernel is apart from the sweep because the callers run it between exact
+//! counts instead of that of its bounding volume. The kernel is apart from `block_of_samples` because the callers run it between exact
 //! queries, on one pair at a time.
 
 use crate::collision::broad_phase::bounds::form_along;

@@ -1,6 +1,6 @@
-//! The sweep over the open pairs of one block: it keeps those that the bounds do not prove free.
+//! The loop over the open pairs of one block: it keeps those that the bounds do not prove free.
 //!
-//! Where it is asked for, a pair that stays open is also compared by its inner bounds (`scene/inscribed.rs`). Overlaps of more
+//! On request, a pair that stays open is also compared by its inscribed volumes (`scene/inscribed.rs`). Overlaps of more
 //! than the slack are collisions with certainty.
 
 use crate::collision::broad_phase::bounds::{beside_box, between_axes, overlap, reach_along};
@@ -24,7 +24,7 @@ pub(crate) struct BroadPhase<'a> {
     pub guard: f64,
     /// Lanes of the block that are of interest.
     pub lanes: u16,
-    /// Pairs to look at, those of a group side by side.
+    /// Pairs to test, those of a group side by side.
     pub open: &'a [Open],
     /// Those that stay open.
     pub rest: &'a mut Vec<Open>,

@@ -1,6 +1,6 @@
 //! Bounds on the distance of two placed solids, in lanes.
 //!
-//! `beside_box`, `form_along`, `reach_along` and `between_axes` give lower bounds of the distance from the outer forms. `overlap`
+//! `beside_box`, `form_along`, `reach_along` and `between_axes` give lower bounds of the distance from the bounding volumes. `overlap`
 //! gives a lower bound of the penetration from the inscribed capsules. All are pure functions of placed rows; which bounds to
 //! try, and in which order, is decided in `block_of_samples`.
 
@@ -116,7 +116,7 @@ pub(crate) fn overlap<I: Isa>(
     let u = a.columns[inscribed[0].along].scaled(I::F32::splat(isa, ha));
     let v = b.columns[inscribed[1].along].scaled(I::F32::splat(isa, hb));
     let (s, t) = nearest::<I>(isa, [(u, ha), (v, hb)], r);
-    // Of the point on either axis: where it is, from the centre of the other's outer bounds.
+    // Of the point on either axis: where it is, from the centre of the other's bounding volume.
     let p = u.scaled_plus(s, apart.plus(from_a));
     let q = v.scaled_plus(t, from_b.minus(apart));
     let between = p.minus(v.scaled_plus(t, from_b));
@@ -133,7 +133,7 @@ pub(crate) fn overlap<I: Isa>(
     least
 }
 
-/// From the centre of the outer bounds to that of the inner ones, in the world.
+/// From the centre of the bounding volume to that of the inscribed one, in the world.
 #[inline(always)]
 fn off_center<I: Isa>(isa: I, inscribed: &InscribedVolume, axes: &Rotation<I::F32>) -> Vector3<I::F32> {
     let [x, y, z] = inscribed.middle;

@@ -8,7 +8,7 @@
 //! the gap along the direction that they give, which is a bound whatever the direction is.
 //!
 //! `placed` places clusters, joint axes and solids of a block in lanes, and bounds how far each group can approach. `bounds`
-//! holds the distance bounds of placed solids. `block_of_samples` builds on both: it sweeps over the open pairs of a block.
+//! holds the distance bounds of placed solids. `block_of_samples` builds on both: it tests the open pairs of a block.
 //! `along` builds on both as well: it tests one known separating direction in the other lanes of the block. `open_pairs` holds
 //! the results that both return.
 

@@ -1,7 +1,7 @@
-//! The state that passes between broad phase and exact queries: open pairs, and lanes that surely collide.
+//! The state that passes between broad phase and exact queries: open pairs, and lanes that collide with certainty.
 //!
 //! An `Open` names a pair, or a whole group, and the lanes of a block in which the bounds do not prove it free. `Hits` collects
-//! the lanes in which inner bounds prove a collision. The types are apart because the sweep, `along`, the discrete checks and
+//! the lanes in which inscribed volumes prove a collision. The types are apart because `block_of_samples`, `along`, the discrete checks and
 //! the certifier all use them.
 
 use crate::collision::samples::interval::LANES;

@@ -17,7 +17,7 @@ use glam::DVec3;
 /// Rounding of single-precision bounds, as a share of the largest coordinate.
 const SLACK: f32 = 64.0 / 16_777_216.0;
 
-/// Buffers of the sweep. Rows are valid for one block.
+/// Buffers of the broad phase. Rows are valid for one block.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BroadPhaseScratch {
     /// By cluster: centre of its ball in the world.

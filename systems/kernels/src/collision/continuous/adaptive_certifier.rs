@@ -6,7 +6,7 @@
 //! from the middle of the motion outwards; a direction that sets a pair apart at one sample is tried at the others before they
 //! are asked (`Along`). Intervals that are still open go on to the next round, cut again, with their open pairs alone. Rounds
 //! go from long intervals to short ones, so that a collision anywhere is met after few samples, and nothing right of a known
-//! collision is looked at again. Intervals that cover the motion are the certificate: nothing tunnels at any speed
+//! collision is tested again. Intervals that cover the motion are the certificate: nothing tunnels at any speed
 //! (Schwarzer, Saha and Latombe 2005).
 
 use crate::collision::broad_phase::along::Along;
@@ -107,7 +107,7 @@ impl<'a> AdaptiveCertifier<'a> {
         }
     }
 
-    /// Every pair that matters is open everywhere, but for those that are tied together well enough.
+    /// Every pair that matters is open everywhere, but for rigid pairs that are close enough to rigid.
     fn open_all(&mut self, block: &mut Block, scratch: &CollisionScratch) {
         let NarrowPhase { scene, pairs, settings } = self.narrow_phase;
         let lanes = all_lanes(block.intervals.len());

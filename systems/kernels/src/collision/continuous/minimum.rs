@@ -4,7 +4,7 @@
 //! says so; what it knows of the clearance besides is far below the truth. Here the question is how much it is. At the middle
 //! of an interval a pair has a distance, and over the interval it comes closer by no more than `samples/motion_bound.rs` says:
 //! that gives both a value that is reached and a bound that holds. Pairs whose bound over an interval is good enough for the
-//! least value found so far are done there; the others are looked at in halves. Pairs that do not move are asked once.
+//! least value found so far are done there; the others are divided into halves. Pairs that do not move are measured once.
 
 use crate::collision::continuous::minimum_settings::{MinimumClearance, MinimumSettings, Nearest};
 use crate::collision::convex::gjk::DistanceQuery;
@@ -170,7 +170,7 @@ impl Minimum<'_> {
         MinimumClearance { lower, nearest: self.nearest, is_cut_short, queries: self.queries }
     }
 
-    /// Looks at all pairs where the motion begins, the nearest by bounds first: that is all there is to pairs that do not move.
+    /// Measures all pairs where the motion begins, the nearest by bounds first. Pairs that do not move need no more.
     fn at_the_start(&mut self, scratch: &mut CollisionScratch) {
         let mut poses = std::mem::take(&mut scratch.X_WJ);
         poses.clear();
@@ -200,7 +200,7 @@ impl Minimum<'_> {
         }
     }
 
-    /// Looks at what moves, from whole pieces to ever shorter parts of them.
+    /// Measures what moves, from whole pieces to ever shorter parts of them.
     fn along(
         &mut self,
         (kinematics, rigid_attachments, knots): (&Kinematics, &[RigidAttachment], &[f64]),
@@ -246,7 +246,7 @@ impl Minimum<'_> {
         self.lower = open.iter().fold(self.lower, |lower, open| lower.min(open.lower));
     }
 
-    /// Everything that moves is open, but for pairs that are tied together well enough.
+    /// Everything that moves is open, but for rigid pairs that are close enough to rigid.
     fn open_all(&mut self, moving: &[ActiveGroup], scratch: &CollisionScratch) -> Vec<Open> {
         let mut open = Vec::with_capacity(moving.len());
         for (number, active) in moving.iter().enumerate() {
@@ -313,7 +313,7 @@ impl Minimum<'_> {
         }
     }
 
-    /// Looks at a pair where the bodies are, notes how close it is there if that is news, and returns what bounds its
+    /// Measures a pair where the bodies are, notes how close it is there if that is news, and returns what bounds its
     /// clearance over the part around it.
     fn look_at(&mut self, id: PairId, here: &Here<'_>, scratch: &mut CollisionScratch) -> f64 {
         let (scene, margin) = (self.scene, self.pairs.margin(id));

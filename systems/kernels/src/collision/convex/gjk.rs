@@ -2,7 +2,7 @@
 //!
 //! Every direction n gives a separating slab: no point of A − B lies nearer to the origin than n · support(−n). That
 //! number is what is returned, computed anew from the supports, so a result cannot be too large whatever the simplex
-//! did on the way. If the walk ends early (flat simplices, too many steps) the bound is merely loose, which by the
+//! did on the way. If the iteration ends early (flat simplices, too many steps) the bound is merely loose, which by the
 //! house's rule reads *in collision*. It also means that most queries "at least d?" end after one or two supports.
 
 use crate::collision::convex::core::Core;
@@ -12,7 +12,7 @@ use glam::{DMat3, DVec3};
 
 /// Rounding of coordinates up to some tens of metres; taken off every bound. Metres.
 pub(crate) const ROUNDING: f64 = 1e-10;
-/// Walks that have not converged by then end with the bound that they have.
+/// Iterations that have not converged by then end with the bound that they have.
 const MAX_STEPS: usize = 64;
 
 /// How precisely a distance is wanted.

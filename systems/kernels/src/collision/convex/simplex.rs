@@ -5,7 +5,7 @@ use glam::DVec3;
 /// Triangles whose angles' sines square to less have no normal to speak of: they are edges.
 const FLAT: f64 = 1e-20;
 
-/// The simplex that GJK walks with.
+/// The simplex of GJK.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Simplex {
     points: [DVec3; 4],
@@ -145,7 +145,7 @@ fn best<const N: usize>(faces: [Face; N]) -> Face {
 fn tetrahedron(points: &[DVec3; 4]) -> Option<Face> {
     let mut least: Option<Face> = None;
     // The newest vertex is last: only the faces that hold it can be closest, the fourth was the simplex before it came;
-    // it is looked at all the same, since a flat tetrahedron has no inside to tell.
+    // it is tested all the same, since a flat tetrahedron has no inside to tell.
     for [i, j, k, l] in [[0, 1, 3, 2], [1, 2, 3, 0], [2, 0, 3, 1], [0, 1, 2, 3]] {
         let (a, b, c, d) = (points[i], points[j], points[k], points[l]);
         let n = (b - a).cross(c - a);

@@ -1,5 +1,5 @@
-//! Exact verdicts of many configurations, bounds of sixteen of them first: from outside what is surely free, from inside what
-//! surely collides.
+//! Exact verdicts of many configurations, bounds of sixteen of them first: bounding volumes show what is free, inscribed volumes
+//! what collides.
 
 use crate::collision::broad_phase::along::Along;
 use crate::collision::broad_phase::block_of_samples::BroadPhase;
@@ -17,7 +17,7 @@ use glam::DVec3;
 /// For each of `configurations` (whole ones, end to end) what
 /// [`first_collision`](crate::collision::discrete::one::first_collision) says of it, appended to `found`: the first pair,
 /// moving and constant ones, that is not at least its margin + `guard` apart. Pairs that keep their relative pose in all of
-/// sixteen configurations are looked at in one of them, so neighbours on a motion cost least. Where several pairs collide a
+/// sixteen configurations are tested in one of them, so neighbours on a motion cost least. Where several pairs collide a
 /// configuration may name another of them than `first_collision`.
 ///
 /// # Panics
@@ -79,7 +79,7 @@ pub struct Verdicts<'a> {
     pub scene: &'a CollisionScene,
     /// Where bodies are.
     pub kinematics: &'a Kinematics,
-    /// What objects hang on; those that are not named are where their own coordinates say.
+    /// What objects are attached to; those that are not named are where their own coordinates say.
     pub rigid_attachments: &'a [RigidAttachment],
     /// The pairs.
     pub pairs: &'a PairSet,
@@ -127,7 +127,7 @@ impl Verdicts<'_> {
         scratch.verdicts = buffers;
     }
 
-    /// The ones of up to sixteen configurations that collide with certainty, as bounds from inside alone tell; the first is the lowest bit.
+    /// The ones of up to sixteen configurations that collide with certainty, as inscribed volumes alone show; the first is the lowest bit.
     ///
     /// # Panics
     /// If `configurations` is not a whole number of them, or more than sixteen.

@@ -76,7 +76,7 @@ pub fn all_collisions(scene: &CollisionScene, X_WJ: &[Pose], pairs: &PairSet, gu
     contacts(scene, X_WJ, &pairs.margins, guard, |group| !group.fixed)
 }
 
-/// Likewise of the pairs that locked joints hold together ([`CollisionScene::fixed_pairs`]), which no other verdict looks at: if
+/// Likewise of the pairs that locked joints hold together ([`CollisionScene::fixed_pairs`]), which no other verdict tests: if
 /// they keep apart once they do so always. `pairs` says which margins they keep.
 ///
 /// # Panics

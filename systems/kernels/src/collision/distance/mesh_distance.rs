@@ -299,7 +299,7 @@ fn push_in_order<T: Copy + Entry>(stack: &mut [T], from: usize, depth: &mut usiz
     *depth += 1;
 }
 
-/// What is still to be looked at.
+/// What is still to be visited.
 trait Entry {
     /// At most its squared distance.
     fn near(&self) -> f64;
@@ -317,7 +317,7 @@ impl Entry for (u32, u32, f64) {
     }
 }
 
-/// The least distance that still matters: nothing farther need be looked at.
+/// The least distance that still matters: nothing farther need be visited.
 struct Least {
     value: f64,
     floor: f64,

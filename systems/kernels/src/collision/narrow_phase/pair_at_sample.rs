@@ -63,7 +63,7 @@ pub(crate) struct Hints {
 }
 
 impl NarrowPhase<'_> {
-    /// Looks at a pair at a sample; also a direction along which the two are set apart there, zero where none is known.
+    /// Tests a pair at a sample; also a direction along which the two are set apart there, zero where none is known.
     pub(crate) fn at(
         &self,
         id: PairId,

@@ -15,8 +15,8 @@ use foliate_components::Pose;
 use foliate_components::robot::JointIndex;
 use glam::DVec3;
 
-/// The tie that keeps the two clusters of a group together along a motion: where all joints between each of them and one
-/// of the tie's bodies stand still.
+/// The rigid pair that keeps the two clusters of a group together along a motion: where all joints between each of them and one
+/// of the pair's bodies stand still.
 pub(crate) fn rigid_pair_of<'a>(
     scene: &CollisionScene,
     pairs: &'a PairSet,
@@ -37,14 +37,14 @@ pub(crate) fn rigid_pair_of<'a>(
 
 /// The nearest joint above a body, its own included, that moves along the motion; none where the body stands still.
 fn mover(tree: &AttachmentTree, motion_samples: &MotionSamples, mut body: Option<JointIndex>) -> Option<JointIndex> {
-    // Carriages close no circle.
+    // Rigid attachments close no circle.
     while let Some(index) = body.filter(|&index| !motion_samples.joint_moves(index.0)) {
         body = tree.parent(index);
     }
     body
 }
 
-/// A clearance that a tied pair keeps along the whole motion, metres: at least `keep`, or nothing is known.
+/// A clearance that a pair of shapes on a rigid pair keeps along the whole motion, metres: at least `keep`, or nothing is known.
 pub(crate) fn kept_clearance(
     scene: &CollisionScene,
     id: PairId,

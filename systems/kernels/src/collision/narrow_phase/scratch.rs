@@ -25,7 +25,7 @@ pub(crate) struct CertifierScratch {
     /// The blocks of this round and of the next; those from `used` on are spare.
     pub(crate) rounds: [Vec<Block>; 2],
     pub(crate) used: [usize; 2],
-    /// What is left of the block being looked at.
+    /// What is left of the current block.
     pub(crate) rest: Vec<Open>,
 }
 

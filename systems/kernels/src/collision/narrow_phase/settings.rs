@@ -1,4 +1,4 @@
-//! Settings of certificates: guard, resolution, limits on samples, and how far tied bodies may move.
+//! Settings of certificates: guard, resolution, limits on samples, and how far rigid pairs may move.
 //!
 //! They are apart because the query of one pair, the certifier and the public verdicts all read them.
 
@@ -14,12 +14,12 @@ pub struct CertificateSettings {
     pub prefix_resolution: f64,
     /// Whether to stop at the first collision found, without looking for the valid prefix.
     pub all_or_nothing: bool,
-    /// Whether the start is known to be free: pairs that do not move along this motion are then not looked at.
+    /// Whether the start is known to be free: pairs that do not move along this motion are then not tested.
     pub start_is_free: bool,
-    /// Configurations that may be looked at; a motion that needs more is free up to where it is certified by then.
+    /// Configurations that may be tested; a motion that needs more is free up to where it is certified by then.
     pub max_samples: u32,
-    /// How far along the motion the relative pose of bodies that are tied together may leave that at its start: metres of the
-    /// tie's origin, and radians. Infinite where nothing is known: ties then say nothing.
+    /// How far along the motion the relative pose of a rigid pair may leave that at its start: metres of the
+    /// pair's origin, and radians. Infinite where nothing is known: rigid pairs then prove nothing.
     pub rigid_within: f64,
 }
 

@@ -19,7 +19,7 @@ pub(crate) struct Interval {
     depth: u32,
 }
 
-/// Where an interval is looked at.
+/// Where an interval is sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Sample {
     /// At a knot, as the middle of a span.

@@ -1,7 +1,7 @@
 //! How far two bodies can come closer along a straight motion.
 //!
 //! V = Σ |Δᵢ| rᵢ over the joints between the two bodies in the attachment tree (HPP's `velocityBound`), where rᵢ is at least the distance from joint i's axis to any point of the moving body over the whole
-//! interval. Two bounds on rᵢ are at hand, and the smaller counts: the static reach of the chain beyond the joint, and the
+//! interval. There are two bounds on rᵢ, and the smaller counts: the static reach of the chain beyond the joint, and the
 //! distance at the sample plus what the joints beyond it can add within the interval.
 //!
 //! Where a direction n separates the two, less is enough ([`MotionBound::of_pair_along`]): only the speed along n at the
@@ -19,7 +19,7 @@ use foliate_components::Pose;
 use foliate_components::robot::JointType;
 use glam::DVec3;
 
-/// Radians turned by all joints together within half an interval, beyond which directions are not looked at.
+/// Radians turned by all joints together within half an interval, beyond which directions are not used.
 pub(crate) const FINE: f64 = 0.8;
 
 /// Bounds for one straight motion; buffers are reused from motion to motion.
@@ -131,7 +131,7 @@ impl MotionBound {
     }
 
     /// At most this far, in metres, do the shapes of a pair come closer or move apart anywhere in the interval, compared to
-    /// the sample; 0 for pairs that do not move on the leaf. Of use for looking at bounds: the certificate asks by group.
+    /// the sample; 0 for pairs that do not move on the leaf. For inspecting bounds: the certificate uses groups.
     ///
     /// # Panics
     /// If `pair` is not the scene's, or `X_WJ` is too short.

@@ -22,7 +22,7 @@ use glam::{DMat3, DQuat, DVec3};
 /// Sines in lanes are exact up to here, radians; beyond it nothing is proved.
 const FARTHEST: f64 = 1e5;
 
-/// What is known of a motion, and of the block being looked at. Buffers are reused from motion to motion.
+/// What is known of a motion, and of the current block. Buffers are reused from motion to motion.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MotionSamples {
     /// By joint: whether it moves its body somewhere along the motion.
@@ -135,7 +135,7 @@ impl MotionSamples {
         self.make_room(scene, pairs);
     }
 
-    /// Lists the bodies that move, each behind what it hangs on.
+    /// Lists the bodies that move, each behind what it is attached to.
     fn find_what_moves(&mut self, scene: &CollisionScene, rigid_attachments: &[RigidAttachment], passes: usize) {
         let joints = scene.joints.len();
         self.body_moves.clear();

@@ -51,9 +51,9 @@ impl SceneJoint {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Step {
     pub body: u32,
-    /// The body that it hangs on; none for the world.
+    /// The body that it is attached to; none for the world.
     pub parent: Option<u32>,
-    /// Where it hangs (with joint: at zero).
+    /// Where it is attached (with joint: at zero).
     pub hangs: Pose,
     pub motion: Option<JointType>,
     /// First of its rows in `values`.

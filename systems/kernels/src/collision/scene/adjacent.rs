@@ -12,7 +12,7 @@ use glam::DQuat;
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
-/// Values of a joint that are looked at, both ends of its range included.
+/// Values of a joint that are tested, both ends of its range included.
 const VALUES: u32 = 17;
 
 /// The link pairs of a part that one joint joins ([`Robot::joined_links`]) and of which some shapes touch at each of 17 values,
@@ -63,7 +63,7 @@ fn touch_always(joint: &Joint, carrier: &[SceneSolid], moved: &[SceneSolid]) -> 
     })
 }
 
-/// Where a joint of one coordinate is looked at.
+/// Where a joint of one coordinate is tested.
 fn values(joint: &Joint) -> Option<Vec<f64>> {
     let (low, high) = match joint.motion {
         JointType::Revolute { .. } => {

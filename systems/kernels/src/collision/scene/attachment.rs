@@ -1,4 +1,4 @@
-//! The attachment tree: who moves whom on a leaf. An object that is carried hangs on its carrier.
+//! The attachment tree: who moves whom on a leaf. An object that is carried is attached to its carrier.
 
 use crate::collision::scene::collision_scene::CollisionScene;
 use crate::collision::scene::scene_joint::SceneJoint;
@@ -11,7 +11,7 @@ use glam::DVec3;
 pub(crate) struct AttachmentTree {
     /// By body: the nearest body, itself included, that moves on its own; none where it is fixed to the world.
     class: Vec<Option<JointIndex>>,
-    /// By body: what it hangs on, its carrier where it is carried.
+    /// By body: what it is attached to, its carrier where it is carried.
     parents: Vec<Option<JointIndex>>,
     /// By body: its chain, distal joints first.
     chains: Vec<Chain>,
@@ -30,7 +30,7 @@ pub(crate) struct Chain {
 pub(crate) struct ChainLink {
     pub joint: u32,
     /// At least the distance of any point of the body from the joint's axis (free-flyers: origin), whatever the joints
-    /// between them do, not counting how far those of them that translate are from zero; infinite where a carriage is
+    /// between them do, not counting how far those of them that translate are from zero; infinite where a rigid attachment is
     /// between them. Metres.
     pub reach: f64,
 }
@@ -70,7 +70,7 @@ impl AttachmentTree {
         tree
     }
 
-    /// A body and its ancestors. Carriages that carry each other in a circle end after as many steps as there are bodies.
+    /// A body and its ancestors. Rigid attachments that form a circle end after as many steps as there are bodies.
     fn ancestors<'a>(
         &self,
         body: JointIndex,
@@ -113,7 +113,7 @@ impl AttachmentTree {
                 self.links.push(ChainLink { joint: index.0, reach: about_axis });
             }
             let stays = step.joint.is_none_or(|j| matches!(j.motion, JointType::Revolute { .. }));
-            // How an object hangs on its carrier differs from leaf to leaf, and one tree serves them all: beyond it only
+            // How an object is attached to its carrier differs from leaf to leaf, and one tree serves them all: beyond it only
             // distances at the sample bound anything.
             let reach = if step.joint.is_some() { about_origin } else { f64::INFINITY };
             below = Some((reach, step.offset, stays));
@@ -127,7 +127,7 @@ impl AttachmentTree {
         class(a) == class(b)
     }
 
-    /// What a body hangs on; none where that is the world.
+    /// What a body is attached to; none where that is the world.
     pub(crate) fn parent(&self, body: JointIndex) -> Option<JointIndex> {
         self.parents[body.at()]
     }

@@ -217,7 +217,7 @@ fn rigid_classes(joints: &[SceneJoint]) -> Vec<Option<JointIndex>> {
 fn ball_of_all(solids: &[SceneSolid], members: &[u32]) -> Ball {
     let members: Vec<&SceneSolid> = members.iter().map(|&i| &solids[i as usize]).collect();
     let center = members.iter().map(|s| s.ball.center).sum::<DVec3>() / members.len().max(1) as f64;
-    // Balls stand for meshes here, whose every vertex would be looked at hundreds of times.
+    // Balls stand for meshes here, whose every vertex would be visited hundreds of times.
     let farthest = |from: DVec3| {
         let points = members.iter().map(|s| match s.solid {
             Solid::Convex(_) => s.X_JS.transform_point(crate::collision::solids::solid::farthest(

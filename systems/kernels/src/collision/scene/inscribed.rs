@@ -5,7 +5,7 @@
 //! the overlap, whichever point it is; tried are those where the two axes come closest. Against a convex solid the point is measured
 //! exactly, so that only one of the two has to be slender.
 //!
-//! "Surely colliding" is said where overlap exceeds rounding. The exact query, which gives lower bounds of distances, then gives
+//! A pair counts as colliding with certainty where the overlap exceeds rounding. The exact query, which gives lower bounds of distances, then gives
 //! one that is not positive, or, where a mesh lies all inside or around the other solid, the question of containment says yes: an
 //! odd number of crossings cannot change along a way that meets no triangle.
 
@@ -26,13 +26,13 @@ pub(crate) const SURE: f64 = 10.0 * ROUNDING;
 pub(crate) struct InscribedVolume {
     /// A capsule, in the frame of the solid's body or in the world.
     pub(crate) capsule: Capsule,
-    /// For bounds in lanes, in single precision: its middle in the frame of the outer bounds' axes, from their centre, and along which
+    /// For bounds in lanes, in single precision: its middle in the frame of the bounding volume's axes, from their centre, and along which
     /// of these axes it lies.
     pub middle: [f32; 3],
     pub along: usize,
     pub half_length: f32,
     pub radius: f32,
-    /// Whether the form that the outer bounds have is the solid itself.
+    /// Whether the bounding volume is the solid itself.
     pub fills: bool,
 }
 

@@ -5,7 +5,7 @@ use foliate_components::problem::Margin;
 use foliate_components::robot::{DisabledPair, JointIndex, LinkIndex, Robot};
 use std::collections::{HashMap, HashSet};
 
-/// What narrows the pairs besides the robot's own disabled pairs. By default nothing does: what is left out is what somebody
+/// What narrows the pairs besides the robot's own disabled pairs. By default nothing does: what is left out is what a file or a host
 /// lists.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PairRule<'a> {

@@ -18,7 +18,7 @@ use crate::collision::solids::volumes::{Ball, Capsule};
 use foliate_components::Pose;
 use glam::DVec3;
 
-/// What inner bounds say of two solids of a scene whose bodies have these poses: minus how far they overlap at least, metres;
+/// What inscribed volumes show of two solids of a scene whose bodies have these poses: minus how far they overlap at least, metres;
 /// none where they do not overlap by more than rounding.
 pub(crate) fn overlap(a: &SceneSolid, X_WI: &Pose, b: &SceneSolid, X_WJ: &Pose) -> Option<f64> {
     let (inner_a, inner_b) = (a.inscribed.as_ref()?.capsule.moved(X_WI), b.inscribed.as_ref()?.capsule.moved(X_WJ));

@@ -6,7 +6,7 @@ use crate::kinematics::forward::RigidAttachment;
 use foliate_components::robot::{JointIndex, LinkIndex};
 use glam::DVec3;
 
-/// The pairs of a scene on a leaf with given carriages: those whose relative pose can change along a motion on the leaf,
+/// The pairs of a scene on a leaf with given rigid attachments: those whose relative pose can change along a motion on the leaf,
 /// and those for which it cannot (P1, future work). Built once per leaf or transition and kept by the caller.
 #[derive(Clone, Debug)]
 pub struct PairSet {
@@ -114,7 +114,7 @@ fn pairs_of(scene: &CollisionScene, group: u32) -> impl Iterator<Item = PairId> 
 
 /// Two bodies that keep their relative pose to within little along every motion that a [`PairSet`] is for, whatever joints do:
 /// within what [`CertificateSettings::rigid_within`](crate::collision::narrow_phase::settings::CertificateSettings::rigid_within)
-/// says, which whoever sets it must have proved of the motion.
+/// says; the caller must have proved that of the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigidPair {
     /// One body; `None` for the world.

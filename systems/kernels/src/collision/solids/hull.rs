@@ -130,7 +130,7 @@ impl Hull {
         let mut simplex = Simplex::of(closest);
         met.0.clear();
         met.0.push((closest, 0));
-        // Whatever the walk does, `closest` is a point of the hull, seen from the vertex.
+        // Whatever the search does, `closest` is a point of the hull, seen from the vertex.
         for _ in 0..32 {
             let length = closest.length();
             let place = self.lanes.run(Farthest { rows: &self.rows, d: -closest });
@@ -148,7 +148,7 @@ impl Hull {
     }
 }
 
-/// The points that a walk has met, seen from where it walks, and their places.
+/// The points that a search has met, relative to its query point, and their places.
 #[derive(Default)]
 struct Met(Vec<(DVec3, u8)>);
 

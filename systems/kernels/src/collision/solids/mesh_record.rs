@@ -1,6 +1,6 @@
 //! What takes long to find out about a mesh, and the proof that something found earlier holds.
 //!
-//! A [`MeshRecord`] lets a tree be built without the search for medians, extreme points and walks over the hull. Where it comes from is
+//! A [`MeshRecord`] lets a tree be built without the search for medians, extreme points and searches over the hull. Where it comes from is
 //! not known here, so that nothing of it is believed: boxes are computed from the triangles in whatever order they have, and how far a
 //! vertex is beyond the hull from the few points that it is said to be near. A record that does not hold is left aside.
 
@@ -26,7 +26,7 @@ pub fn record_while(mesh: &Mesh, go_on: &dyn Fn() -> bool) -> Option<MeshRecord>
     findings(mesh, go_on).filter(|record| go_on() && proves(mesh, record))
 }
 
-/// Whether a tree may be built from a record: all that an answer hangs on is computed anew from the mesh. Costs a tenth of finding
+/// Whether a tree may be built from a record: all that an answer depends on is computed anew from the mesh. Costs a tenth of finding
 /// it.
 #[must_use]
 pub fn proves(mesh: &Mesh, record: &MeshRecord) -> bool {
@@ -72,7 +72,7 @@ fn is_permutation(order: &[u32], count: usize) -> bool {
     order.len() == count && order.iter().all(is_new)
 }
 
-/// Whether vertices that are said to be at one position are. Others may be too, which only makes more of what hangs together: then a
+/// Whether vertices that are said to be at one position are. Others may be too, which only makes connected pieces larger: then a
 /// witness is asked for more than once.
 fn are_at_one_position(same: &[u32], vertices: &[DVec3]) -> bool {
     let holds = |(i, &first): (usize, &u32)| first as usize <= i && vertices[first as usize] == vertices[i];

@@ -5,7 +5,7 @@ use crate::collision::solids::volumes::longest_axis;
 use glam::DVec3;
 use std::ops::Range;
 
-/// A range of as many triangles takes a millisecond: of smaller ones nobody is asked whether to go on.
+/// A range of as many triangles takes a millisecond: smaller ones do not ask whether to go on.
 const LOOK: usize = 1 << 14;
 
 /// The numbers of `triangles` in the order of the last blocks. Whatever it is, a tree over it is a tree; this one has small boxes. None
@@ -37,7 +37,7 @@ pub(crate) fn triangle_order(triangles: &[[DVec3; 3]], go_on: &dyn Fn() -> bool)
 }
 
 /// Cuts a range of more than eight triangles three times in two; all but the last of eight triangles are full. `cut` gets each part
-/// that is cut, and after how many of its triangles, before its halves are looked at.
+/// that is cut, and after how many of its triangles, before its halves are visited.
 pub(crate) fn parts_of(range: Range<usize>, mut cut: impl FnMut(Range<usize>, usize)) -> Vec<Range<usize>> {
     let mut parts = vec![range];
     for _ in 0..WIDE.ilog2() {

@@ -1,4 +1,4 @@
-//! Bounding balls and capsules: what is looked at before anything exact.
+//! Bounding balls and capsules, which are tested before anything exact.
 
 use crate::collision::convex::segments::between_segments;
 use foliate_components::Pose;

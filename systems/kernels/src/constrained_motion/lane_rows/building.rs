@@ -103,7 +103,7 @@ impl Builder {
         self.givens.len() - 1
     }
 
-    /// A body that does not move; given once, whoever asks.
+    /// A body that does not move; the same for every row.
     fn still(&mut self, body: JointIndex) -> usize {
         let same = |given: &Given| matches!(given, Given::Body(known) if *known == body.at());
         self.givens.iter().position(same).unwrap_or_else(|| self.given(Given::Body(body.at())))

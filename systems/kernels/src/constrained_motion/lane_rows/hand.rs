@@ -65,7 +65,7 @@ impl LaneProgram {
             (FrameAt::Body(at, X_JF), FrameAt::Given(stands)) => (at, X_JF, true, stands),
             _ => return None,
         };
-        // A hand may carry what the rows look at: then it is the table of the body beneath that moves by joints.
+        // A hand may carry what the rows depend on: then it is the table of the body beneath that moves by joints.
         let tip = JointIndex(*bodies.get(at)? as u32);
         let mut chain = std::iter::successors(Some(tip), |&j| robot.joints[j.at()].parent);
         let moves = |joint: JointIndex| match robot.joints[joint.at()].source {

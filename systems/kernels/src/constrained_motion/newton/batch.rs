@@ -102,7 +102,7 @@ struct Desk<'a, 'j> {
 /// The jobs in single precision: what comes near enough is to be done in double precision, what fails has failed.
 struct First<'a, 'd, 'j> {
     desk: &'a mut Desk<'d, 'j>,
-    /// First job that nobody has looked at.
+    /// First job that has not been taken.
     next: usize,
     /// Jobs with the steps that they have taken.
     todo: &'a mut Vec<(usize, u32)>,

@@ -30,8 +30,8 @@ pub(crate) trait Queue<R> {
     fn ended(&mut self, lane: usize, end: End, iterations: u32, residual: f64, memory: &LaneMemory<R>);
 }
 
-/// Solves what a queue brings until it is empty, in lanes of double precision. Not for the level `scalar`, at which nobody is
-/// served: the scalar Newton is faster there, and compilers take minutes over these kernels on arrays.
+/// Solves the problems of a queue until it is empty, in lanes of double precision. Not for the level `scalar`: the scalar Newton
+/// is faster there, and compilers take minutes over these kernels on arrays.
 pub(crate) fn solve(
     program: &LaneProgram,
     coordinates: usize,
@@ -248,7 +248,7 @@ fn step<V: Lanes>(
 }
 
 /// Freezes coordinates at a bound that the gradient of ½|e|² pushes outward. With so many lanes there is nearly always one at
-/// some bound and nobody can guess at which: gradients of all are found, and no branch is taken.
+/// some bound, and which one cannot be predicted: gradients of all are found, and no branch is taken.
 #[inline(always)]
 fn freeze_by_gradient<V: Lanes>(isa: V::Isa, program: &LaneProgram, memory: &mut LaneMemory<V::Row>) {
     let LaneMemory { q, values, jacobian, at_bounds, frozen, .. } = memory;

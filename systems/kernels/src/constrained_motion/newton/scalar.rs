@@ -19,9 +19,9 @@ const WIDE: RangeInclusive<usize> = 7..=wide_ldlt::MOST_WIDE;
 
 /// Moves `q` onto the program's constraints, with the leaf parameters `arguments`.
 ///
-/// Coordinates that no row looks at keep their values; locked ones get theirs; free ones end within their bounds exactly.
-/// Eliminated objects are written where their carriers take them (their own bounds are not looked at), the root of a robot
-/// that stands on a foot where that foot puts it (its bounds are looked at in the end). Where the outcome is not
+/// Coordinates that no row depends on keep their values; locked ones get theirs; free ones end within their bounds exactly.
+/// Eliminated objects are written where their carriers take them (their own bounds are not checked), the root of a robot
+/// that stands on a foot where that foot puts it (its bounds are checked in the end). Where the outcome is not
 /// `Converged`, `q` holds the last iterate, and objects and such a root are stale.
 #[must_use]
 pub fn project(

@@ -1,7 +1,7 @@
 //! Where a solve may start so that it is likely to end well: configurations of an arm from all over its reach, kept with the
 //! poses of its hand, of which those nearest to where the hand has to go are found in lanes.
 //!
-//! A table follows from the robot alone: neither start, goal nor objects are looked at, and no random numbers.
+//! A table follows from the robot alone: it uses neither start, goal nor objects, and no random numbers.
 
 use crate::constrained_motion::lane_rows::hand::SeedTarget;
 use crate::constrained_motion::program::constraint_program::ConstraintProgram;

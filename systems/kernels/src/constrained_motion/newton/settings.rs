@@ -69,7 +69,7 @@ pub enum Outcome {
     Contradicted {
         /// Which: index among the constraints of
         /// [`ConstraintProgram::compile`](crate::constrained_motion::program::constraint_program::ConstraintProgram::compile),
-        /// carriages counted before them.
+        /// rigid attachments counted before them.
         constraint: usize,
         /// Its largest row.
         residual: f64,

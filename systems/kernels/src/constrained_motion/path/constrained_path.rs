@@ -1,7 +1,6 @@
-//! One motion under way: from knot to knot, each step as long as can be certified.
+//! A constrained path: one motion, followed from knot to knot, each step as long as can be certified.
 //!
-//! A walk says which configuration it wants solved next, and judges what has become of it; who solves, and what else is solved
-//! beside it, is not its affair.
+//! A path proposes the configuration to solve next, and judges the solution. The caller solves, alone or beside other problems.
 
 use crate::constrained_motion::bounds::point_rates::BoundMemory;
 use crate::constrained_motion::path::settings::{MotionEnd, MotionSettings};
@@ -42,7 +41,7 @@ const SAFETY: f64 = 0.8;
 /// How much longer than the last one a stride may be tried.
 const LARGEST_GROWTH: f64 = 2.0;
 
-/// What walks share: buffers of which none outlives a call.
+/// Buffers that paths share; none outlives a call.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tools {
     pub solve: Scratch,
@@ -53,7 +52,7 @@ pub(crate) struct Tools {
     errors: Vec<f64>,
 }
 
-/// What a walk remembers.
+/// The state of a path between two steps.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PathMemory {
     /// The last knot.
@@ -163,7 +162,7 @@ impl ConstrainedPath<'_> {
         residual
     }
 
-    /// Goes on: `None` where `memory.next` is to be solved, and then judged; else how the walk ended, with the goal as the last
+    /// Goes on: `None` where `memory.next` is to be solved, and then judged; else how the path ended, with the goal as the last
     /// knot where it is reached.
     pub(crate) fn propose(&mut self, knots: &mut Vec<f64>) -> Option<MotionEnd> {
         let attempt = match self.memory.attempt {
@@ -331,7 +330,7 @@ impl ConstrainedPath<'_> {
         if !self.holds(bound, false) {
             return Step::TooLong;
         }
-        // What is left must get shorter, or the walk could circle.
+        // What is left must get shorter, or the path could circle.
         let m = &mut *self.memory;
         m.bound = bound;
         self.space.difference(&m.next, &m.goal, &mut m.step);

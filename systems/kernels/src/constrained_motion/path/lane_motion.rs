@@ -1,7 +1,7 @@
 //! Motions side by side: one per lane, the next from the queue as soon as one has ended.
 //!
-//! Each lane solves the step that its walk has proposed last. As soon as it is solved the walk judges it and proposes the next,
-//! so that no lane waits for another.
+//! Each lane solves the step that its path has proposed last. As soon as it is solved the path judges it and proposes the next, so
+//! no lane waits for another.
 
 use crate::constrained_motion::lane_rows::form::LaneProgram;
 use crate::constrained_motion::lane_rows::memory::LaneMemory;
@@ -27,12 +27,12 @@ pub(crate) fn follow_in_lanes(
     let MotionScratch { tools, paths } = scratch;
     paths.resize_with(paths.len().max(LANES.min(jobs.len())), PathMemory::default);
     let mut memory = std::mem::take(&mut tools.solve.lanes);
-    let mut walkers = PathQueue { program, lanes, space, settings, jobs, begun: 0, tools, paths, holds: [None; LANES] };
-    solve(lanes, program.configuration_size(), &settings.solve, &mut memory, &mut walkers);
+    let mut queue = PathQueue { program, lanes, space, settings, jobs, begun: 0, tools, paths, holds: [None; LANES] };
+    solve(lanes, program.configuration_size(), &settings.solve, &mut memory, &mut queue);
     tools.solve.lanes = memory;
 }
 
-/// Brings steps of walks to lanes, and what was solved back to them.
+/// Gives steps of paths to lanes, and the solutions back to the paths.
 struct PathQueue<'a, 'j> {
     program: &'a ConstraintProgram,
     lanes: &'a LaneProgram,
@@ -44,19 +44,19 @@ struct PathQueue<'a, 'j> {
     tools: &'a mut Tools,
     /// By lane.
     paths: &'a mut [PathMemory],
-    /// Which job each lane walks.
+    /// Which job each lane follows.
     holds: [Option<usize>; LANES],
 }
 
 impl PathQueue<'_, '_> {
-    /// The walk of a lane, with the knots that it has made so far.
+    /// The path of a lane, with the knots that it has so far.
     fn path(&mut self, lane: usize, job: usize) -> (ConstrainedPath<'_>, &mut Vec<f64>) {
         let Self { program, space, settings, jobs, tools, paths, .. } = self;
         let MotionJob { arguments, knots, .. } = &mut jobs[job];
         (ConstrainedPath { program, space, arguments, settings, memory: &mut paths[lane], tools }, knots)
     }
 
-    /// The motion that a lane walks, the next of the queue where its last one has ended; `None` where none is left.
+    /// The motion that a lane follows, the next of the queue where its last one has ended; `None` where none is left.
     fn under_way(&mut self, lane: usize) -> Option<usize> {
         while self.holds[lane].is_none() && self.begun < self.jobs.len() {
             let job = self.begun;

@@ -2,9 +2,9 @@
 //!
 //! `settings` defines the parameters of a motion and how it ends. `constrained_path` proposes each step and judges the result.
 //! `motion` is the entry point: it solves one motion in scalar code, or many by `lane_motion`, which gives each motion a lane.
-//! Both drive the walk of `constrained_path` and solve its steps with the room `newton`.
+//! Both follow a `constrained_path` and solve its steps with `newton`.
 //!
-//! The bound on second derivatives (room `bounds`) adds up how far every joint turns, whatever cancels, and so is often ten
+//! The bound on second derivatives (`bounds`) adds up how far every joint turns, whatever cancels, and so is often ten
 //! times what the rows really do. Where a step is too long for it, the rows are evaluated in between: in each of n equal parts
 //! they leave the larger of the residuals at its ends by at most 1/n² of the bound. An evaluation costs a fraction of a knot.
 //!

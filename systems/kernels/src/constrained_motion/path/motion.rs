@@ -1,6 +1,6 @@
 //! The entry points: one motion on its leaf, or many.
 //!
-//! Motions of one program are walked side by side, one per lane ([`project_motions`]): what is solved next to a motion does not
+//! Motions of one program are followed side by side, one per lane ([`project_motions`]): what is solved next to a motion does not
 //! change it. A motion alone ([`project_motion`]) is solved in scalar code, which is then faster; its evaluations between two
 //! knots are side by side all the same.
 
@@ -50,7 +50,7 @@ pub fn project_motion(
 /// ended. What becomes of a motion depends on nothing but itself, the settings and the level: not on how many there are, nor in
 /// what order they come. (In lanes last bits differ from those of a motion that is projected alone.)
 ///
-/// Programs that have no form for lanes, and all of them at the level `scalar`, are walked one motion after another.
+/// Programs that have no form for lanes, and all of them at the level `scalar`, are followed one motion after another.
 pub fn project_motions(
     program: &ConstraintProgram,
     space: &ConfigurationSpace,

@@ -1,6 +1,6 @@
 //! Settings of motions on a leaf, a motion as a job, and how it ended.
 //!
-//! They are apart, because the walk and both ways to drive it share them.
+//! They have a file of their own because `constrained_path` and its two callers share them.
 
 use crate::constrained_motion::newton::settings::Settings;
 use foliate_components::Pose;

@@ -96,7 +96,7 @@ impl Compiler<'_> {
         }
     }
 
-    /// Sorts carriages so that a carrier's own comes first: by how many carriages lie beneath.
+    /// Sorts rigid attachments so that a carrier's own comes first: by the number of attachments below.
     fn order_attachments(&mut self) {
         let tree = &self.tree;
         self.rigid_attachments.sort_by_key(|c| tree.chain(c.carrier).filter(|&j| tree.is_carried(j)).count());

@@ -24,10 +24,10 @@ impl ConstraintProgram {
     /// root: that goes where the foot and the leg's joints put it, and what rows see moves with the joints between them and
     /// that foot. The program's variables and rows, and what bounds them along a motion, stay those of the robot as written.
     ///
-    /// Outcomes number constraints as they are given here: carriages first, then `constraints`.
+    /// Outcomes number constraints as they are given here: rigid attachments first, then `constraints`.
     ///
     /// # Errors
-    /// Joints that do not exist, carriages of what is no object or in a cycle, locked joints without exactly one coordinate.
+    /// Joints that do not exist, rigid attachments of what is no object or in a cycle, locked joints without exactly one coordinate.
     pub fn compile(
         robot: &Robot,
         kinematics: &Kinematics,

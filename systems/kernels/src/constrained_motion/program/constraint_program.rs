@@ -16,17 +16,17 @@ use foliate_components::Pose;
 use glam::DVec3;
 
 /// Constraints in the form in which they are solved: eliminated objects, locked coordinates, and a small Newton problem
-/// in those free coordinates that its rows look at. Immutable; leaf parameters are arguments of each solve.
+/// in those free coordinates that its rows depend on. Immutable; leaf parameters are arguments of each solve.
 #[derive(Clone, Debug)]
 pub struct ConstraintProgram {
     /// Free velocity coordinates: joints neither locked nor eliminated.
     pub(crate) variables: Vec<usize>,
-    /// Those of them that rows look at: the columns of the Newton problem.
+    /// Those of them that rows depend on: the columns of the Newton problem.
     pub(crate) active: Vec<usize>,
     /// How the active variables move a configuration.
     pub(crate) moves: Vec<Move>,
     pub(crate) locked: Vec<LockedCoordinate>,
-    /// In dependency order: a carrier's own carriage comes first.
+    /// In dependency order: a carrier's own attachment comes first.
     pub(crate) rigid_attachments: Vec<AttachmentTemplate>,
     /// How each carried object is written into a configuration, as `rigid_attachments`.
     pub(crate) written: Vec<WriteBack>,
@@ -70,7 +70,7 @@ impl ConstraintProgram {
         &self.variables
     }
 
-    /// The free velocity coordinates that rows look at, in ascending order; a solve changes no other.
+    /// The free velocity coordinates that rows depend on, in ascending order; a solve changes no other.
     #[must_use]
     pub fn active(&self) -> &[usize] {
         &self.active
@@ -136,7 +136,7 @@ impl ConstraintProgram {
         &self.bound
     }
 
-    /// The carriages with their poses taken from the arguments, for
+    /// The rigid attachments with their poses taken from the arguments, for
     /// [`Kinematics::carry`](crate::kinematics::forward::Kinematics::carry). Returns false where an argument is missing or
     /// names polygons that its placement does not have; `out` is then incomplete.
     pub fn resolve_attachments(&self, arguments: &[Pose], out: &mut Vec<RigidAttachment>) -> bool {
@@ -216,7 +216,7 @@ impl ConstraintProgram {
             && arguments[..self.arguments].iter().all(Pose::is_finite)
     }
 
-    /// Reads the arguments: carriages and placements' parameters.
+    /// Reads the arguments: rigid attachments and placements' parameters.
     pub(crate) fn resolve(&self, arguments: &[Pose], scratch: &mut Scratch) -> bool {
         if !self.resolve_attachments(arguments, &mut scratch.rigid_attachments) {
             return false;

@@ -9,7 +9,7 @@ use foliate_components::robot::JointIndex;
 pub enum CompileError {
     #[error("constraint {constraint} names joint {joint:?}, and the robot has {joints} joints")]
     NoSuchJoint { constraint: usize, joint: JointIndex, joints: usize },
-    #[error("`{0}` cannot be carried: it is not a free-flyer that hangs in the world")]
+    #[error("`{0}` cannot be carried: it is not a free-flyer that is attached to the world")]
     NotAnObject(String),
     #[error("`{0}` would carry itself")]
     Cycle(String),

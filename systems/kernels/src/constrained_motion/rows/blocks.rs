@@ -17,7 +17,7 @@ use glam::DVec3;
 /// A compiled constraint.
 #[derive(Clone, Debug)]
 pub(crate) struct Block {
-    /// Which of the given constraints it comes from: index among them, after the carriages.
+    /// Which of the given constraints it comes from: index among them, after the rigid attachments.
     pub source: usize,
     /// Its first row.
     pub first: usize,

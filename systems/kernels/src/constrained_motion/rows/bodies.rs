@@ -9,9 +9,9 @@ use glam::{DQuat, DVec3, DVec4};
 /// Steps of forward kinematics in three groups.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Bodies {
-    /// Bodies that rows look at and no variable moves: once per solve.
+    /// Bodies that rows depend on and no variable moves: once per solve.
     pub still: Vec<Step>,
-    /// Bodies that rows look at and variables move: once per iteration.
+    /// Bodies that rows depend on and variables move: once per iteration.
     pub moving: Vec<Step>,
     /// Bodies that only say where eliminated objects are: once, after the solve.
     pub closing: Vec<Step>,
@@ -39,7 +39,7 @@ enum Kind {
     Planar { coordinate: usize, X_PJ: Pose },
     /// Position and quaternion.
     FreeFlyer { coordinate: usize, X_PJ: Pose },
-    /// Follows its carrier: index among the solve's carriages.
+    /// Follows its carrier: index among the solve's rigid attachments.
     Carried(usize),
 }
 
@@ -89,7 +89,7 @@ impl Bodies {
         bodies
     }
 
-    /// From the foot, which is where its carriage says, back to the root.
+    /// From the foot, whose pose its attachment gives, back to the root.
     fn stand(
         &mut self,
         robot: &Robot,
@@ -114,7 +114,7 @@ impl Bodies {
 }
 
 impl Bodies {
-    /// The bodies that variables move and rows look at, inner ones first.
+    /// The bodies that variables move and rows depend on, inner ones first.
     pub(crate) fn moving_bodies(&self) -> Vec<usize> {
         self.moving.iter().map(|step| step.body).collect()
     }
@@ -147,7 +147,7 @@ pub(crate) enum Found {
     ByJoint(usize),
     /// This joint is mounted on it, and moves the body from which it is found.
     BackOver(usize),
-    /// It is carried there: index among the carriages.
+    /// It is carried: index among the rigid attachments.
     Carried(usize),
 }
 

@@ -94,7 +94,7 @@ impl AttachmentTemplate {
         }
     }
 
-    /// The carriage with its pose taken from the arguments; `None` where an argument is missing or names polygons that the
+    /// The attachment with its pose taken from the arguments; `None` where an argument is missing or names polygons that the
     /// placement does not have.
     #[must_use]
     pub fn resolve(&self, arguments: &[Pose]) -> Option<RigidAttachment> {

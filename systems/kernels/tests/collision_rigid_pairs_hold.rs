@@ -64,7 +64,7 @@ fn certify(robot: &Robot, tie_them: bool, turned: f64) -> PolylineVerdict {
             [2.0 * t, turned * t, 2.0 * t + error]
         })
         .collect();
-    // As much as one block of lanes: what needs more has not been proved by a tie.
+    // As much as one block of lanes: what needs more has not been proved by the rigid pair.
     let settings = CertificateSettings {
         start_is_free: true,
         max_samples: 16,
@@ -77,9 +77,9 @@ fn certify(robot: &Robot, tie_them: bool, turned: f64) -> PolylineVerdict {
 #[test]
 fn what_is_tied_together_is_proved_by_one_look() {
     let robot = arms(1e-3);
-    assert!(matches!(certify(&robot, false, 0.0), PolylineVerdict::FreeUntil { .. }), "no need for a tie");
+    assert!(matches!(certify(&robot, false, 0.0), PolylineVerdict::FreeUntil { .. }), "no need for the rigid pair");
     let PolylineVerdict::Free { min_clearance_lower_bound: clearance } = certify(&robot, true, 0.0) else {
-        panic!("the tie was not used");
+        panic!("the rigid pair was not used");
     };
     assert!((1e-3 - 2.0 * WITHIN..=1e-3).contains(&clearance), "{clearance}");
 }

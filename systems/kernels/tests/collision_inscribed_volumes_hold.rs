@@ -1,4 +1,4 @@
-//! What bounds from inside call a collision is one for the exact queries too, one pair at a time and in lanes.
+//! What inscribed volumes call a collision is one for the exact queries too, one pair at a time and in lanes.
 #![allow(non_snake_case, reason = "pose names carry their frames")]
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests fail the test")]
 
@@ -63,13 +63,13 @@ fn what_overlaps_inside_collides_among_shapes_of_all_kinds() {
                     }
                 }
             }
-            println!("kinds {first} and {second}: {sure} of {colliding} collisions are seen from inside");
+            println!("kinds {first} and {second}: {sure} of {colliding} collisions are found by inscribed volumes");
             assert!(5 * sure > colliding, "kinds {first} and {second}: {sure} of {colliding}");
         }
     }
 }
 
-/// Pairs pushed together until they barely touch: the depth at which bounds from inside speak up is never before contact.
+/// Pairs pushed together until they barely touch: the depth at which inscribed volumes find them is never before contact.
 #[test]
 fn contact_is_never_called_too_early() {
     let mut rng = ChaCha8Rng::seed_from_u64(102);
@@ -210,7 +210,7 @@ fn what_overlaps_inside_in_lanes_collides() {
             assert_eq!(lanes & !known, 0, "{level}: {lanes:b}, exactly {known:b}");
             (sure, colliding) = (sure + lanes.count_ones(), colliding + known.count_ones());
         }
-        println!("{level}: {sure} of {colliding} configurations in collision are seen from inside");
+        println!("{level}: {sure} of {colliding} configurations in collision are found by inscribed volumes");
         assert!(2 * sure > colliding, "{level}: {sure} of {colliding}");
     }
 }
@@ -239,6 +239,6 @@ fn most_collisions_of_two_arms_are_seen_from_inside() {
         assert_eq!(lanes & !known, 0);
         (sure, colliding) = (sure + lanes.count_ones(), colliding + known.count_ones());
     }
-    println!("{sure} of {colliding} configurations in collision are seen from inside");
+    println!("{sure} of {colliding} configurations in collision are found by inscribed volumes");
     assert!(colliding > 50 && 2 * sure > colliding, "{sure} of {colliding}");
 }

@@ -1,4 +1,4 @@
-//! The story of a portfolio: worlds search one problem in turns, tell each other what they have reached, and one answers.
+//! The story of a portfolio: members search one problem alternately, exchange what they have reached, and one answers.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on says so")]
 
@@ -91,7 +91,7 @@ impl Scheduler for Grower {
 }
 
 #[test]
-fn what_one_world_reaches_the_others_can_use() {
+fn what_one_member_reaches_the_others_can_use() {
     let problem = swap_two_boxes().unwrap();
     let model = model(problem.clone());
     let members = vec![Member::new(Listener), Member::new(Grower), Member::new(Grower)];
@@ -109,7 +109,7 @@ fn what_one_world_reaches_the_others_can_use() {
 }
 
 #[test]
-fn who_enters_late_learns_what_is_known() {
+fn a_member_that_enters_late_gets_what_is_known() {
     // Out of reach: only a limit ends it.
     let model = model(boxes_on_a_table(&[(0.6, 0.1)], &[(1.45, 0.75)]).unwrap());
     let portfolio =
@@ -129,7 +129,7 @@ fn who_enters_late_learns_what_is_known() {
 }
 
 #[test]
-fn budgets_hold_for_all_worlds_together() {
+fn budgets_hold_for_all_members_together() {
     let model = model(boxes_on_a_table(&[(0.6, 0.1)], &[(1.45, 0.75)]).unwrap());
     let settings = seeded(1).with(|s| s.max_nodes = 300);
     let mut limited = Search::new(&model, &trio(), settings, stop_within(60), EventSink::default());
@@ -143,13 +143,13 @@ fn budgets_hold_for_all_worlds_together() {
 
     let (outcome, stepped) = search(&model, &trio(), seeded(1).with(|s| s.max_steps = 9), 2);
     assert_eq!(outcome, SearchOutcome::StepLimit);
-    // Three worlds, at most two steps each in a round.
+    // Three members, at most two steps each in a round.
     let steps: u64 = counts(&stepped).0.iter().map(|world| world.counter.step).sum();
     assert!((9..15).contains(&steps), "{steps}");
 }
 
 #[test]
-fn where_graphs_are_lazy_worlds_keep_to_themselves() {
+fn where_graphs_are_lazy_members_exchange_nothing() {
     let model = model(eight_arms_and_ten_boxes().unwrap());
     assert!(model.graph.lazy);
     let settings = seeded(1).with(|s| s.max_steps = 12);

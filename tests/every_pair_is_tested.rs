@@ -1,6 +1,6 @@
-//! Promise: a certificate says what it looked at, and looked at all of it. Nothing is free but what one joint joins and touches
-//! wherever it is; what locked joints hold together is tested once; what nobody moves counts too; a certificate over nothing
-//! is no number.
+//! Promise: a certificate counts the pairs that it tested, and every other pair with the reason. By default nothing is free but what
+//! one joint joins and touches at every value of it. What locked joints hold together is tested once. Pairs that do not move count
+//! too. A certificate over nothing has no clearance.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on says so")]
 
 use foliate::check::{CheckOptions, CheckReport, check};
@@ -244,7 +244,7 @@ fn claims_hold_beyond_the_margins_and_for_what_does_not_move() {
     let files = [("g.urdf", gantry()), ("w.urdf", wall), ("o.urdf", object), ("p.urdf", plate)];
     let files: Vec<(&str, &str)> = files.iter().map(|(name, text)| (*name, text.as_str())).collect();
     let folder = Folder::new("claims", &files);
-    // A box that nobody can move stands 0.3 mm from a plate, far from everything else.
+    // A box that no gripper can move stands 0.3 mm from a plate, far from everything else.
     let beside = "[[part]]\nname = \"o\"\nkind = \"object\"\nurdf = \"o.urdf\"\n\
                   root_bounds = [[4.0, 6.0], [-1.0, 1.0], [-1.0, 1.0]]\n\
                   [[part]]\nname = \"p\"\nkind = \"environment\"\nurdf = \"p.urdf\"\npose = { xyz = [5.0603, 0.0, 0.0] }\n";

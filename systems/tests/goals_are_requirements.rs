@@ -1,5 +1,5 @@
 //! A goal names what the task needs and nothing else: an object's pose, a hand's place, some joints, an object upright.
-//! Whoever can meet it in whatever state does; what nobody can meet ends with the reason.
+//! Any state in which it can be met counts; a goal that no state can meet ends with the reason.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on says so")]
 #![allow(non_snake_case, reason = "pose names carry their frames")]
@@ -93,7 +93,7 @@ fn an_object_in_the_air_is_held_there_by_either_hand() {
     let states = goal_states(&model, &search);
     assert!(states.iter().any(|s| s.contains("left")), "{states:?}");
     assert!(states.iter().any(|s| s.contains("right")), "{states:?}");
-    assert!(!states.contains(&"free".to_owned()), "nobody holds it: {states:?}");
+    assert!(!states.contains(&"free".to_owned()), "no gripper holds it: {states:?}");
     let end = end_of(&search);
     let off = DVec3::new(end[14], end[15], end[16]).distance(DVec3::new(0.65, 0.0, 0.35));
     assert!(off < 1e-5, "off by {off}");
@@ -145,7 +145,7 @@ fn an_object_may_be_asked_to_lie_turned_wherever_it_likes() {
     let end = end_of(&search);
     let turn = poses_at(&model, &end)[root.at()].rotation * DVec3::X;
     assert!(turn.distance(DVec3::Y) < 1e-5, "its x axis points along {turn}");
-    // Nobody asked for the other box.
+    // The goal does not name the other box.
     let size = end.len();
     assert!((end[size - 7] - 0.6).abs() < 1e-6 && (end[size - 6] + 0.15).abs() < 1e-6, "box1 was moved: {end:?}");
 }
@@ -165,12 +165,12 @@ fn an_object_may_be_asked_to_be_high_up_in_whatever_grasp() {
     let (outcome, search) = search(&model, &Mrrt, seeded(1), 2);
     assert_eq!(outcome, SearchOutcome::Solved);
     let states = goal_states(&model, &search);
-    assert!(states.iter().all(|s| s.contains("box1")), "somebody holds it: {states:?}");
+    assert!(states.iter().all(|s| s.contains("box1")), "a gripper holds it: {states:?}");
     let height = poses_at(&model, &end_of(&search))[root.at()].translation.z;
     assert!((height - 0.4).abs() < 1e-5, "it is at {height}");
 }
 
-/// Where the goal wants one object another stands: it has to go, though nobody said where.
+/// Where the goal wants one object another stands: it has to go, though the goal does not say where.
 #[test]
 fn an_object_in_the_way_of_a_goal_is_moved() {
     let mut problem = boxes_on_a_table(&[(0.6, 0.15), (0.6, -0.15)], &[(0.6, 0.15), (0.6, -0.15)]).unwrap();
@@ -278,7 +278,7 @@ fn more_goals_are_drawn_while_the_search_runs_on_any_number_of_threads_alike() {
     let run = |threads| {
         let mut problem = two_arms();
         let part = problem.robot.part("box").unwrap();
-        // Elsewhere on the table, and nobody may hold it: goals there are, and no way to any.
+        // Elsewhere on the table, and no gripper may hold it: goals exist, but no path to any.
         let elsewhere = pose_from_array([0.5, 0.3, -0.169, 0.0, 0.0, 0.0, 1.0]).unwrap();
         problem.goals = vec![Goal::object_poses(vec![(part, elsewhere)])];
         problem.graph.grasps = Some(Vec::new());
