@@ -1,7 +1,9 @@
-//! One step of the search: its sets in their order, and the counter of steps and work.
+//! One step of the search: its sets in their order, the systems in them, and the counter of steps and work.
 
-use bevy_ecs::prelude::{IntoScheduleConfigs, Resource, Schedule, SystemSet};
+use crate::runtime::system_sequence::{SystemSequence, Systems};
+use bevy_ecs::prelude::{IntoScheduleConfigs, Resource, Schedule, SystemSet, World};
 use bevy_ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
+use bevy_ecs::system::BoxedSystem;
 use std::iter::Sum;
 
 /// The sets of a step, in order. The numbers are the papers' steps.
@@ -87,4 +89,62 @@ pub fn empty_schedule() -> Schedule {
             .chain(),
     );
     schedule
+}
+
+/// The systems of a step: set by set, each set in the order in which its systems run.
+///
+/// The schedulers that ship are written as such a list. [`Self::schedule`] makes the schedule of a search of it.
+/// [`Self::expanded`] makes the same of single systems, where bevy can see what each of them reads and writes.
+#[derive(Default)]
+pub struct StepSystems {
+    sets: Vec<(SearchSet, Vec<BoxedSystem>)>,
+}
+
+/// The place of a system within its set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, SystemSet)]
+struct Place(SearchSet, usize);
+
+impl StepSystems {
+    /// No systems yet.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds systems to a set, behind those that are in it already.
+    #[must_use]
+    pub fn in_set<M>(mut self, set: SearchSet, systems: impl Systems<M>) -> Self {
+        self.sets.push((set, systems.boxed()));
+        self
+    }
+
+    /// A schedule with one node for each call of [`Self::in_set`]: an exclusive system that runs its systems in order. bevy
+    /// orders the nodes of a schedule anew in every world, and 9 nodes cost 0.2 ms less than 25. Other systems can be added
+    /// before a set, behind it or between two sets.
+    #[must_use]
+    pub fn schedule(self) -> Schedule {
+        let mut schedule = empty_schedule();
+        for (set, systems) in self.sets {
+            let mut sequence = SystemSequence::new(systems);
+            schedule.add_systems((move |world: &mut World| sequence.run(world)).in_set(set));
+        }
+        schedule
+    }
+
+    /// A schedule with one node for each system. It finds the same roadmap. Systems of one set are ordered unless `ordered` is
+    /// false: then bevy's detection of ambiguities names the systems whose order matters.
+    #[must_use]
+    pub fn expanded(self, ordered: bool) -> Schedule {
+        let mut schedule = empty_schedule();
+        for (set, systems) in self.sets {
+            for (number, system) in systems.into_iter().enumerate() {
+                let placed = system.in_set(set).in_set(Place(set, number));
+                match number.checked_sub(1).filter(|_| ordered) {
+                    Some(before) => schedule.add_systems(placed.after(Place(set, before))),
+                    None => schedule.add_systems(placed),
+                };
+            }
+        }
+        schedule
+    }
 }

@@ -1,19 +1,26 @@
-//! The contract of every scheduler: it solves the small problems, its schedule has no ambiguity, it stops
+//! The contract of every scheduler: it solves the small problems, its systems are ordered where that matters, it stops
 //! when told to, it answers infeasible problems without searching, and its answers are paths from start to goal.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on says so")]
 
 mod common;
 
-use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings};
+use bevy_ecs::prelude::{Schedule, World};
+use bevy_ecs::schedule::{LogLevel, ScheduleBuildError, ScheduleBuildSettings, ScheduleBuildWarning};
 use common::{model, search, seeded, stop_within};
+use foliate_components::candidate::Candidate;
+use foliate_components::graph::leaf::LeafIndex;
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::path::ManipulationPath;
 use foliate_components::problem::{Goal, Problem};
+use foliate_components::roadmap::TreeId;
 use foliate_components::samples::{boxes_on_a_table, move_one_box, swap_two_boxes, swap_with_crossed_foliations};
-use foliate_schedulers::{Scheduler, shipped};
+use foliate_schedulers::{Scheduler, mrrt, sequence, shipped};
 use foliate_systems::events::{EventSink, SearchEvent, StopSignal};
+use foliate_systems::exploration::edges::UnvalidatedByEnd;
+use foliate_systems::exploration::reached_leaves::ReachedLeaves;
 use foliate_systems::planning_model::PlanningModel;
+use foliate_systems::schedule::StepSystems;
 use foliate_systems::search::Search;
 
 fn small_problems() -> Vec<Problem> {
@@ -54,18 +61,86 @@ fn small_problems_are_solved() {
     }
 }
 
+/// The schedulers that are written as a list of systems, with what they add to their world.
+type List = (fn() -> StepSystems, fn(&mut World));
+
+const LISTS: [List; 2] =
+    [(mrrt::step_systems, |_| ()), (sequence::scheduler::step_systems, sequence::scheduler::insert_resources)];
+
+/// Runs a list whose systems stand in the schedule one by one.
+struct Expanded(List);
+
+impl Scheduler for Expanded {
+    fn name(&self) -> &'static str {
+        "expanded"
+    }
+
+    fn schedule(&self, world: &mut World) -> Schedule {
+        self.0.1(world);
+        self.0.0().expanded(true)
+    }
+}
+
+/// Pairs of systems whose order matters and is not given.
+fn ambiguous(list: List, ordered: bool) -> usize {
+    let model = model(move_one_box().unwrap());
+    let mut search = Search::new(&model, &Expanded(list), seeded(1), stop_within(60), EventSink::default());
+    let world = search.world_mut();
+    let mut schedule = list.0().expanded(ordered);
+    schedule.set_build_settings(ScheduleBuildSettings {
+        ambiguity_detection: LogLevel::Error,
+        ..ScheduleBuildSettings::default()
+    });
+    match schedule.initialize(world) {
+        Ok(_) => 0,
+        Err(ScheduleBuildError::Elevated(ScheduleBuildWarning::Ambiguity(conflicts))) => conflicts.0.iter().count(),
+        Err(other) => panic!("{other:?}"),
+    }
+}
+
 #[test]
-fn schedules_have_no_ambiguity() {
+fn the_order_of_systems_is_given_wherever_it_matters() {
+    for list in LISTS {
+        assert_eq!(ambiguous(list, true), 0);
+        // bevy sees what the systems read and write: it finds many pairs once their order within a set is left out.
+        assert!(ambiguous(list, false) > 15, "{}", ambiguous(list, false));
+    }
+}
+
+#[test]
+fn systems_one_by_one_find_the_roadmap_of_the_shipped_schedule() {
+    let model = model(swap_two_boxes().unwrap());
+    for (list, shipped) in LISTS.into_iter().zip([&mrrt::Mrrt as &dyn Scheduler, &sequence::Sequence]) {
+        for seed in 1..=3 {
+            let (_, single) = search(&model, &Expanded(list), seeded(seed), 1);
+            let (_, together) = search(&model, shipped, seeded(seed), 1);
+            assert_eq!(single.roadmap().fingerprint(), together.roadmap().fingerprint());
+        }
+    }
+}
+
+#[test]
+fn caches_are_what_the_entities_say() {
+    let model = model(swap_two_boxes().unwrap());
     for scheduler in shipped() {
-        let model = model(move_one_box().unwrap());
-        let mut search = Search::new(&model, scheduler.as_ref(), seeded(1), stop_within(60), EventSink::default());
-        let mut schedule = scheduler.schedule(search.world_mut());
-        schedule.set_build_settings(ScheduleBuildSettings {
-            ambiguity_detection: LogLevel::Error,
-            ..ScheduleBuildSettings::default()
-        });
-        let built = schedule.initialize(search.world_mut());
-        assert!(built.is_ok(), "{}: {:?}", scheduler.name(), built.err());
+        let (_, mut search) = search(&model, scheduler.as_ref(), seeded(5), 1);
+        assert!(search.roadmap().edges().len() > 10 && search.roadmap().caches_are_true());
+        let unvalidated = UnvalidatedByEnd::rebuilt(search.world_mut());
+        assert_eq!(search.world().resource::<UnvalidatedByEnd>(), &unvalidated);
+        // A search side has reached a leaf as often as it has nodes there.
+        let (roadmap, leaves) = (search.roadmap(), search.world().resource::<LeafIndex>());
+        let mut rebuilt = ReachedLeaves::default();
+        for node in roadmap.nodes() {
+            rebuilt.visit(node.side, roadmap.tree(node.side), node.leaf, leaves.leaf(node.leaf));
+        }
+        let reached = search.world().resource::<ReachedLeaves>();
+        assert_eq!(reached.by_born_tree, rebuilt.by_born_tree);
+        let trees = (0..roadmap.tree_count() as u32).map(TreeId);
+        trees.for_each(|tree| assert_eq!(reached.of_tree(tree), rebuilt.of_tree(tree)));
+        // Candidates stand in the order of their indices, and never change their archetype.
+        let mut candidates = search.world_mut().query::<&Candidate>();
+        let indices: Vec<_> = candidates.iter(search.world()).map(|candidate| candidate.index).collect();
+        assert_eq!(indices, (0..indices.len() as u32).collect::<Vec<_>>());
     }
 }
 

@@ -50,7 +50,7 @@ pub struct LeafParameterColumns {
 
 impl ReachedLeaves {
     /// Remembers that the tree `born`, which belongs to `tree` by now, has got a node on a leaf.
-    pub(crate) fn visit(&mut self, born: TreeId, tree: TreeId, id: LeafId, leaf: &Leaf) {
+    pub fn visit(&mut self, born: TreeId, tree: TreeId, id: LeafId, leaf: &Leaf) {
         if self.seen.insert((born, id)) {
             self.add(born, tree, id, leaf);
         }

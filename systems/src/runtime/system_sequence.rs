@@ -14,7 +14,7 @@ pub struct SystemSequence {
     is_initialized: bool,
 }
 
-/// A tuple of systems, two to eight. `M` tells bevy what kinds of functions they are.
+/// A tuple of systems, one to eight. `M` tells bevy what kinds of functions they are.
 pub trait Systems<M> {
     /// The systems, from the first to the last.
     fn boxed(self) -> Vec<BoxedSystem>;
@@ -32,6 +32,7 @@ macro_rules! tuples_of_systems {
     };
 }
 
+tuples_of_systems!(A MA);
 tuples_of_systems!(A MA, B MB);
 tuples_of_systems!(A MA, B MB, C MC);
 tuples_of_systems!(A MA, B MB, C MC, D MD);
@@ -40,17 +41,17 @@ tuples_of_systems!(A MA, B MB, C MC, D MD, E ME, F MF);
 tuples_of_systems!(A MA, B MB, C MC, D MD, E ME, F MF, G MG);
 tuples_of_systems!(A MA, B MB, C MC, D MD, E ME, F MF, G MG, H MH);
 
-/// The systems of a tuple, from the first to the last, as one.
-pub fn system_sequence<M>(systems: impl Systems<M>) -> impl FnMut(&mut World) -> Result {
-    let mut order = SystemSequence::of(systems);
-    move |world: &mut World| order.run(world)
-}
-
 impl SystemSequence {
     /// The systems of a tuple, from the first to the last.
     #[must_use]
     pub fn of<M>(systems: impl Systems<M>) -> Self {
-        Self { systems: systems.boxed(), is_initialized: false }
+        Self::new(systems.boxed())
+    }
+
+    /// Systems, from the first to the last.
+    #[must_use]
+    pub fn new(systems: Vec<BoxedSystem>) -> Self {
+        Self { systems, is_initialized: false }
     }
 
     /// Runs all of them once. It must be the same world every time.
@@ -74,8 +75,8 @@ impl SystemSequence {
 
 #[cfg(test)]
 mod tests {
-    use super::{SystemSequence, system_sequence};
-    use bevy_ecs::prelude::{Res, ResMut, Resource, Schedule, World};
+    use super::SystemSequence;
+    use bevy_ecs::prelude::{Res, ResMut, Resource, World};
 
     #[derive(Default, Resource)]
     struct Said(String);
@@ -92,11 +93,10 @@ mod tests {
         let mut world = World::new();
         world.init_resource::<Said>();
         let double = |mut said: ResMut<'_, Said>| said.0 = said.0.repeat(2);
-        let mut schedule = Schedule::default();
-        schedule.add_systems(system_sequence((say("a"), double, say("b"))));
-        schedule.run(&mut world);
+        let mut order = SystemSequence::of((say("a"), double, say("b")));
+        assert!(order.run(&mut world).is_ok());
         assert_eq!(world.resource::<Said>().0, "aab");
-        schedule.run(&mut world);
+        assert!(order.run(&mut world).is_ok());
         assert_eq!(world.resource::<Said>().0, "aabaaabab");
     }
 

@@ -1,22 +1,18 @@
-//! Candidates that are planted: waypoints and the short motions between them, without the long motion that leads there. The
-//! short ones become an unvalidated edge, certified when a sequence needs it.
+//! Which candidates are lazy extensions: waypoints and the short motions between them, without the long motion that leads to
+//! the first waypoint. The short motions become an unvalidated edge, which is certified when a sequence needs it.
 
 use crate::sequence::candidate_roles::CandidateRole;
-use bevy_ecs::prelude::{Local, Query, Res, ResMut, Resource};
-use foliate_components::Pose;
-use foliate_components::candidate::{Candidate, CandidateArena, CommitAs, PlannedLeg};
+use bevy_ecs::prelude::{Query, Res, ResMut, Resource};
+use foliate_components::candidate::{Candidate, CandidateArena, CommitAs};
 use foliate_components::graph::leaf::LeafId;
 use foliate_components::graph::{Leg, Transition, TransitionId, TransitionKind};
 use foliate_components::outcome::Rejection;
-use foliate_kernels::collision::{CollisionScratch, PairId};
 use foliate_systems::exploration::entities::TransitionWeights;
 use foliate_systems::exploration::explored::Explored;
 use foliate_systems::exploration::roadmap_query::RoadmapQuery;
 use foliate_systems::heuristic::leaf_heuristic::LeafHeuristic;
 use foliate_systems::planning_model::model::PlanningModel;
-use foliate_systems::runtime::parallel::each;
 use foliate_systems::runtime::random::{Purpose, draw, stream};
-use foliate_systems::runtime::scratch_pool::ScratchPool;
 use foliate_systems::schedule::StepCounter;
 use foliate_systems::settings::SearchSettings;
 use rand::RngExt;
@@ -155,82 +151,19 @@ pub fn stay_near(
     }
 }
 
-/// Leaves out the first legs of what is to be planted: only where they end is kept, and only where that keeps the margins of
-/// its own state.
-pub fn leave_out_first_legs(
-    model: Res<'_, PlanningModel>,
-    settings: Res<'_, SearchSettings>,
-    mut arena: ResMut<'_, CandidateArena>,
-    mut candidates: Query<'_, '_, &mut Candidate>,
-    buffers: Local<'_, ScratchPool<(CollisionScratch, Vec<Pose>)>>,
-) {
-    let buffers = &*buffers;
-    let size = arena.configuration_size();
-    let mut succeeded = Vec::new();
-    let pool: Vec<_> =
-        candidates.iter_mut().filter(|c| c.is_alive() && c.commit_as == CommitAs::DetachedTrees).collect();
-    let mut legs = arena.legs.iter_mut().enumerate();
-    for candidate in pool {
-        let own = legs.find(|&(index, _)| index == candidate.index as usize);
-        let Some(first) = own.and_then(|(_, legs)| legs.first_mut()) else { continue };
-        let before = first.knots.len() - size;
-        first.knots.drain(..before);
-        succeeded.push((candidate, &*first));
-    }
-    if model.problem.margins.is_empty() {
-        return;
-    }
-    each(
-        &mut succeeded,
-        || buffers.borrow(),
-        |scratch, (candidate, first)| {
-            let (collision, X_WJ) = &mut **scratch;
-            X_WJ.resize(model.kinematics.bodies(), Pose::identity());
-            if let Some(pair) = breaks_margin(&model, &settings, first, (collision, X_WJ)) {
-                candidate.reject(Rejection::WaypointBlocked(0));
-                candidate.blocked_by = Some(model.pair_shapes(pair));
-            }
-        },
-    );
-}
-
-/// The pair that is closer than the margins of a leg's own state allow, where the leg ends. Along a transition the margins of
-/// what it brings together are lifted, but here other motions may start.
-fn breaks_margin(
-    model: &PlanningModel,
-    settings: &SearchSettings,
-    leg: &PlannedLeg,
-    (collision, X_WJ): (&mut CollisionScratch, &mut [Pose]),
-) -> Option<PairId> {
-    model.kinematics.forward(&leg.knots, X_WJ);
-    model.first_collision(leg.state, X_WJ, settings.clearance_guard, collision).map(|contact| contact.pair)
-}
-
-/// Drops what steering cut short of what is to be planted: nothing but the whole joins two leaves.
-pub fn drop_what_was_cut_short(mut arena: ResMut<'_, CandidateArena>, candidates: Query<'_, '_, &Candidate>) {
-    for candidate in candidates.iter().filter(|c| c.commit_as == CommitAs::DetachedTrees && !c.is_alive()) {
-        arena.legs[candidate.index as usize].clear();
-    }
-}
-
-/// Drops what is not certified to its end of what is to be planted, and remembers what came of each transition.
-pub fn keep_whole_lazy_extensions(
+/// Remembers what came of each transition on its leaf.
+pub fn count_outcomes(
     roadmap: RoadmapQuery<'_, '_>,
     mut lazy_extensions: ResMut<'_, LazyExtensions>,
-    mut arena: ResMut<'_, CandidateArena>,
+    arena: Res<'_, CandidateArena>,
     candidates: Query<'_, '_, &Candidate>,
 ) {
     let roadmap = roadmap.view();
-    let CandidateArena { legs, complete, .. } = &mut *arena;
     for candidate in &candidates {
         let (Some(near), Some(transition)) = (candidate.near, candidate.transition) else { continue };
-        let index = candidate.index as usize;
-        if candidate.commit_as == CommitAs::DetachedTrees && !complete[index] {
-            legs[index].clear();
-        }
         let attempt = (roadmap.node(near).leaf, transition, candidate.drawn);
         let count = lazy_extensions.counts.entry(attempt).or_default();
         count.tries += 1;
-        count.succeeded += u32::from(!legs[index].is_empty());
+        count.succeeded += u32::from(!arena.legs[candidate.index as usize].is_empty());
     }
 }

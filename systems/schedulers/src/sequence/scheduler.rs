@@ -2,16 +2,17 @@
 
 use crate::mrrt::Mrrt;
 use crate::sequence::{connect_iterations, lazy_extension};
+use foliate_systems::goals::systems::draw_more_goals;
 use foliate_systems::heuristic::systems;
 use foliate_systems::search::scheduler::Scheduler;
 use foliate_systems::step::projection::project;
 
 use crate::sequence::{joining, leaf_graph};
-use bevy_ecs::prelude::{IntoScheduleConfigs, Schedule, World};
+use bevy_ecs::prelude::{Schedule, World};
 use foliate_components::graph::TransitionKind;
 use foliate_systems::planning_model::model::PlanningModel;
-use foliate_systems::runtime::system_sequence::system_sequence;
-use foliate_systems::schedule::{SearchSet, empty_schedule};
+use foliate_systems::schedule::{SearchSet, StepSystems};
+use foliate_systems::step::lazy_extension as lazy;
 use foliate_systems::step::{commit, conclusion, rendezvous, sampling, selection, steering, validation, waypoints};
 
 /// Short motions between leaves are planted where `mrrt` would first certify how to get there; only the long motions of
@@ -29,15 +30,28 @@ impl Scheduler for Sequence {
         if stays_on_its_leaf(world) {
             return Mrrt.schedule(world);
         }
-        world.init_resource::<leaf_graph::LeafGraph>();
-        world.init_resource::<lazy_extension::LazyExtensions>();
-        world.init_resource::<joining::Growing>();
-        world.init_resource::<joining::Tried>();
-        world.init_resource::<connect_iterations::ConnectIterations>();
-        let mut schedule = empty_schedule();
-        schedule.add_systems((
-            system_sequence((sampling::reset_candidates, sampling::sample_configurations)).in_set(SearchSet::Sample),
-            system_sequence((
+        insert_resources(world);
+        step_systems().schedule()
+    }
+}
+
+/// Adds the resources that [`step_systems`] read beside those of every world.
+pub fn insert_resources(world: &mut World) {
+    world.init_resource::<leaf_graph::LeafGraph>();
+    world.init_resource::<lazy_extension::LazyExtensions>();
+    world.init_resource::<joining::Growing>();
+    world.init_resource::<joining::Tried>();
+    world.init_resource::<connect_iterations::ConnectIterations>();
+}
+
+/// The systems of a step. [`insert_resources`] adds what they read.
+#[must_use]
+pub fn step_systems() -> StepSystems {
+    StepSystems::new()
+        .in_set(SearchSet::Sample, (sampling::reset_candidates, sampling::sample_configurations))
+        .in_set(
+            SearchSet::Select,
+            (
                 joining::grow_joins,
                 lazy_extension::rest,
                 selection::gather_weights,
@@ -46,33 +60,23 @@ impl Scheduler for Sequence {
                 selection::select_nodes,
                 lazy_extension::choose_lazy_extensions,
                 selection::select_transitions,
-            ))
-            .in_set(SearchSet::Select),
-            system_sequence((rendezvous::draw_leaves, lazy_extension::stay_near)).in_set(SearchSet::Rendezvous),
-            system_sequence((project::project_waypoints, lazy_extension::leave_out_first_legs))
-                .in_set(SearchSet::Project),
-            system_sequence((
-                waypoints::check_waypoints,
-                steering::steer_legs,
-                lazy_extension::drop_what_was_cut_short,
-            ))
-            .in_set(SearchSet::Steer),
-            system_sequence((validation::certify_legs, lazy_extension::keep_whole_lazy_extensions))
-                .in_set(SearchSet::Validate),
-            system_sequence((commit::commit_extensions, foliate_systems::goals::systems::draw_more_goals))
-                .in_set(SearchSet::Commit),
-            system_sequence((connect_iterations::join_iteratively, connect_iterations::count_memory))
-                .in_set(SearchSet::Connect),
-            system_sequence((
+            ),
+        )
+        .in_set(SearchSet::Rendezvous, (rendezvous::draw_leaves, lazy_extension::stay_near))
+        .in_set(SearchSet::Project, (project::project_waypoints, lazy::leave_out_first_legs))
+        .in_set(SearchSet::Steer, (waypoints::check_waypoints, steering::steer_legs, lazy::drop_cut_short))
+        .in_set(SearchSet::Validate, (validation::certify_legs, lazy_extension::count_outcomes))
+        .in_set(SearchSet::Commit, (commit::commit_extensions, draw_more_goals))
+        .in_set(SearchSet::Connect, (connect_iterations::join_iteratively, connect_iterations::count_memory))
+        .in_set(
+            SearchSet::Conclude,
+            (
                 conclusion::conclude,
                 conclusion::report_progress,
                 conclusion::report_feedback,
                 conclusion::report_solution,
-            ))
-            .in_set(SearchSet::Conclude),
-        ));
-        schedule
-    }
+            ),
+        )
 }
 
 /// Whether every transition is a loop, so that all sequences are empty and there is nothing to plant: plain motion planning.
