@@ -1,5 +1,5 @@
-//! Candidates that are planted: waypoints and the short motions between them, without the long motion that leads there. The
-//! short ones become an unvalidated edge, certified when a sequence needs it.
+//! Lazy extension: waypoints and the short motions between them, without the long motion that leads there. The short ones become
+//! an unvalidated edge, certified when a sequence needs it.
 
 use crate::sequence::candidate_roles::CandidateRole;
 use bevy_ecs::prelude::{Local, Query, Res, ResMut, Resource};
@@ -25,12 +25,11 @@ use std::collections::BTreeMap;
 /// A transition loses half of its weight on a leaf in so many tries.
 const PATIENCE: f64 = 8.0;
 
-/// With so many successes a transition is planted half as often on a leaf as it is drawn there.
+/// With so many successes a transition is extended lazily half as often on a leaf as it is drawn there.
 const ENOUGH: f64 = 3.0;
 
-/// The share of the way from the near node to a random configuration at which a waypoint is looked for is a number drawn evenly
-/// from [0, 1] to this power. What is found near is joined by short motions; what is found far is found where near there is
-/// nothing.
+/// The share of the way from the near node to a random configuration at which the search for a waypoint starts is a number drawn
+/// evenly from [0, 1] to this power. Near waypoints are joined by short motions; far ones are found where there are no near ones.
 const AWAY: f64 = 0.7;
 
 /// What is tried from a leaf: a transition, and where it is crossed the leaf that it aims at.
@@ -49,21 +48,21 @@ struct Count {
 }
 
 impl LazyExtensions {
-    /// What is left of a transition's weight on a leaf: what stands there already is planted less, and what fails again and
-    /// again is tried less, but never never.
+    /// What is left of a transition's weight on a leaf: it falls with every success and, slower, with every try, but never to
+    /// zero.
     fn freshness(&self, attempt: Attempt) -> f64 {
         let Count { tries, succeeded } = self.counts.get(&attempt).copied().unwrap_or_default();
         1.0 / ((1.0 + f64::from(succeeded)) * (1.0 + f64::from(tries) / PATIENCE))
     }
 
-    /// Remembers that what was planted leads nowhere.
+    /// Takes a success back: the lazy extension leads nowhere.
     pub(crate) fn take_back(&mut self, attempt: Attempt) {
         if let Some(count) = self.counts.get_mut(&attempt) {
             count.succeeded = count.succeeded.saturating_sub(1);
         }
     }
 
-    /// Probability that it is planted once more.
+    /// Probability that it is extended lazily once more.
     fn keeping_probability(&self, attempt: Attempt) -> f64 {
         let succeeded = self.counts.get(&attempt).map_or(0, |count| count.succeeded);
         ENOUGH / (ENOUGH + f64::from(succeeded))
@@ -133,7 +132,7 @@ fn starts_far(transition: &Transition) -> bool {
     transition.kind != TransitionKind::Loop && transition.legs.first().is_some_and(on_own_leaf)
 }
 
-/// Moves the random configurations of what is to be planted towards the near node, by a random share.
+/// Moves the random configurations of lazy extensions towards the near node, by a random share.
 pub fn stay_near(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
@@ -155,8 +154,8 @@ pub fn stay_near(
     }
 }
 
-/// Leaves out the first legs of what is to be planted: only where they end is kept, and only where that keeps the margins of
-/// its own state.
+/// Leaves out the first legs of lazy extensions: only their ends are kept, and only those that keep the margins of their
+/// own state.
 pub fn leave_out_first_legs(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
@@ -206,14 +205,14 @@ fn breaks_margin(
     model.first_collision(leg.state, X_WJ, settings.clearance_guard, collision).map(|contact| contact.pair)
 }
 
-/// Drops what steering cut short of what is to be planted: nothing but the whole joins two leaves.
+/// Drops lazy extensions that steering cut short: only a whole one joins two leaves.
 pub fn drop_what_was_cut_short(mut arena: ResMut<'_, CandidateArena>, candidates: Query<'_, '_, &Candidate>) {
     for candidate in candidates.iter().filter(|c| c.commit_as == CommitAs::DetachedTrees && !c.is_alive()) {
         arena.legs[candidate.index as usize].clear();
     }
 }
 
-/// Drops what is not certified to its end of what is to be planted, and remembers what came of each transition.
+/// Drops lazy extensions that are not certified to their end, and counts the result of each transition.
 pub fn keep_whole_lazy_extensions(
     roadmap: RoadmapQuery<'_, '_>,
     mut lazy_extensions: ResMut<'_, LazyExtensions>,

@@ -14,7 +14,7 @@ use foliate_systems::runtime::system_sequence::system_sequence;
 use foliate_systems::schedule::{SearchSet, empty_schedule};
 use foliate_systems::step::{commit, conclusion, rendezvous, sampling, selection, steering, validation, waypoints};
 
-/// Short motions between leaves are planted where `mrrt` would first certify how to get there; only the long motions of
+/// Trees are extended lazily, by short motions between leaves, where `mrrt` would first certify how to get there; only the long motions of
 /// sequences that reach from the start to a goal are certified, those estimated to be easiest first. A problem whose only
 /// transitions are loops has no sequences: it is left to [`Mrrt`].
 #[derive(Clone, Copy, Debug, Default)]
@@ -75,7 +75,7 @@ impl Scheduler for Sequence {
     }
 }
 
-/// Whether every transition is a loop, so that all sequences are empty and there is nothing to plant: plain motion planning.
+/// Whether every transition is a loop, so that all sequences are empty and there is nothing to extend lazily: plain motion planning.
 fn stays_on_its_leaf(world: &World) -> bool {
     let graph = &world.resource::<PlanningModel>().graph;
     !graph.lazy && graph.transitions.iter().all(|transition| transition.kind == TransitionKind::Loop)
