@@ -70,7 +70,7 @@ pub fn project_waypoints(
 ) {
     let roadmap = roadmap.view();
     let context =
-        Context { model: &model, settings: &settings, stop: &stop, roadmap: roadmap, leaves: &leaves, step: step.step };
+        Context { model: &model, settings: &settings, stop: &stop, roadmap, leaves: &leaves, step: step.step };
     let size = arena.configuration_size();
     let CandidateArena { legs, random, .. } = &mut *arena;
     let pool: Vec<_> = candidates.iter_mut().collect();
