@@ -33,7 +33,7 @@ pub struct SearchSettings {
     pub max_steps: u64,
     /// Roadmap nodes after which the search gives up, a bound on memory.
     pub max_nodes: usize,
-    /// Bytes of the roadmap ([`Roadmap::bytes`](foliate_components::roadmap::Roadmap::bytes)), of a lazy graph
+    /// Bytes of the roadmap ([`RoadmapStore::bytes`](foliate_components::roadmap::RoadmapStore::bytes)), of a lazy graph
     /// ([`ConstraintGraph::bytes`](foliate_components::graph::ConstraintGraph::bytes)) and of what was compiled of it
     /// ([`Model::bytes_to_try`](crate::planning_model::model::Model::bytes_to_try)), after which the search gives up: motions with implicit
     /// rows have many knots, so that nodes alone bound nothing.

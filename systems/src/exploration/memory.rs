@@ -1,7 +1,7 @@
 //! How much memory a search takes, counted from what it has done: budgets then depend on no clock, no thread and no other search.
 //!
 //! What is counted is what grows: the roadmap, unvalidated edges, a lazy graph, what is compiled of transitions when they are first
-//! tried, and what the scheduler says of itself ([`SchedulerBytes`]). `tests/memory_has_a_limit.rs` holds it against the process.
+//! tried, and what the scheduler says of itself ([`SchedulerBytes`]). `tests/memory_has_a_limit.rs` compares it with the process.
 
 use crate::exploration::edges::UnvalidatedByEnd;
 use crate::planning_model::model::PlanningModel;
@@ -17,7 +17,7 @@ const PER_GRAPH_BYTE: u64 = 3;
 #[derive(Clone, Copy, Debug, Default, Resource)]
 pub struct SchedulerBytes(pub u64);
 
-/// What has been compiled for this search, whoever has compiled it.
+/// What has been compiled for this search, by any search that shares the model.
 #[derive(Clone, Debug, Default, Resource)]
 pub struct Compiled {
     /// By transition.

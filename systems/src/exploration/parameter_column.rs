@@ -3,8 +3,8 @@
 use foliate_components::graph::leaf::ParameterId;
 use std::collections::HashSet;
 
-/// Values in order of leaf. Most leaves have some value that no other has, so whoever compares many leaves with one asks first
-/// whether there is anything to find.
+/// Values in order of leaf. Most leaves have some value that no other has, so a comparison of many leaves with one first tests
+/// whether the value exists.
 #[derive(Clone, Debug, Default)]
 pub struct ParameterColumn {
     values: Vec<ParameterId>,
@@ -24,7 +24,7 @@ impl ParameterColumn {
         self.present.contains(&value)
     }
 
-    /// Puts a value where those behind give way.
+    /// Inserts a value and moves those behind it.
     pub(crate) fn insert(&mut self, at: usize, value: ParameterId) {
         self.values.insert(at, value);
         self.present.insert(value);

@@ -34,8 +34,8 @@ pub struct StateLeaves {
     pub leaves: Vec<LeafId>,
 }
 
-/// The leaves of one state that a tree has reached, in order of first visit, as columns: whoever compares one leaf with
-/// all of them reads one number after another.
+/// The leaves of one state that a tree has reached, in order of first visit, as columns: comparing one leaf with
+/// all of them reads numbers in order.
 #[derive(Clone, Debug)]
 pub struct LeafParameterColumns {
     /// The state.

@@ -18,7 +18,7 @@ pub struct Roots {
 pub struct Ending(pub Option<SearchOutcome>);
 
 impl Roots {
-    /// The first goal that hangs together with the start.
+    /// The first goal that is connected to the start.
     #[must_use]
     pub fn reached_goal(&self, roadmap: Roadmap<'_>) -> Option<NodeId> {
         let start = roadmap.tree_of(self.start?);

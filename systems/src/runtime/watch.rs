@@ -7,10 +7,10 @@
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 
-/// Looks in vain after which a watching thread leaves: some milliseconds. The next step calls it back.
+/// Failed looks for work after which a watching thread leaves: some milliseconds. The next step calls it back.
 const PATIENCE: u32 = 1 << 13;
 
-/// Of so many looks in vain one offers the core to other processes.
+/// Of so many failed looks one offers the core to other processes.
 const YIELD: u32 = 16;
 
 /// The other threads of the pool in which it was made watch until it is dropped.

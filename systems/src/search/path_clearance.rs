@@ -1,8 +1,8 @@
-//! How close things come along a path, and which pairs that is about.
+//! The least clearance along a path, and its pair.
 //!
 //! What counts is the path as it is written: between two knots objects follow what carries them from where the first knot of
-//! the segment has them, and at the end everything is where the last knot has it. Whoever proves the path again from its
-//! file finds the same motion, and so no pair closer than is said here.
+//! the segment has them, and at the end everything is where the last knot has it. A checker of the path file finds the same motion,
+//! and so no pair closer than this.
 
 use crate::planning_model::graph::attachment_order::pose_on_carrier;
 use crate::planning_model::model::Model;
@@ -107,7 +107,7 @@ fn as_written(
     minimum_clearance_along(&model.collision, &model.kinematics, &[], knot, &pairs, minimum, scratch)
 }
 
-/// What carries each object along a segment, and how it hangs there where the first knot has it.
+/// What carries each object along a segment, and its pose on the carrier at the first knot.
 fn rigid_attachments(model: &Model, segment: &Segment) -> Vec<RigidAttachment> {
     let q = &segment.knots[0];
     let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];

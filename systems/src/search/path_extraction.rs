@@ -1,4 +1,4 @@
-//! From a roadmap in which start and goal hang together to the path between them.
+//! From a roadmap in which start and goal are connected to the path between them.
 
 use crate::planning_model::model::PlanningModel;
 use crate::search::path_clearance::{pair_counts, path_clearance};
@@ -13,7 +13,7 @@ use std::collections::BinaryHeap;
 use std::f64::consts::TAU;
 
 /// The shortest path (weighted length of its motions) from `start` to `goal`; ties by lowest node id. `None` where they
-/// do not hang together.
+/// are not connected.
 #[must_use]
 pub fn extract_path(
     model: &PlanningModel,
@@ -104,8 +104,8 @@ fn segment(model: &PlanningModel, leaves: &LeafIndex, motion: &Motion, forward: 
     Segment { transition, state: leaf.state, attachments, constraints, knots }
 }
 
-/// A node's own state, where no motion beside it lies in it: what is grasped on arrival and let go at once is grasped, and
-/// whoever proves the path has to know it. Stands still.
+/// A node's own state, where no motion beside it lies in it: what is grasped on arrival and released at once is grasped, and
+/// a checker of the path needs to see it. A motion without movement.
 fn passed_through(
     model: &PlanningModel,
     leaves: &LeafIndex,

@@ -102,7 +102,7 @@ pub fn report_solution(counter: Res<'_, StepCounter>, ending: Res<'_, Ending>, m
     }
 }
 
-/// Sends a [`Feedback`] where one is due and somebody listens. Run it once the ending is decided.
+/// Sends a [`Feedback`] where one is due and the host listens. Run it once the ending is decided.
 pub fn report_feedback(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,

@@ -35,8 +35,8 @@ impl ValidationScratch {
     }
 }
 
-/// Certifies every candidate's legs in order; after the first that is only free in part, nothing more is kept. What is planted
-/// becomes an unvalidated edge, whose motions are certified when it is needed.
+/// Certifies every candidate's legs in order; after the first that is only free in part, nothing more is kept. A lazy extension
+/// becomes an unvalidated edge, whose motions are certified when they are needed.
 #[allow(clippy::too_many_arguments, reason = "a system's parameters are what it reads and writes")]
 pub fn certify_legs(
     model: Res<'_, PlanningModel>,
@@ -250,7 +250,7 @@ pub fn certify_whole(
 }
 
 fn certificate_settings(settings: &SearchSettings, all_or_nothing: bool) -> CertificateSettings {
-    // Motions start at nodes and waypoints that are known to be free: pairs that do not move need not be looked at.
+    // Motions start at nodes and waypoints that are known to be free: pairs that do not move need not be tested.
     CertificateSettings {
         clearance_guard: settings.clearance_guard,
         all_or_nothing,

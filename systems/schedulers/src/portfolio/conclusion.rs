@@ -1,4 +1,4 @@
-//! When a portfolio is over, what its host hears, and which world answers.
+//! When a portfolio ends, which events its host gets, and which member answers.
 
 use crate::portfolio::members::{MemberCounts, PortfolioMembers};
 use bevy_ecs::prelude::{Res, ResMut, World};
@@ -10,8 +10,8 @@ use foliate_systems::schedule::StepCounter;
 use foliate_systems::search::session::{AnswerIn, Search};
 use foliate_systems::settings::SearchSettings;
 
-/// Ends the portfolio when a world has solved the problem, when all together have spent a budget, when none of them goes on,
-/// or when the host or its clock says so. Budgets are looked at between rounds.
+/// Ends the portfolio when a member has solved the problem, when all together have spent a budget, when none of them continues,
+/// or when the host or its clock stops it. Budgets are checked between rounds.
 pub fn conclude(
     settings: Res<'_, SearchSettings>,
     stop: Res<'_, StopSignal>,
@@ -22,7 +22,7 @@ pub fn conclude(
     *counter = portfolio_members.counts().iter().map(|count| count.counter).sum();
     let nodes: usize = portfolio_members.searches().map(|search| search.roadmap().nodes().len()).sum();
     let bytes: u64 = portfolio_members.searches().map(Search::bytes).sum();
-    // A world that was stopped in the middle of a step might have been the one to answer.
+    // A member that was stopped in the middle of a step might have been the one to answer.
     ending.0 = if stop.token.is_cancelled() {
         Some(SearchOutcome::Cancelled)
     } else if stop.is_out_of_memory() {
@@ -42,8 +42,8 @@ pub fn conclude(
     };
 }
 
-/// Tells the host, where it listens, what the worlds have said in their turns, world by world, and how far they are together.
-/// Candidates that were dropped are those of all worlds, feedback is that of the one that would answer now.
+/// Sends the host, where it listens, the events of the round, member by member, and their progress together. Rejected candidates are
+/// those of all members, feedback is that of the one that would answer now.
 pub fn report_progress(
     counter: Res<'_, StepCounter>,
     ending: Res<'_, Ending>,

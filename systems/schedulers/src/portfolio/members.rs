@@ -1,4 +1,4 @@
-//! The worlds of a portfolio, and the systems of a round: enter, take turns, pass branches on.
+//! The members of a portfolio, and the systems of a round: enter, work, pass branches on.
 
 use crate::portfolio::roadmap_exchange;
 use crate::portfolio::roadmap_exchange::{Branch, Correspondence};
@@ -54,13 +54,13 @@ pub(crate) struct Running {
     pub(crate) search: Search,
     /// Work that it has done.
     work: u64,
-    /// Work that its turns so far have given it.
+    /// Work that its rounds so far have given it.
     given: u64,
-    /// What it has to say to the host, where that listens.
+    /// Its events for the host, where that listens.
     pub(crate) events: Receiver<SolveEvent>,
-    /// What it has to say to the other worlds.
+    /// Its branches for the other members.
     queue: Receiver<Branch>,
-    /// Counts when its last turn began.
+    /// Counts when its last round began.
     before: StepCounter,
 }
 
@@ -86,23 +86,23 @@ impl Running {
     }
 }
 
-/// What one of the worlds has done.
+/// What one member has done.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MemberCount {
     /// Name of its scheduler.
     pub scheduler: &'static str,
     /// Whether roadmap, statistics and path are its own.
     pub answers: bool,
-    /// Its work. Of the worlds behind the one that answers, up to the last round: how far they came in that one depends on
+    /// Its work. Of the members behind the one that answers, up to the last round: how far they came in that one depends on
     /// the number of threads.
     pub counter: StepCounter,
 }
 
-/// What all worlds have done; in the world that answers for them.
+/// What all members have done; in the world of the one that answers.
 #[derive(Clone, Debug, Default, Resource)]
 pub struct MemberCounts(pub Vec<MemberCount>);
 
-/// The worlds of a portfolio.
+/// The members of a portfolio.
 #[derive(Resource)]
 pub struct PortfolioMembers {
     members: Vec<Member>,
@@ -112,7 +112,7 @@ pub struct PortfolioMembers {
 }
 
 impl PortfolioMembers {
-    /// Worlds for these searches, none of which has entered yet. `quantum` is the work of a turn
+    /// These members, none of which has entered yet. `quantum` is the work of each in a round
     /// ([`StepCounter::work`]).
     #[must_use]
     pub fn new(members: Vec<Member>, quantum: u64) -> Self {
@@ -124,17 +124,17 @@ impl PortfolioMembers {
         self.running.iter().map(|running| &running.search)
     }
 
-    /// The first world that has solved the problem.
+    /// The first member that has solved the problem.
     pub(crate) fn winner(&self) -> Option<usize> {
         self.running.iter().position(Running::has_solved)
     }
 
-    /// The world that answers if it ends now: the first where none has solved the problem.
+    /// The member that answers if the portfolio ends now: the first where none has solved the problem.
     pub(crate) fn leader(&self) -> usize {
         self.winner().unwrap_or(0)
     }
 
-    /// The worlds whose last turn does not depend on the number of threads: up to the winner, all where there is none.
+    /// The members whose last round does not depend on the number of threads: up to the winner, all where there is none.
     pub(crate) fn deciding(&mut self) -> &mut [Running] {
         let count = self.winner().map_or(self.running.len(), |winner| winner + 1);
         &mut self.running[..count]
@@ -179,7 +179,7 @@ fn seed_of(seed: u64, member: usize) -> u64 {
     seed.wrapping_add((member as u64).wrapping_mul(APART))
 }
 
-/// Whether ids of states and transitions mean the same in all worlds: every search lets a lazy graph grow in its own order.
+/// Whether ids of states and transitions mean the same in all members: every search lets a lazy graph grow in its own order.
 fn understand_each_other(model: &PlanningModel) -> bool {
     !model.graph.lazy
 }
@@ -197,7 +197,7 @@ pub fn enter(world: &mut World) {
     });
 }
 
-/// One turn of every world. A turn is cut short once a world in front has solved the problem: that one answers.
+/// The work of every member in a round. A member stops early once one in front has solved the problem: that one answers.
 pub fn take_turns(mut portfolio_members: ResMut<'_, PortfolioMembers>) {
     let portfolio_members = &mut *portfolio_members;
     let first_solved = AtomicUsize::new(usize::MAX);
@@ -210,7 +210,7 @@ pub fn take_turns(mut portfolio_members: ResMut<'_, PortfolioMembers>) {
     portfolio_members.round += 1;
 }
 
-/// Empties the worlds' queues, in order, and hands what was in them on to all others that go on.
+/// Empties the members' queues, in order, and passes their branches on to all others that continue.
 pub fn pass_branches(model: Res<'_, PlanningModel>, mut portfolio_members: ResMut<'_, PortfolioMembers>) {
     let is_over = portfolio_members.winner().is_some();
     for sender in 0..portfolio_members.running.len() {

@@ -1,9 +1,9 @@
-//! Several searches of one problem, each in a world of its own, that take turns by counted work.
+//! Several searches of one problem, the members of a portfolio, which alternate by counted work.
 //!
-//! The worlds are a resource of the world that the host knows, whose schedule is made of the systems here. In a round every
-//! world has a turn of equal work, side by side where there are threads; then what they have reached is handed on
-//! ([`roadmap_exchange`]), and it is asked whether it is over ([`conclusion`]). Of the worlds that solve the problem in a
-//! round the first answers, whichever was quicker, and its world becomes the one that the host sees.
+//! Each member is a search with a world of its own. The members are a resource of the host's world, whose schedule consists of
+//! the systems here. In a round every member does equal work, in parallel where there are threads. Then members exchange what
+//! they have reached ([`roadmap_exchange`]), and the portfolio may end ([`conclusion`]). Of the members that solve the problem in
+//! a round the first in order answers, whichever was quicker, and its world becomes the one that the host sees.
 //!
 //! [`scheduler`] composes the systems of [`members`] and [`conclusion`]. `members` posts and takes over branches by
 //! `roadmap_exchange`, which asks `rooted` which nodes are connected to a root.

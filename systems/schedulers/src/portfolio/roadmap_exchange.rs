@@ -1,8 +1,8 @@
-//! What worlds tell each other: leaves that one of them has reached, with the certified ways to them.
+//! What members exchange: leaves that one of them has reached, with the certified ways to them.
 //!
-//! Every world posts into a queue of its own at the end of its turn. Between two turns the queues are emptied in the order
-//! of the worlds, so what a world learns, and which ids it gives it, depends on counted work alone. Who has adopted a
-//! branch extends it, aims at it and connects to it as if it had grown it itself.
+//! Every member posts into a queue of its own at the end of its work. Between two rounds the queues are emptied in the order
+//! of the members, so what a member adopts, and which ids it gives it, depends on counted work alone. A member that has adopted a
+//! branch extends it, aims at it and connects to it like its own.
 
 use crate::portfolio::rooted::{Rooted, other_end};
 use bevy_ecs::prelude::{Mut, Resource, World};
@@ -15,17 +15,17 @@ use foliate_systems::exploration::roots::Roots;
 use foliate_systems::exploration::writer;
 use std::collections::{HashMap, HashSet};
 
-/// Where a node or a parameter was born: ids differ from world to world, this does not.
+/// Where a node or a parameter was created: ids differ from member to member, this does not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Origin {
     world: u32,
     id: u32,
 }
 
-/// The world of what all have from the beginning: start, goals and their leaves.
+/// The origin of what all have from the beginning: start, goals and their leaves.
 const COMMON: u32 = u32::MAX;
 
-/// The ids of a world by origin and back.
+/// The ids of a member by origin and back.
 #[derive(Debug, Default)]
 struct Register {
     origins: Vec<Origin>,
@@ -39,7 +39,7 @@ impl Register {
         register
     }
 
-    /// Whatever has no origin yet was born in `world`.
+    /// What has no origin yet was created in `world`.
     fn fill(&mut self, world: u32, count: usize) {
         for id in self.origins.len() as u32..count as u32 {
             self.add(Origin { world, id });
@@ -52,7 +52,7 @@ impl Register {
     }
 }
 
-/// A leaf as all worlds understand it.
+/// A leaf in a form that all members understand.
 #[derive(Debug)]
 struct PostedLeaf {
     state: StateId,
@@ -69,7 +69,7 @@ struct PostedNode {
     way: Option<Way>,
 }
 
-/// An edge as all worlds understand it.
+/// An edge in a form that all members understand.
 #[derive(Debug)]
 struct Way {
     /// The node at its other end, which is nearer to the root.
@@ -80,7 +80,7 @@ struct Way {
     motions: Vec<(PostedLeaf, Motion)>,
 }
 
-/// A leaf that a tree has reached for the first time in some world: the nodes on the way there from the start or a goal, as
+/// A leaf that a tree has reached for the first time in some member: the nodes on the way there from the start or a goal, as
 /// far as the others do not have them.
 #[derive(Debug)]
 pub struct Branch(Vec<PostedNode>);
@@ -222,17 +222,17 @@ impl Correspondence {
     }
 }
 
-/// Posts the leaves that the world has reached since this was last done.
+/// Posts the leaves that the member has reached since the last call.
 pub fn post_reached_leaves(world: &mut World) {
     world.resource_scope(|world, mut correspondence: Mut<'_, Correspondence>| {
         for branch in correspondence.untold(world) {
-            // Who has hung up does not want to know.
+            // A closed receiver needs no branch.
             let _ = correspondence.outbox.send(branch);
         }
     });
 }
 
-/// All that a world could tell to one that has just begun.
+/// All that a member could post to one that has just entered.
 pub fn all_branches(world: &mut World) -> Vec<Branch> {
     world.resource_scope(|world, mut correspondence: Mut<'_, Correspondence>| correspondence.all(world))
 }

@@ -1,20 +1,20 @@
-//! Which nodes of a roadmap hang together with the start or a goal, and by which edge the way to it begins.
+//! Which nodes of a roadmap are connected to the start or a goal, and by which edge the way to it begins.
 
 use foliate_components::roadmap::{EdgeId, NodeId, Roadmap};
 use foliate_systems::exploration::roots::Roots;
 use std::collections::VecDeque;
 
-/// Grows with the roadmap; every node and edge is looked at a bounded number of times.
+/// Grows with the roadmap; every node and edge is visited a bounded number of times.
 #[derive(Debug, Default)]
 pub(crate) struct Rooted {
-    /// By node: the root it hangs on, and the first edge of the way there (none for the root itself).
+    /// By node: the root it is connected to, and the first edge of the way there (none for the root itself).
     ways: Vec<Option<(NodeId, Option<EdgeId>)>>,
     roots: usize,
     edges: usize,
 }
 
 impl Rooted {
-    /// Nodes that hang on a root by now and did not before, those nearer to it first.
+    /// Nodes that are connected to a root by now and were not before, those nearer to it first.
     pub(crate) fn grow(&mut self, roadmap: Roadmap<'_>, roots: &Roots) -> Vec<NodeId> {
         self.ways.resize(roadmap.nodes().len(), None);
         let mut hung = Vec::new();
@@ -35,7 +35,7 @@ impl Rooted {
         hung
     }
 
-    /// Hangs a node on a root, and breadth first what hangs on the node, unless it hangs on one already.
+    /// Connects a node to a root, and breadth first its neighbours, unless it is connected to one already.
     fn hang(&mut self, roadmap: Roadmap<'_>, node: NodeId, way: (NodeId, Option<EdgeId>), hung: &mut Vec<NodeId>) {
         let mut waiting = VecDeque::from([(node, way)]);
         while let Some((node, way)) = waiting.pop_front() {
@@ -48,7 +48,7 @@ impl Rooted {
         }
     }
 
-    /// The root that a node hangs on; the node itself where it hangs on none.
+    /// The root that a node is connected to; the node itself where there is none.
     pub(crate) fn root(&self, node: NodeId) -> NodeId {
         self.ways[node.at()].map_or(node, |(root, _)| root)
     }

@@ -1,4 +1,4 @@
-//! `portfolio`: several searches of one problem, interleaved by counted work, that tell each other what they have reached.
+//! `portfolio`: several searches of one problem, interleaved by counted work, that exchange what they have reached.
 
 use crate::mrrt::Mrrt;
 use crate::portfolio::conclusion;
@@ -8,22 +8,22 @@ use bevy_ecs::prelude::{IntoScheduleConfigs, Schedule, World};
 use foliate_systems::schedule::{SearchSet, empty_schedule};
 use foliate_systems::search::scheduler::Scheduler;
 
-/// Searches that take turns in worlds of their own ([`crate::portfolio`]). The one that answers may depend on the members, on
-/// their order and on the length of a turn, never on the clock or the number of threads.
+/// Searches that alternate in worlds of their own ([`crate::portfolio`]). The one that answers may depend on the members, on
+/// their order and on the work of a round, never on the clock or the number of threads.
 #[derive(Clone)]
 pub struct Portfolio {
     /// The searches. The first is alone until the second enters; in a round in which several succeed, the first of them
     /// answers.
     pub members: Vec<Member>,
-    /// Work of a turn, [`foliate_systems::schedule::StepCounter::work`]. The shorter the turns, the sooner worlds learn from each other.
+    /// Work of a member in a round, [`foliate_systems::schedule::StepCounter::work`]. With less work members exchange more often.
     pub quantum: u64,
 }
 
-/// Work of a turn unless a host says otherwise: about four steps.
+/// Default work of a member in a round: about four steps.
 const QUANTUM: u64 = 64;
 
-/// Rounds that the first search has for itself. On one core whoever helps it takes time from it, which pays only where it has
-/// been unlucky.
+/// Rounds that the first member has for itself. On one core a second member takes time from it, which pays only where the first is
+/// slow.
 const ALONE: u64 = 16;
 
 impl Default for Portfolio {

@@ -1,4 +1,4 @@
-//! What each candidate of a step is for.
+//! The role of each candidate of a step.
 
 use foliate_components::candidate::Candidate;
 use foliate_systems::schedule::StepCounter;
@@ -9,8 +9,8 @@ const ORDINARY: u64 = 64;
 /// Of so many candidates one grows the trees of joins that a straight motion could not make, where there are such.
 const GROWING: u64 = 4;
 
-/// Among the first so many candidates every other one is left out: most problems need few grasps, and what is planted beside
-/// them is wasted.
+/// Among the first so many candidates every other one is left out: most problems need few grasps, and further lazy extensions
+/// are wasted.
 const FIRST: u64 = 32;
 
 /// A candidate's number among all candidates of the search, in a pool of `pool`.
@@ -18,7 +18,7 @@ const FIRST: u64 = 32;
 pub struct CandidateRole(u64);
 
 impl CandidateRole {
-    /// The turn of a candidate in the step to come.
+    /// The role of a candidate in the next step.
     #[must_use]
     pub fn of(step: &StepCounter, pool: usize, candidate: &Candidate) -> Self {
         Self(step.step * pool as u64 + u64::from(candidate.index))
@@ -36,7 +36,7 @@ impl CandidateRole {
         self.0 % GROWING == GROWING - 1
     }
 
-    /// Whether nothing is to be planted in its turn.
+    /// Whether it is left out.
     #[must_use]
     pub fn rests(self) -> bool {
         self.0 < FIRST && self.0 % 2 == 1

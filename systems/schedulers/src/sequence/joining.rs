@@ -1,4 +1,4 @@
-//! Joins the trees that a sequence of transitions needs to hang together: by a straight motion first, then by two trees
+//! Joins the trees that a sequence of transitions needs to be connected: by a straight motion first, then by two trees
 //! that grow towards one another on the leaf.
 
 use crate::sequence::candidate_roles::CandidateRole;
@@ -183,7 +183,7 @@ pub fn learn_from_joins(
 ) {
     let roadmap = roadmap.view();
     for (connection, join) in connections.0.iter().zip(&tried.0) {
-        // One that was not asked about, because another joined the same trees, says nothing of what was planted.
+        // One that was not tested, because another joined the same trees, says nothing about the lazy extension.
         if let Connection { from, to, verdict: Some(Err(_)) } = *connection
             && let Some(unvalidated_edge) = unvalidated_edges.between(from, to)
         {

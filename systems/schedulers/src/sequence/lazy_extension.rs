@@ -21,12 +21,11 @@ use std::collections::BTreeMap;
 /// A transition loses half of its weight on a leaf in so many tries.
 const PATIENCE: f64 = 8.0;
 
-/// With so many successes a transition is planted half as often on a leaf as it is drawn there.
+/// With so many successes a transition is extended lazily half as often on a leaf as it is drawn there.
 const ENOUGH: f64 = 3.0;
 
-/// The share of the way from the near node to a random configuration at which a waypoint is looked for is a number drawn evenly
-/// from [0, 1] to this power. What is found near is joined by short motions; what is found far is found where near there is
-/// nothing.
+/// The share of the way from the near node to a random configuration at which the search for a waypoint starts is a number drawn
+/// evenly from [0, 1] to this power. Near waypoints are joined by short motions; far ones are found where there are no near ones.
 const AWAY: f64 = 0.7;
 
 /// What is tried from a leaf: a transition, and where it is crossed the leaf that it aims at.
@@ -45,21 +44,21 @@ struct Count {
 }
 
 impl LazyExtensions {
-    /// What is left of a transition's weight on a leaf: what stands there already is planted less, and what fails again and
-    /// again is tried less, but never never.
+    /// What is left of a transition's weight on a leaf: it falls with every success and, slower, with every try, but never to
+    /// zero.
     fn freshness(&self, attempt: Attempt) -> f64 {
         let Count { tries, succeeded } = self.counts.get(&attempt).copied().unwrap_or_default();
         1.0 / ((1.0 + f64::from(succeeded)) * (1.0 + f64::from(tries) / PATIENCE))
     }
 
-    /// Remembers that what was planted leads nowhere.
+    /// Takes a success back: the lazy extension leads nowhere.
     pub(crate) fn take_back(&mut self, attempt: Attempt) {
         if let Some(count) = self.counts.get_mut(&attempt) {
             count.succeeded = count.succeeded.saturating_sub(1);
         }
     }
 
-    /// Probability that it is planted once more.
+    /// Probability that it is extended lazily once more.
     fn keeping_probability(&self, attempt: Attempt) -> f64 {
         let succeeded = self.counts.get(&attempt).map_or(0, |count| count.succeeded);
         ENOUGH / (ENOUGH + f64::from(succeeded))
@@ -129,7 +128,7 @@ fn starts_far(transition: &Transition) -> bool {
     transition.kind != TransitionKind::Loop && transition.legs.first().is_some_and(on_own_leaf)
 }
 
-/// Moves the random configurations of what is to be planted towards the near node, by a random share.
+/// Moves the random configurations of lazy extensions towards the near node, by a random share.
 pub fn stay_near(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,

@@ -26,7 +26,7 @@ const PRIOR: f64 = 2.0;
 /// What an unvalidated edge is estimated to cost, in motions: it is short, and nearly always free.
 const UNVALIDATED_COST: f64 = 0.1;
 
-/// A node by which its tree comes upon its leaf: a root, an end of what was planted, the end of an extension along a transition.
+/// A node by which its tree enters its leaf: a root, an end of a lazy extension, the end of an extension along a transition.
 #[derive(Clone, Debug)]
 struct Anchor {
     node: NodeId,
@@ -52,7 +52,7 @@ pub struct LeafGraph {
     anchors: Vec<Anchor>,
     /// By leaf: its anchors.
     by_leaf: Vec<Vec<u32>>,
-    /// Nodes that have been looked at.
+    /// Nodes that have been visited.
     known: usize,
     /// Efforts that have failed, by join.
     efforts: BTreeMap<Join, f64>,
@@ -159,7 +159,7 @@ impl LeafGraph {
         self.anchors[join.0 as usize].leaf
     }
 
-    /// Efforts that a join has cost in vain; one is a straight motion, or as many candidates as a block of lanes takes.
+    /// Failed efforts of a join; one is a straight motion, or as many candidates as a block of lanes takes.
     #[must_use]
     pub fn effort(&self, join: Join) -> f64 {
         self.efforts.get(&join).copied().unwrap_or(0.0)
@@ -210,7 +210,7 @@ impl LeafGraph {
     }
 
     /// The joins on the cheapest way from the start's tree to a goal's, the start's first; `None` where there is no way yet,
-    /// nothing where start and goal hang together. Ties go to the older tree.
+    /// nothing where start and goal are connected. Ties go to the older tree.
     #[must_use]
     pub fn cheapest(&self, roadmap: Roadmap<'_>, roots: &Roots) -> Option<Vec<Join>> {
         let start = roadmap.tree_of(roots.start?);

@@ -1,5 +1,5 @@
-//! What the scheduler `sequence` adds to the shared systems: certified short motions between two leaves, planted without the
-//! long motions that lead there, and joined on their leaves only where they make up a sequence from start to goal.
+//! What the scheduler `sequence` adds to the shared systems: lazy extensions, which are short motions between two leaves without the
+//! long motions that lead there. They are joined on their leaves only where they make up a sequence from start to goal.
 
 pub mod candidate_roles;
 pub mod connect_iterations;

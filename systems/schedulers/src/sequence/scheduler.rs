@@ -15,7 +15,7 @@ use foliate_systems::schedule::{SearchSet, StepSystems};
 use foliate_systems::step::lazy_extension as lazy;
 use foliate_systems::step::{commit, conclusion, rendezvous, sampling, selection, steering, validation, waypoints};
 
-/// Short motions between leaves are planted where `mrrt` would first certify how to get there; only the long motions of
+/// Trees are extended lazily, by short motions between leaves, where `mrrt` would first certify how to get there; only the long motions of
 /// sequences that reach from the start to a goal are certified, those estimated to be easiest first. A problem whose only
 /// transitions are loops has no sequences: it is left to [`Mrrt`].
 #[derive(Clone, Copy, Debug, Default)]
@@ -79,7 +79,7 @@ pub fn step_systems() -> StepSystems {
         )
 }
 
-/// Whether every transition is a loop, so that all sequences are empty and there is nothing to plant: plain motion planning.
+/// Whether every transition is a loop, so that all sequences are empty and there is nothing to extend lazily: plain motion planning.
 fn stays_on_its_leaf(world: &World) -> bool {
     let graph = &world.resource::<PlanningModel>().graph;
     !graph.lazy && graph.transitions.iter().all(|transition| transition.kind == TransitionKind::Loop)

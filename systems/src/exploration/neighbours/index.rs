@@ -15,11 +15,11 @@ const CROWD: usize = 32;
 /// The nodes of a leaf or a state, by the tree in which they were born.
 pub(crate) type ByTree = Vec<(TreeId, Bucket)>;
 
-/// The nodes of the roadmap, as whoever looks for near ones wants them.
+/// The nodes of the roadmap, in a form for queries of near ones.
 #[derive(Clone, Debug, Resource)]
 pub struct Neighbours {
     pub(crate) level: Level,
-    /// Of the robots alone: on a leaf objects hang where they hang.
+    /// Of the robots alone: on a leaf the attachments of objects are constant.
     pub(crate) robots: Metric,
     pub(crate) everything: Metric,
     /// Leaves with many nodes.

@@ -11,7 +11,7 @@ use foliate_kernels::nearest::{BucketQueries, nearest};
 /// Among which nodes the nearest is looked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Region {
-    /// Those on a leaf; distances are those of the robots alone, since objects hang where they hang.
+    /// Those on a leaf; distances are those of the robots alone, since the attachments of objects are constant.
     Leaf(LeafId),
     /// Those in a state.
     State(StateId),
@@ -22,15 +22,15 @@ pub enum Region {
 /// Which node is nearest to a configuration.
 #[derive(Clone, Debug)]
 pub struct Question<'q> {
-    /// Number of whoever asks, for the caller: questions are put in another order.
+    /// Number of the query, for the caller: queries are reordered.
     pub asker: usize,
-    /// Where to look.
+    /// Where to search.
     pub region: Region,
     /// Only in this tree, if any.
     pub tree: Option<TreeId>,
     /// The configuration.
     pub q: &'q [f64],
-    /// The nearest node, ties by lowest id; `None` where there is none, and as long as nobody has looked.
+    /// The nearest node, ties by lowest id; `None` where there is none, and before the query has run.
     pub nearest: Option<NodeId>,
 }
 

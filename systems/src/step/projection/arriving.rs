@@ -13,7 +13,7 @@ use foliate_components::graph::{ConstraintId, ConstraintKind, Leg, StateId};
 use foliate_kernels::kinematics::RigidAttachment;
 
 impl Context<'_> {
-    /// Whether a lane's configuration, which lies in `state`, lies in `next` too: what `next` demands beyond `state` holds
+    /// Whether a lane's configuration, which lies in `state`, lies in `next` too: what `next` requires beyond `state` holds
     /// to within the tolerance of a projection.
     pub(crate) fn lies_in(&self, next: StateId, state: StateId, lane: &Lane<'_>, X_WJ: &mut [Pose]) -> bool {
         let here = &self.model.graph.state(state).manifold;

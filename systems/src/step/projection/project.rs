@@ -20,8 +20,8 @@ use foliate_kernels::constrained_motion::{Job, Scratch as NewtonScratch, Setting
 use rand::RngExt;
 use std::cmp::Reverse;
 
-/// Random starts are far away: more damping than the solver's own default leaves a few percent fewer candidates in vain
-/// (benches/README.md).
+/// Random starts are far away: more damping than the solver's own default needs a few percent fewer candidates
+/// (docs/decisions/0017).
 const DAMPING: f64 = 1e-2;
 
 /// Seeds among which one is drawn, of the sixteen that are found near a grasp.
