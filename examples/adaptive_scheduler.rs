@@ -37,7 +37,7 @@ const PRIOR: Prior = Prior { successes: 4.0, attempts: 8.0 };
 const FLOOR: f64 = 0.1;
 
 /// `mrrt`, with weights that follow success.
-struct Adaptive;
+pub struct Adaptive;
 
 impl Scheduler for Adaptive {
     fn name(&self) -> &'static str {
