@@ -181,7 +181,7 @@ pub struct UnboundedRoot {
 ///
 /// # Errors
 /// The root and the axis.
-pub fn bounded_roots(robot: &Robot) -> Result<(), UnboundedRoot> {
+pub(crate) fn bounded_roots(robot: &Robot) -> Result<(), UnboundedRoot> {
     for joint in &robot.joints {
         let axes: &[&'static str] = match joint.motion {
             JointType::Planar => &["x", "y"],

@@ -40,7 +40,7 @@ pub struct PlacementOnSupport {
 /// The bodies that may carry an object, with their supports: what is fixed in the world first, others in the order in
 /// which their supports are named. An object's own surfaces do not carry it.
 #[must_use]
-pub fn carrying_bodies(
+pub(crate) fn carrying_bodies(
     robot: &Robot,
     options: &GraphOptions,
     object: &ObjectOptions,
@@ -160,7 +160,7 @@ fn on_plane(plane: &Frame, frame: &Frame, lift: f64) -> RelativePose {
 
 /// The largest held row of a relative pose's error, metres and radians.
 #[must_use]
-pub fn relative_pose_residual(constraint: &RelativePose, X_WJ: &[Pose]) -> f64 {
+pub(crate) fn relative_pose_residual(constraint: &RelativePose, X_WJ: &[Pose]) -> f64 {
     let (a, b) = (placement_of(&constraint.a), placement_of(&constraint.b));
     let value = relative_pose::value(&a, &b, &Pose::identity(), X_WJ);
     let held = value.iter().zip(&constraint.rows).filter(|(_, row)| row.is_some());
