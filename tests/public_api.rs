@@ -9,8 +9,9 @@ mod api;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-const CRATES: [(&str, &str); 4] = [
+const CRATES: [(&str, &str); 5] = [
     ("foliate", "src"),
+    ("foliate_schedulers", "systems/schedulers/src"),
     ("foliate_systems", "systems/src"),
     ("foliate_kernels", "systems/kernels/src"),
     ("foliate_components", "components/src"),

@@ -119,18 +119,29 @@ fn the_kernels_build_without_bevy() {
     }
 }
 
+/// Each set of features compiles no crate that it does not need.
 #[test]
-fn without_the_command_line_no_command_line_crate_is_compiled() {
-    let output = Command::new(env!("CARGO"))
-        .args(["tree", "--offline", "--locked", "--edges", "normal", "--package", "foliate", "--prefix", "none"])
-        .arg("--no-default-features")
-        .current_dir(root())
-        .output()
-        .unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let tree = String::from_utf8(output.stdout).unwrap();
-    for absent in ["clap", "indicatif", "miette"] {
-        assert!(!tree.lines().any(|l| l.starts_with(absent)), "the library depends on {absent}");
+fn features_bring_only_what_they_need() {
+    let files = ["roxmltree", "toml ", "serde_json", "sha2"];
+    let command_line = ["clap", "indicatif", "mimalloc", "signal-hook", "zip", "nix"];
+    let sets: [(&str, Vec<&str>, Vec<&str>); 4] = [
+        ("", vec!["bevy_ecs", "glam"], [files.as_slice(), &command_line, &["urdf-rs"]].concat()),
+        ("check", files.to_vec(), [command_line.as_slice(), &["urdf-rs"]].concat()),
+        ("cli", command_line.to_vec(), vec!["urdf-rs"]),
+        ("urdf-rs", vec!["urdf-rs"], command_line.to_vec()),
+    ];
+    for (features, present, absent) in sets {
+        let output = Command::new(env!("CARGO"))
+            .args(["tree", "--offline", "--locked", "--edges", "normal,no-proc-macro", "--package", "foliate"])
+            .args(["--prefix", "none", "--no-default-features", "--features", features])
+            .current_dir(root())
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let tree = String::from_utf8(output.stdout).unwrap();
+        let has = |name: &&str| tree.lines().any(|line| line.starts_with(*name));
+        assert!(present.iter().all(has), "`{features}` brings not all of {present:?}");
+        assert!(!absent.iter().any(has), "`{features}` brings one of {absent:?}");
     }
 }
 

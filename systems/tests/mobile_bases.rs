@@ -65,7 +65,7 @@ fn mobile_arm(root: RootJoint, root_bounds: Vec<(f64, f64)>) -> Problem {
 #[test]
 fn a_root_without_bounds_is_refused_by_name_and_axis() {
     let refused = |problem| match Model::new(problem) {
-        Err(ModelError::Document(why)) => why,
+        Err(ModelError::UnboundedRoot(why)) => why.to_string(),
         other => format!("{:?}", other.map(|_| "accepted")),
     };
     let why = refused(mobile_arm(RootJoint::Planar, Vec::new()));

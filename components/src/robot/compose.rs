@@ -5,7 +5,7 @@
 
 use crate::pose::Pose;
 use crate::robot::configuration::ConfigurationSpace;
-use crate::robot::error::ComposeError;
+use crate::robot::error::{ComposeError, PartError};
 use crate::robot::hybrid_robot::{DisabledPair, Gripper, Handle, Link, Part, Robot, Shape, Surface};
 use crate::robot::indices::{JointIndex, LinkIndex, PartIndex};
 use crate::robot::joint::{Joint, JointType, PartPlacement, RootJoint, Source};
@@ -29,7 +29,7 @@ impl Robot {
             }
             robot
                 .add_part(model, placement)
-                .map_err(|message| ComposeError::InPart { part: placement.name.clone(), message })?;
+                .map_err(|source| ComposeError::InPart { part: placement.name.clone(), source })?;
             let part = PartIndex(robot.parts.len() as u32 - 1);
             robot.narrow_leaders(part).map_err(|room| ComposeError::NoRoom { part: placement.name.clone(), room })?;
         }
@@ -37,7 +37,7 @@ impl Robot {
         Ok(robot)
     }
 
-    fn add_part(&mut self, model: &Model, placement: &PartPlacement) -> Result<(), String> {
+    fn add_part(&mut self, model: &Model, placement: &PartPlacement) -> Result<(), PartError> {
         let tree = Tree::of(model)?;
         let follows = follows(model, placement.mimic_follows)?;
         let part = PartIndex(self.parts.len() as u32);
@@ -121,14 +121,11 @@ impl Robot {
         })
     }
 
-    fn add_documents(&mut self, model: &Model, link_index: &[LinkIndex], part: &str) -> Result<(), String> {
+    fn add_documents(&mut self, model: &Model, link_index: &[LinkIndex], part: &str) -> Result<(), PartError> {
         let by_name: HashMap<&str, LinkIndex> =
             model.links.iter().zip(link_index).map(|(l, &i)| (l.name.as_str(), i)).collect();
-        let link = |what: &str, name: &str, link: &str| {
-            by_name
-                .get(link)
-                .copied()
-                .ok_or_else(|| format!("{what} `{name}` is on link `{link}`, which does not exist"))
+        let link = |what, name: &str, link: &str| {
+            by_name.get(link).copied().ok_or_else(|| PartError::NoLinkOf { what, name: name.into(), link: link.into() })
         };
         for g in &model.grippers {
             self.grippers.push(Gripper {

@@ -9,10 +9,41 @@ use crate::robot::limits::NoRoom;
 pub enum ComposeError {
     #[error("two parts are called `{0}`")]
     DuplicatePart(String),
-    #[error("part `{part}`: {message}")]
-    InPart { part: String, message: String },
+    #[error("part `{part}`: {source}")]
+    InPart { part: String, source: PartError },
     #[error("part `{part}`: {room}")]
     NoRoom { part: String, room: NoRoom },
+}
+
+/// What is wrong with the model of one part.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs, reason = "the messages are the documentation")]
+pub enum PartError {
+    #[error("the model has no links")]
+    NoLinks,
+    #[error("two links are called `{0}`")]
+    DuplicateLink(String),
+    #[error("two joints are called `{0}`")]
+    DuplicateJoint(String),
+    #[error("joint `{0}` names a link that does not exist")]
+    NoSuchLink(String),
+    #[error("link `{link}` is the child of two joints (one is `{joint}`)")]
+    TwoParents { link: String, joint: String },
+    #[error("the joints form a cycle: every link is some joint's child")]
+    NoRoot,
+    #[error("links `{first}` and `{second}` are both roots; a model has one")]
+    TwoRoots { first: String, second: String },
+    #[error("link `{0}` is on a cycle of joints")]
+    Cycle(String),
+    #[error("joint `{joint}` mimics `{leader}`, which is not a joint of this part")]
+    NoSuchLeader { joint: String, leader: String },
+    #[error("joint `{joint}` mimics `{leader}`: only joints of one coordinate can be coupled")]
+    NotCoupled { joint: String, leader: String },
+    #[error("joint `{joint}` mimics itself, by way of `{leader}`")]
+    MimicsItself { joint: String, leader: String },
+    #[error("{what} `{name}` is on link `{link}`, which does not exist")]
+    NoLinkOf { what: &'static str, name: String, link: String },
 }
 
 /// Why a coordinate is not set or read by its name.

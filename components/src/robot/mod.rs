@@ -12,7 +12,7 @@ pub(crate) mod limits;
 pub mod model;
 pub mod shape;
 
-pub use crate::robot::error::{ComposeError, CoordinateError};
+pub use crate::robot::error::{ComposeError, CoordinateError, PartError};
 pub use crate::robot::hybrid_robot::{DisabledPair, Gripper, Handle, Link, Part, Robot, Shape, Surface};
 pub use crate::robot::indices::{
     GripperIndex, HandleIndex, JointIndex, LinkIndex, PartIndex, ShapeIndex, SurfaceIndex,

@@ -11,7 +11,7 @@ use foliate_components::pose::rotation_from_rpy;
 use foliate_components::robot::model::{Inertial, JointKind, JointModel, LinkModel, Model};
 use foliate_components::robot::shape::Geometry;
 use glam::DVec3;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// What messages call the document.
 const LABEL: &str = "urdf_rs::Robot";
@@ -23,8 +23,8 @@ pub(crate) struct Converter<'a, 'p> {
     up_axis: UpAxis,
     /// SHA-256 of every mesh file that was read, hexadecimal, by the name that the URDF gives it.
     sha256: BTreeMap<String, String>,
-    /// Remarks about meshes that are not closed.
-    open_meshes: Vec<SceneError>,
+    /// Remarks that do not stop the reading.
+    warnings: Vec<SceneError>,
 }
 
 fn refusal(element: String, message: impl Into<String>) -> SceneError {
@@ -37,12 +37,12 @@ fn named(tag: &str, name: &str) -> String {
 
 impl<'a, 'p> Converter<'a, 'p> {
     pub fn new(meshes: &'a mut Meshes<'p>, base: Base, up_axis: UpAxis) -> Self {
-        Self { meshes, base, up_axis, sha256: BTreeMap::new(), open_meshes: Vec::new() }
+        Self { meshes, base, up_axis, sha256: BTreeMap::new(), warnings: Vec::new() }
     }
 
     /// What was read and remarked.
     pub fn finish(self) -> (BTreeMap<String, String>, Vec<SceneError>) {
-        (self.sha256, self.open_meshes)
+        (self.sha256, self.warnings)
     }
 
     /// The model. That its joints make one tree of its links, and that followers have a leader, is checked where the model is
@@ -60,7 +60,19 @@ impl<'a, 'p> Converter<'a, 'p> {
             return Err(refusal("<robot>".into(), "has no links"));
         }
         model.joints = robot.joints.iter().map(|one| joint(one, &links)).collect::<Result<_, _>>()?;
+        self.free_followers_of_nothing(&mut model.joints);
         Ok(model)
+    }
+
+    /// As where the file is read: a follower of a joint that does not exist has a coordinate of its own.
+    fn free_followers_of_nothing(&mut self, joints: &mut [JointModel]) {
+        let names: HashSet<String> = joints.iter().map(|joint| joint.name.clone()).collect();
+        for joint in joints {
+            let Some((leader, ..)) = joint.mimic.take_if(|(leader, ..)| !names.contains(leader)) else { continue };
+            let message =
+                format!("mimics joint `{}`, which does not exist: it is read as a joint of its own", quoted(&leader));
+            self.warnings.push(refusal(named("joint", &joint.name), message));
+        }
     }
 
     fn link(&mut self, link: &urdf_rs::Link) -> Result<LinkModel, SceneError> {
@@ -107,7 +119,7 @@ impl<'a, 'p> Converter<'a, 'p> {
                 self.sha256.insert(url.to_owned(), hexadecimal(&sha256));
                 if !mesh.closed {
                     let remark = refusal(element(), format!("the mesh {} is not closed", quoted(url)));
-                    self.open_meshes.push(remark.hint("only its surface is solid"));
+                    self.warnings.push(remark.hint("only its surface is solid"));
                 }
                 Ok(Geometry::Mesh(mesh))
             }

@@ -16,7 +16,7 @@ use foliate_kernels::kinematics::RigidAttachment;
 
 /// The value that a leg's leaf gives a constraint, where the constraint foliates the leg's state.
 #[must_use]
-pub fn parameter_in<'a>(
+pub(crate) fn parameter_in<'a>(
     model: &Model,
     leaves: &'a LeafIndex,
     state: StateId,

@@ -159,16 +159,16 @@ impl Model {
     ) -> Result<Self, ModelError> {
         let problem = &tables.problem;
         let robot = &problem.robot;
-        crate::planning_model::problem_tables::bounded_roots(robot).map_err(ModelError::Document)?;
+        crate::planning_model::problem_tables::bounded_roots(robot)?;
         let objects = object_models(problem, &graph)?;
         let grasps = graph
             .constraints
             .iter()
             .map(|c| match c.kind {
                 ConstraintKind::Grasp { gripper, handle } | ConstraintKind::Pregrasp { gripper, handle } => {
-                    let name = &robot.handles[handle.at()].name;
+                    let name = || robot.handles[handle.at()].name.clone();
                     let grasp = grasp_of(problem, gripper, handle);
-                    grasp.map(Some).map_err(|e| ModelError::Document(format!("handle `{name}`: {e}")))
+                    grasp.map(Some).map_err(|source| ModelError::Grasp { handle: name(), source })
                 }
                 _ => Ok(None),
             })

@@ -5,6 +5,8 @@
 use crate::planning_model::graph::attachment_order::root_of;
 use crate::planning_model::graph::checks::GraphError;
 use crate::planning_model::graph::support_placement::{PlacementOnSupport, SupportPlacement};
+use crate::planning_model::problem_tables::UnboundedRoot;
+use foliate_components::constraint::{MaskError, PlacementError};
 use foliate_components::graph::ConstraintGraph;
 use foliate_components::problem::Problem;
 use foliate_components::robot::JointIndex;
@@ -33,24 +35,31 @@ impl ObjectModel {
 pub enum ModelError {
     #[error(transparent)]
     Graph(#[from] GraphError),
-    #[error("{0}")]
-    Document(String),
+    #[error(transparent)]
+    UnboundedRoot(#[from] UnboundedRoot),
+    #[error("object `{object}`: {source}")]
+    Placement { object: String, source: PlacementError },
+    #[error("object `{object}`: its contact surfaces are on a link that moves against its root")]
+    SurfacesOffRoot { object: String },
+    #[error("handle `{handle}`: {source}")]
+    Grasp { handle: String, source: MaskError },
 }
 
 pub(crate) fn object_models(problem: &Problem, graph: &ConstraintGraph) -> Result<Vec<ObjectModel>, ModelError> {
     let (robot, options) = (&problem.robot, &problem.graph);
     let model = |object: &foliate_components::problem::ObjectOptions| {
-        let failed = |e: &str| ModelError::Document(format!("object `{}`: {e}", robot.parts[object.part.at()].name));
+        let name = || robot.parts[object.part.at()].name.clone();
         let Some(root) = root_of(robot, object.part) else {
             return Ok(ObjectModel { root: None, resting: Vec::new() });
         };
-        let resting = PlacementOnSupport::of_object(robot, options, object).map_err(|e| failed(&e))?;
+        let resting = PlacementOnSupport::of_object(robot, options, object)
+            .map_err(|source| ModelError::Placement { object: name(), source })?;
         let off_root = |place: &PlacementOnSupport| match &place.resting {
             SupportPlacement::Surfaces(lying) => lying.object_joint() != Some(root),
             SupportPlacement::Plane { .. } => false,
         };
         if resting.iter().any(off_root) {
-            return Err(failed("its contact surfaces are on a link that moves against its root"));
+            return Err(ModelError::SurfacesOffRoot { object: name() });
         }
         Ok(ObjectModel { root: Some(root), resting })
     };

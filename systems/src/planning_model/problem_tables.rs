@@ -163,22 +163,35 @@ fn coordinate_weights(robot: &Robot) -> Vec<f64> {
     weights
 }
 
+/// A root that moves along an axis without bounds.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("`{joint}` moves along {axis} without bounds ([{}, {}]): bound the root", bounds.0, bounds.1)]
+#[non_exhaustive]
+pub struct UnboundedRoot {
+    /// The root joint.
+    pub joint: String,
+    /// `x`, `y` or `z`.
+    pub axis: &'static str,
+    /// Its bounds, metres.
+    pub bounds: (f64, f64),
+}
+
 /// Why configurations cannot be drawn evenly: a root that moves along an axis without bounds. There is no uniform draw from
 /// all of space, and a guess about the reach of a mobile base would be wrong somewhere.
 ///
 /// # Errors
 /// The root and the axis.
-pub fn bounded_roots(robot: &Robot) -> Result<(), String> {
+pub(crate) fn bounded_roots(robot: &Robot) -> Result<(), UnboundedRoot> {
     for joint in &robot.joints {
-        let axes: &[&str] = match joint.motion {
+        let axes: &[&'static str] = match joint.motion {
             JointType::Planar => &["x", "y"],
             JointType::FreeFlyer => &["x", "y", "z"],
             JointType::Revolute { .. } | JointType::Prismatic { .. } => continue,
         };
         for (axis, (low, high)) in axes.iter().zip(joint.lower.iter().zip(&joint.upper)) {
             if !(low.is_finite() && high.is_finite()) {
-                let name = &joint.name;
-                return Err(format!("`{name}` moves along {axis} without bounds ([{low}, {high}]): bound the root"));
+                let bounds = (*low, *high);
+                return Err(UnboundedRoot { joint: joint.name.clone(), axis, bounds });
             }
         }
     }

@@ -32,7 +32,7 @@ pub struct Feasible {
 /// # Errors
 /// Wrong length, numbers that are not finite, coordinates out of bounds, locked joints elsewhere, no state, a collision: the
 /// first that is found.
-pub fn feasible(model: &PlanningModel, settings: &SearchSettings, q: &[f64]) -> Result<Feasible, Infeasibility> {
+pub(crate) fn feasible(model: &PlanningModel, settings: &SearchSettings, q: &[f64]) -> Result<Feasible, Infeasibility> {
     let (root, X_WJ) = in_a_state(model, settings, q)?;
     let scratch = &mut CollisionScratch::at_level(settings.level);
     match model.first_collision(root.state, &X_WJ, settings.clearance_guard, scratch) {
@@ -46,7 +46,7 @@ pub fn feasible(model: &PlanningModel, settings: &SearchSettings, q: &[f64]) -> 
 ///
 /// # Errors
 /// As [`feasible`].
-pub fn reach_feasible(
+pub(crate) fn reach_feasible(
     model: &mut PlanningModel,
     settings: &SearchSettings,
     q: &[f64],
@@ -58,7 +58,11 @@ pub fn reach_feasible(
 ///
 /// # Errors
 /// As [`feasible`].
-pub fn reach_start(model: &mut PlanningModel, settings: &SearchSettings, q: &[f64]) -> Result<Feasible, Infeasibility> {
+pub(crate) fn reach_start(
+    model: &mut PlanningModel,
+    settings: &SearchSettings,
+    q: &[f64],
+) -> Result<Feasible, Infeasibility> {
     reach(model, settings, q, true)
 }
 
@@ -217,7 +221,7 @@ fn residual_of(model: &Model, grasp: Option<&Grasp>, kind: ConstraintKind, q: &[
 
 /// The values that the foliating constraints of a state have at `q`, where the bodies are at `X_WJ`.
 #[must_use]
-pub fn parameters_of(model: &Model, state: StateId, q: &[f64], X_WJ: &[Pose]) -> Vec<Parameter> {
+pub(crate) fn parameters_of(model: &Model, state: StateId, q: &[f64], X_WJ: &[Pose]) -> Vec<Parameter> {
     model.graph.state(state).foliation.iter().map(|&c| parameter_of(model, c, q, X_WJ)).collect()
 }
 

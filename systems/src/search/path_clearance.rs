@@ -125,7 +125,7 @@ fn rigid_attachments(model: &Model, segment: &Segment) -> Vec<RigidAttachment> {
 
 /// Which pairs of shapes were tested for a path, and which were left out.
 #[must_use]
-pub fn pair_counts(model: &Model, path: &ManipulationPath) -> PairCounts {
+pub(crate) fn pair_counts(model: &Model, path: &ManipulationPath) -> PairCounts {
     let mut counts = model.collision.counts();
     if model.problem.margins.is_empty() {
         return counts;

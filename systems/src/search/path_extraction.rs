@@ -15,7 +15,7 @@ use std::f64::consts::TAU;
 /// The shortest path (weighted length of its motions) from `start` to `goal`; ties by lowest node id. `None` where they
 /// are not connected.
 #[must_use]
-pub fn extract_path(
+pub(crate) fn extract_path(
     model: &PlanningModel,
     settings: &SearchSettings,
     roadmap: Roadmap<'_>,

@@ -2,7 +2,7 @@
 //! re-exported.
 
 use super::items::{self, Modules};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Where an item is defined: module, and name there.
@@ -11,13 +11,15 @@ type Place = (Vec<String>, String);
 /// The listing of the crate whose `lib.rs` lies in a folder, sorted.
 pub fn list(folder: &Path) -> Vec<String> {
     let modules = items::read(folder);
-    let mut walk = Walk { modules: &modules, lines: BTreeSet::new() };
+    let mut walk = Walk { modules: &modules, listed: BTreeMap::new(), lines: BTreeSet::new() };
     walk.module(&[], &[]);
     walk.lines.into_iter().collect()
 }
 
 struct Walk<'m> {
     modules: &'m Modules,
+    /// Items that are listed, and where.
+    listed: BTreeMap<Place, String>,
     lines: BTreeSet<String>,
 }
 
@@ -46,7 +48,8 @@ impl Walk<'_> {
                 Some(path) if self.modules.contains_key(&path) => self.module(&path, &below(shown, &one.name)),
                 Some(path) => match self.defined(&path, 0) {
                     Some(place) => self.item(&place, shown, &one.name),
-                    None => panic!("`{}` of `{}` is not found", path.join("::"), at.join("::")),
+                    // Only its name is known: a macro makes it.
+                    None => drop(self.lines.insert(format!("{}: of a macro", below(shown, &one.name).join("::")))),
                 },
             }
         }
@@ -54,6 +57,11 @@ impl Walk<'_> {
 
     fn item(&mut self, place: &Place, shown: &[String], name: &str) {
         let shown = below(shown, name).join("::");
+        if let Some(first) = self.listed.get(place) {
+            self.lines.insert(format!("{shown}: use {first}"));
+            return;
+        }
+        self.listed.insert(place.clone(), shown.clone());
         let item = &self.modules[&place.0].items[&place.1];
         for (part, line) in &item.lines {
             self.lines.insert(format!("{shown}{part}: {line}"));

@@ -1,6 +1,7 @@
 //! The tree of one model's links and joints, and which of its joints follow others.
 
 use crate::pose::Pose;
+use crate::robot::error::PartError;
 use crate::robot::model::part_model::{JointKind, JointModel, Model};
 use glam::DQuat;
 use std::collections::HashMap;
@@ -12,21 +13,21 @@ pub(crate) struct Tree {
 }
 
 impl Tree {
-    pub(crate) fn of(model: &Model) -> Result<Self, String> {
+    pub(crate) fn of(model: &Model) -> Result<Self, PartError> {
         if model.links.is_empty() {
-            return Err("the model has no links".into());
+            return Err(PartError::NoLinks);
         }
-        unique("link", model.links.iter().map(|l| l.name.as_str()))?;
-        unique("joint", model.joints.iter().map(|j| j.name.as_str()))?;
+        unique(PartError::DuplicateLink, model.links.iter().map(|l| l.name.as_str()))?;
+        unique(PartError::DuplicateJoint, model.joints.iter().map(|j| j.name.as_str()))?;
         let mut children = vec![Vec::new(); model.links.len()];
         let mut is_child = vec![false; model.links.len()];
         for (index, joint) in model.joints.iter().enumerate() {
             if joint.parent >= model.links.len() || joint.child >= model.links.len() {
-                return Err(format!("joint `{}` names a link that does not exist", joint.name));
+                return Err(PartError::NoSuchLink(joint.name.clone()));
             }
             if std::mem::replace(&mut is_child[joint.child], true) {
-                let child = &model.links[joint.child].name;
-                return Err(format!("link `{child}` is the child of two joints (one is `{}`)", joint.name));
+                let link = model.links[joint.child].name.clone();
+                return Err(PartError::TwoParents { link, joint: joint.name.clone() });
             }
             children[joint.parent].push(index);
         }
@@ -34,10 +35,10 @@ impl Tree {
             joints.sort_by(|&a, &b| model.joints[a].name.cmp(&model.joints[b].name));
         }
         let mut roots = (0..model.links.len()).filter(|&l| !is_child[l]);
-        let root = roots.next().ok_or("the joints form a cycle: every link is some joint's child")?;
+        let root = roots.next().ok_or(PartError::NoRoot)?;
         if let Some(second) = roots.next() {
-            let (a, b) = (&model.links[root].name, &model.links[second].name);
-            return Err(format!("links `{a}` and `{b}` are both roots; a model has one"));
+            let (first, second) = (model.links[root].name.clone(), model.links[second].name.clone());
+            return Err(PartError::TwoRoots { first, second });
         }
         let tree = Self { root, children };
         tree.refuse_cycles(model)?;
@@ -45,7 +46,7 @@ impl Tree {
     }
 
     /// With one root and one parent per link, a link that the root does not reach lies on a cycle.
-    fn refuse_cycles(&self, model: &Model) -> Result<(), String> {
+    fn refuse_cycles(&self, model: &Model) -> Result<(), PartError> {
         let mut reached = vec![false; model.links.len()];
         let mut stack = vec![self.root];
         while let Some(link) = stack.pop() {
@@ -53,17 +54,17 @@ impl Tree {
             stack.extend(self.children[link].iter().map(|&j| model.joints[j].child));
         }
         match reached.iter().position(|r| !r) {
-            Some(link) => Err(format!("link `{}` is on a cycle of joints", model.links[link].name)),
+            Some(link) => Err(PartError::Cycle(model.links[link].name.clone())),
             None => Ok(()),
         }
     }
 }
 
-fn unique<'a>(what: &str, names: impl Iterator<Item = &'a str>) -> Result<(), String> {
+fn unique<'a>(twice: fn(String) -> PartError, names: impl Iterator<Item = &'a str>) -> Result<(), PartError> {
     let mut seen = std::collections::HashSet::new();
     for name in names {
         if !seen.insert(name) {
-            return Err(format!("two {what}s are called `{name}`"));
+            return Err(twice(name.into()));
         }
     }
     Ok(())
@@ -81,7 +82,7 @@ pub(crate) enum Follow {
 }
 
 /// Resolves `mimic` of all joints: chains end at a joint with a coordinate, or at a fixed one; cycles are refused.
-pub(crate) fn follows(model: &Model, mimic_follows: bool) -> Result<Vec<Follow>, String> {
+pub(crate) fn follows(model: &Model, mimic_follows: bool) -> Result<Vec<Follow>, PartError> {
     let mut resolved: Vec<Option<Follow>> = vec![None; model.joints.len()];
     let by_name: HashMap<&str, usize> = model.joints.iter().enumerate().map(|(i, j)| (j.name.as_str(), i)).collect();
     let scalar = |kind| matches!(kind, JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic);
@@ -101,20 +102,21 @@ pub(crate) fn follows(model: &Model, mimic_follows: bool) -> Result<Vec<Follow>,
                     break Follow::Nothing.carried_by(at);
                 }
                 (None, Some((leader, multiplier, offset))) => {
-                    let name = &joint.name;
+                    let names = || (joint.name.clone(), leader.clone());
                     let Some(&next) = by_name.get(leader.as_str()) else {
-                        return Err(format!("joint `{name}` mimics `{leader}`, which is not a joint of this part"));
+                        let (joint, leader) = names();
+                        return Err(PartError::NoSuchLeader { joint, leader });
                     };
                     let next_kind = model.joints[next].kind;
                     if !scalar(joint.kind) || !(scalar(next_kind) || next_kind == JointKind::Fixed) {
-                        return Err(format!(
-                            "joint `{name}` mimics `{leader}`: only joints of one coordinate can be coupled"
-                        ));
+                        let (joint, leader) = names();
+                        return Err(PartError::NotCoupled { joint, leader });
                     }
                     chain.push((at, *multiplier, *offset));
                     walked_in[at] = index;
                     if walked_in[next] == index {
-                        return Err(format!("joint `{name}` mimics itself, by way of `{leader}`"));
+                        let (joint, leader) = names();
+                        return Err(PartError::MimicsItself { joint, leader });
                     }
                     at = next;
                 }

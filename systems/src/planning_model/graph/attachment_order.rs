@@ -162,7 +162,7 @@ pub fn is_rigid(grasp: &Grasp, root: Option<JointIndex>) -> bool {
 ///
 /// # Errors
 /// A handle whose mask makes no grasp.
-pub fn grasp_of(problem: &Problem, gripper: GripperIndex, handle: HandleIndex) -> Result<Grasp, MaskError> {
+pub(crate) fn grasp_of(problem: &Problem, gripper: GripperIndex, handle: HandleIndex) -> Result<Grasp, MaskError> {
     let robot = &problem.robot;
     let mut grasp = Grasp::new(robot, gripper, handle)?;
     let part = robot.links[robot.handles[handle.at()].link.at()].part;

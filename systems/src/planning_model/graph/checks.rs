@@ -4,6 +4,7 @@
 
 use crate::planning_model::graph::attachment_order::root_of;
 use crate::planning_model::graph::support_placement::carrying_bodies;
+use foliate_components::constraint::MaskError;
 use foliate_components::problem::{GraphOptions, Problem};
 use foliate_components::robot::RootJoint;
 
@@ -32,8 +33,8 @@ pub enum GraphError {
     NoSupport(String),
     #[error("object `{0}` does not move freely (its root joint is neither a free-flyer nor fixed)")]
     ObjectNotFree(String),
-    #[error("handle `{0}`: {1}")]
-    Handle(String, String),
+    #[error("handle `{handle}`: {source}")]
+    Handle { handle: String, source: MaskError },
     #[error("{user} names constraint number {number}, and the problem has {count}")]
     NoSuchConstraint { user: String, number: u32, count: usize },
     #[error("transition `{transition}` names state number {number}, and the problem has {count} of its own")]

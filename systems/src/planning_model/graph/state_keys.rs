@@ -47,7 +47,10 @@ impl Documents {
                 if in_table(options, gripper, handle) {
                     let name = || robot.handles[handle.at()].name.clone();
                     let grasp = grasp_of(problem, gripper, handle);
-                    grasps.insert((gripper, handle), grasp.map_err(|e| GraphError::Handle(name(), e.to_string()))?);
+                    grasps.insert(
+                        (gripper, handle),
+                        grasp.map_err(|source| GraphError::Handle { handle: name(), source })?,
+                    );
                 }
             }
         }

@@ -3,7 +3,7 @@
 //! Supports are grouped by the body that carries them, because the object is attached to that body while it lies there.
 
 use foliate_components::Pose;
-use foliate_components::constraint::{Constraint, Frame, Placement, Reference, RelativePose, Row};
+use foliate_components::constraint::{Constraint, Frame, Placement, PlacementError, Reference, RelativePose, Row};
 use foliate_components::pose::{exp_so3, log_so3};
 use foliate_components::problem::{GraphOptions, ObjectOptions};
 use foliate_components::robot::{JointIndex, LinkIndex, Robot, SurfaceIndex};
@@ -40,7 +40,7 @@ pub struct PlacementOnSupport {
 /// The bodies that may carry an object, with their supports: what is fixed in the world first, others in the order in
 /// which their supports are named. An object's own surfaces do not carry it.
 #[must_use]
-pub fn carrying_bodies(
+pub(crate) fn carrying_bodies(
     robot: &Robot,
     options: &GraphOptions,
     object: &ObjectOptions,
@@ -72,7 +72,11 @@ impl PlacementOnSupport {
     ///
     /// # Errors
     /// Surfaces that make no placement.
-    pub fn of_object(robot: &Robot, options: &GraphOptions, object: &ObjectOptions) -> Result<Vec<Self>, String> {
+    pub fn of_object(
+        robot: &Robot,
+        options: &GraphOptions,
+        object: &ObjectOptions,
+    ) -> Result<Vec<Self>, PlacementError> {
         if let Some(plane) = &object.plane {
             let root = robot.parts[object.part.at()].root_link;
             let frame = Frame::on_link(robot, root, &plane.object_from_frame);
@@ -80,8 +84,7 @@ impl PlacementOnSupport {
             return Ok(vec![Self { on: None, supports: Vec::new(), touches: plane.on, resting }]);
         }
         let place = |(on, supports): (Option<JointIndex>, Vec<SurfaceIndex>)| {
-            let placement = Placement::new(robot, &object.surfaces, &supports, options.placement_margin);
-            let placement = placement.map_err(|e| e.to_string())?;
+            let placement = Placement::new(robot, &object.surfaces, &supports, options.placement_margin)?;
             Ok(Self { on, supports, touches: None, resting: SupportPlacement::Surfaces(placement) })
         };
         carrying_bodies(robot, options, object).into_iter().map(place).collect()
@@ -157,7 +160,7 @@ fn on_plane(plane: &Frame, frame: &Frame, lift: f64) -> RelativePose {
 
 /// The largest held row of a relative pose's error, metres and radians.
 #[must_use]
-pub fn relative_pose_residual(constraint: &RelativePose, X_WJ: &[Pose]) -> f64 {
+pub(crate) fn relative_pose_residual(constraint: &RelativePose, X_WJ: &[Pose]) -> f64 {
     let (a, b) = (placement_of(&constraint.a), placement_of(&constraint.b));
     let value = relative_pose::value(&a, &b, &Pose::identity(), X_WJ);
     let held = value.iter().zip(&constraint.rows).filter(|(_, row)| row.is_some());

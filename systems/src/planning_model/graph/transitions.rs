@@ -55,7 +55,7 @@ pub(crate) fn leg(name: &str, number: &str, state: StateId, target: Vec<Constrai
 
 /// The constraint whose value a waypoint's constraint leads to.
 #[must_use]
-pub fn led_to(kind: ConstraintKind) -> ConstraintKind {
+pub(crate) fn led_to(kind: ConstraintKind) -> ConstraintKind {
     match kind {
         ConstraintKind::Preplacement { object, on } => ConstraintKind::Placement { object, on },
         ConstraintKind::Pregrasp { gripper, handle } => ConstraintKind::Grasp { gripper, handle },
