@@ -79,7 +79,7 @@ impl<'a> SegmentMotion<'a> {
         // Attachments are read from the written poses, so all of them before the tree changes.
         let ties: Vec<_> = (0..world.parts.len()).filter_map(|p| motion.tie(p)).collect();
         for (carry, body, edge) in ties {
-            motion.hang(body, edge);
+            motion.attach(body, edge);
             motion.carries.push(carry);
         }
         motion.refuse_circles()?;
@@ -109,7 +109,7 @@ impl<'a> SegmentMotion<'a> {
     }
 
     /// Gives a body a new parent; the bodies between it and its part's root are then attached to it.
-    fn hang(&mut self, body: usize, edge: Edge) {
+    fn attach(&mut self, body: usize, edge: Edge) {
         let mut below = body;
         while let Some(parent) = self.world.bodies[below].parent {
             self.edges[parent] = Edge { parent: Some(below), via: Via::Back(below) };

@@ -50,7 +50,7 @@ impl Setting {
         Self { kinematics: Kinematics::new(&robot), rigid_attachments: rigid_attachments(&robot), robot }
     }
 
-    fn tree(&self) -> AttachmentTree<'_> {
+    fn tree(&self) -> AttachmentTree {
         AttachmentTree::with_carried(&self.robot, self.rigid_attachments.iter().map(|c| (c.object, c.carrier)))
     }
 
@@ -390,10 +390,10 @@ fn objects_do_not_carry_themselves() {
     let robot = world();
     let (block, other) = (robot.joint("block/root_joint").unwrap(), robot.joint("other/root_joint").unwrap());
     let mut tree = AttachmentTree::new(&robot);
-    assert!(tree.hang(block, Some(other)));
-    assert!(!tree.hang(other, Some(block)), "a cycle of two");
-    assert!(!tree.hang(block, None), "carried twice");
-    assert!(!tree.hang(other, Some(other)), "a cycle of one");
+    assert!(tree.attach(block, Some(other)));
+    assert!(!tree.attach(other, Some(block)), "a cycle of two");
+    assert!(!tree.attach(block, None), "carried twice");
+    assert!(!tree.attach(other, Some(other)), "a cycle of one");
     assert_eq!(tree.chain(Some(block)).collect::<Vec<_>>(), [block, other]);
     assert_eq!(tree.between(Some(block), Some(other)), (vec![block], Vec::<JointIndex>::new()));
 }

@@ -20,14 +20,14 @@ impl Rooted {
         let mut hung = Vec::new();
         let all: Vec<NodeId> = roots.start.iter().chain(&roots.goals).copied().collect();
         for &root in &all[self.roots..] {
-            self.hang(roadmap, root, (root, None), &mut hung);
+            self.attach(roadmap, root, (root, None), &mut hung);
         }
         self.roots = all.len();
         for edge in (self.edges as u32..roadmap.edges().len() as u32).map(EdgeId) {
             let row = roadmap.edge(edge);
             for (near, far) in [(row.from, row.to), (row.to, row.from)] {
                 if let Some((root, _)) = self.ways[near.at()] {
-                    self.hang(roadmap, far, (root, Some(edge)), &mut hung);
+                    self.attach(roadmap, far, (root, Some(edge)), &mut hung);
                 }
             }
         }
@@ -36,7 +36,7 @@ impl Rooted {
     }
 
     /// Connects a node to a root, and breadth first its neighbours, unless it is connected to one already.
-    fn hang(&mut self, roadmap: Roadmap<'_>, node: NodeId, way: (NodeId, Option<EdgeId>), hung: &mut Vec<NodeId>) {
+    fn attach(&mut self, roadmap: Roadmap<'_>, node: NodeId, way: (NodeId, Option<EdgeId>), hung: &mut Vec<NodeId>) {
         let mut waiting = VecDeque::from([(node, way)]);
         while let Some((node, way)) = waiting.pop_front() {
             if self.ways[node.at()].is_none() {

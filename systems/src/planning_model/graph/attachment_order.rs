@@ -58,7 +58,7 @@ impl<'a> Chain<'a> {
     }
 
     /// Attaches an object to a body; false, and nothing changes, where it is carried already or would carry itself.
-    pub fn hang(&mut self, object: usize, body: Option<JointIndex>) -> bool {
+    pub fn attach(&mut self, object: usize, body: Option<JointIndex>) -> bool {
         if self.is_carried(object) || self.hangs_on(body, object) {
             return false;
         }
@@ -77,7 +77,7 @@ impl<'a> Chain<'a> {
             for (number, (object, grasp)) in grasps.clone().enumerate() {
                 let Some(root) = self.roots.get(object).copied().flatten() else { continue };
                 let fits = grasp.handle.joint == Some(root) && is_rigid(grasp, Some(root)) == rigid;
-                if fits && self.hang(object, grasp.gripper.joint) {
+                if fits && self.attach(object, grasp.gripper.joint) {
                     hung(number, object);
                 }
             }
@@ -121,7 +121,7 @@ impl Carriers {
                 ConstraintKind::Rest { object } => (object as usize, None),
                 _ => continue,
             };
-            if root_of(robot, graph.objects[object].part).is_some() && chain.hang(object, on) {
+            if root_of(robot, graph.objects[object].part).is_some() && chain.attach(object, on) {
                 of[object] = Some(constraint);
             }
         }

@@ -160,7 +160,7 @@ impl<'a> StateKeys<'a> {
             for (chain, lying) in &ways {
                 for &body in &bodies {
                     let (mut chain, mut lying) = (chain.clone(), lying.clone());
-                    if chain.hang(object, body) {
+                    if chain.attach(object, body) {
                         lying[object] = body;
                         longer.push((chain, lying));
                     }

@@ -9,12 +9,12 @@
 //! ‖ẍ‖ ≤ Σⱼ |Δⱼ| rⱼ (|Δⱼ| + 2 Σᵢ |Δᵢ|) over the joints i that carry joint j. Bodies that slide past each other need far
 //! fewer samples so.
 
-use crate::collision::scene::attachment::Chain;
+use crate::collision::scene::body_chains::Chain;
 use crate::collision::scene::collision_scene::{CollisionScene, PairId};
 use crate::collision::scene::pair_query::{place_balls, solid_balls};
 use crate::collision::scene::pair_set::{ActiveGroup, PairSet};
-use crate::collision::scene::scene_joint::SceneJoint;
 use crate::collision::solids::volumes::Ball;
+use crate::kinematics::joint_table::{JointCoordinates, JointEntry};
 use foliate_components::Pose;
 use foliate_components::robot::JointType;
 use glam::DVec3;
@@ -61,7 +61,7 @@ impl MotionBound {
     /// If a slice is too short.
     pub fn begin(&mut self, scene: &CollisionScene, pairs: &PairSet, q: &[f64], delta: &[f64]) {
         self.clear();
-        for joint in &scene.joints {
+        for joint in scene.joints.iter() {
             let rate = JointRate::of(joint, q, delta);
             self.turn.push(rate.turn);
             self.slide.push(rate.slide);
@@ -83,18 +83,18 @@ impl MotionBound {
     fn make_room(&mut self, scene: &CollisionScene, pairs: &PairSet) {
         let joints = scene.joints.len();
         self.radius.clear();
-        self.radius.resize(pairs.tree.links.len(), 0.0);
+        self.radius.resize(pairs.chains.links.len(), 0.0);
         self.world_spin.clear();
         self.world_spin.resize(joints, DVec3::ZERO);
         self.world_drift.clear();
         self.world_drift.resize(joints, DVec3::ZERO);
         self.reach.clear();
-        self.reach.resize(pairs.tree.links.len(), 0.0);
+        self.reach.resize(pairs.chains.links.len(), 0.0);
         for cluster in &scene.clusters {
-            let chain = pairs.tree.chain_of(cluster.body);
+            let chain = pairs.chains.chain_of(cluster.body);
             let mut travel = 0.0;
             for index in chain.start as usize..chain.end as usize {
-                let link = &pairs.tree.links[index];
+                let link = &pairs.chains.links[index];
                 self.reach[index] = link.reach + travel;
                 travel += self.travel[link.joint as usize];
             }
@@ -102,7 +102,7 @@ impl MotionBound {
         self.origins.clear();
         self.origins.resize(joints, (DVec3::ZERO, DVec3::ZERO));
         self.moved.clear();
-        self.moved.resize(pairs.tree.links.len() + scene.clusters.len(), 0.0);
+        self.moved.resize(pairs.chains.links.len() + scene.clusters.len(), 0.0);
         self.fresh.clear();
         self.fresh.resize(scene.clusters.len(), 0);
         self.sample = 0;
@@ -125,7 +125,7 @@ impl MotionBound {
             self.world_spin[index] = X_WJ[index].rotation * self.spin[index];
         }
         for (index, joint) in scene.joints.iter().enumerate().filter(|&(i, _)| self.slide[i] > 0.0) {
-            let along = joint.turned * self.drift[index];
+            let along = joint.X_PJ.rotation * self.drift[index];
             self.world_drift[index] = joint.parent.map_or(along, |p| X_WJ[p.at()].rotation * along);
         }
     }
@@ -199,7 +199,7 @@ impl MotionBound {
     ) -> f64 {
         let group = &scene.groups[active.group as usize];
         let side = |cluster: u32, count: u32, ball: Ball| {
-            let chain = pairs.tree.chain_of(scene.clusters[cluster as usize].body);
+            let chain = pairs.chains.chain_of(scene.clusters[cluster as usize].body);
             self.side(pairs, chain, count as usize, ball, n)
         };
         let (a, b) = (side(group.first, active.apart.0, balls[0]), side(group.second, active.apart.1, balls[1]));
@@ -210,7 +210,7 @@ impl MotionBound {
     /// How the points within a ball move along `n`, by the `count` most distal joints of a chain.
     fn side(&self, pairs: &PairSet, chain: Chain, count: usize, ball: Ball, n: DVec3) -> Side {
         let start = chain.start as usize;
-        let links = &pairs.tree.links[start..start + count];
+        let links = &pairs.chains.links[start..start + count];
         let mut carried: f64 = links.iter().map(|l| self.turn[l.joint as usize]).sum();
         let mut side = Side { speed: 0.0, spread: 0.0, acceleration: 0.0 };
         // n · (ω × (x − o)) changes by (n × ω) · δ when x changes by δ.
@@ -240,7 +240,7 @@ impl MotionBound {
         ball: &Ball,
         count: u32,
     ) -> f64 {
-        let chain = pairs.tree.chain_of(scene.clusters[cluster].body);
+        let chain = pairs.chains.chain_of(scene.clusters[cluster].body);
         // Chains stand in the order of clusters, and each has one more number than links, so that "no joint" has a place.
         let base = chain.start as usize + cluster;
         if self.fresh[cluster] != self.sample {
@@ -254,7 +254,7 @@ impl MotionBound {
         let mut moved = 0.0;
         self.moved[base] = 0.0;
         for (place, index) in (chain.start as usize..chain.end as usize).enumerate() {
-            let joint = pairs.tree.links[index].joint as usize;
+            let joint = pairs.chains.links[index].joint as usize;
             if self.turn[joint] > 0.0 {
                 let (origin, axis) = self.origins[joint];
                 let out = ball.center - origin;
@@ -290,20 +290,20 @@ struct JointRate {
 }
 
 impl JointRate {
-    fn of(joint: &SceneJoint, q: &[f64], delta: &[f64]) -> Self {
+    fn of(joint: &JointEntry, q: &[f64], delta: &[f64]) -> Self {
         let vector = |values: &[f64], i: usize, n: usize| {
             DVec3::new(values[i], values[i + 1], if n > 2 { values[i + 2] } else { 0.0 })
         };
         let farthest = |start: DVec3, by: DVec3| start.length().max((start + by).length());
-        let (i, j) = (joint.q, joint.v);
+        let JointCoordinates { q: i, v: j, multiplier, offset } = joint.coordinates;
         match joint.motion {
             JointType::Revolute { axis } => {
-                let turn = joint.multiplier * delta[j];
+                let turn = multiplier * delta[j];
                 Self { turn: turn.abs(), slide: 0.0, travel: 0.0, spin: axis * turn, drift: DVec3::ZERO }
             }
             JointType::Prismatic { axis } => {
-                let slide = joint.multiplier * delta[j];
-                let value = |x: f64| (joint.multiplier * x + joint.constant).abs();
+                let slide = multiplier * delta[j];
+                let value = |x: f64| (multiplier * x + offset).abs();
                 let travel = value(q[i]).max(value(q[i] + delta[j]));
                 Self { turn: 0.0, slide: slide.abs(), travel, spin: DVec3::ZERO, drift: axis * slide }
             }

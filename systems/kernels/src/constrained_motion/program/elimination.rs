@@ -6,13 +6,13 @@
 use crate::constrained_motion::program::error::CompileError;
 use crate::constrained_motion::rows::coordinates::LockedCoordinate;
 use crate::constrained_motion::rows::rigid_attachment::{AttachmentTemplate, Relation};
-use crate::kinematics::jacobian::AttachmentTree;
+use crate::kinematics::attachment_tree::AttachmentTree;
 use foliate_components::constraint::{Constraint, Frame, Locked, LockedValue, Placement, RelativePose};
 use foliate_components::robot::{Robot, Source};
 
 pub(crate) struct Compiler<'a> {
     pub(crate) robot: &'a Robot,
-    pub(crate) tree: AttachmentTree<'a>,
+    pub(crate) tree: AttachmentTree,
     pub(crate) rigid_attachments: Vec<AttachmentTemplate>,
     pub(crate) locked: Vec<LockedCoordinate>,
     /// For each joint whether its coordinate is locked.
@@ -61,7 +61,7 @@ impl Compiler<'_> {
             let constraint = template.as_constraint();
             self.check_joints(number, &constraint)?;
             self.remaining.push((number, constraint));
-        } else if self.tree.hang(object, template.carrier) {
+        } else if self.tree.attach(object, template.carrier) {
             self.rigid_attachments.push(template.clone());
         } else {
             return Err(CompileError::Cycle(self.name(object)));
@@ -132,7 +132,7 @@ impl Compiler<'_> {
     }
 
     fn eliminate(&mut self, template: AttachmentTemplate) -> bool {
-        let eliminated = self.tree.hang(template.object, template.carrier);
+        let eliminated = self.tree.attach(template.object, template.carrier);
         if eliminated {
             self.rigid_attachments.push(template);
         }
