@@ -142,7 +142,7 @@ impl fmt::Display for NoSolutionReason {
             Self::InfeasibleGoal(why) => write!(f, "the goal is infeasible: {why}"),
             Self::Crashed(why) => write!(f, "the search crashed, which is a bug: {}", why.escape_debug()),
             Self::Threads { wanted, error } => write!(f, "cannot start {wanted} threads: {error}"),
-            Self::NoPath => f.write_str("start and goal hang together, but no path was extracted"),
+            Self::NoPath => f.write_str("start and goal are connected, but no path was extracted"),
         }
     }
 }

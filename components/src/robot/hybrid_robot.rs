@@ -198,7 +198,7 @@ impl Robot {
     }
 
     /// Sets the coordinates of one joint in a whole configuration `q`, by name: `part/joint`, or the name of a part for the joint
-    /// that moves the whole part. Bounds are not looked at here; a search refuses a start or a goal that is outside.
+    /// that moves the whole part. Bounds are not checked here; a search refuses a start or a goal that is outside.
     ///
     /// # Errors
     /// Nothing that moves has the name, it follows another joint, or it takes another kind of value.

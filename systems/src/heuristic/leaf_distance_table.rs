@@ -288,13 +288,13 @@ mod tests {
             together: vec![vec![row(2, 3, 1), row(3, 2, 5)], vec![row(0, 2, 7)]],
         };
         let number = |row: usize, leaf: usize| ParameterId(((leaf * (row + 3) * 31 + leaf / 7) % 5) as u32);
-        let nobodys = ParameterId(99);
+        let unknown = ParameterId(99);
         for count in [0, 1, 31, 32, 33, 400] {
             // One leaf more than is asked about.
             let many: Vec<_> = (0..4).map(|row| column((0..=count).map(|leaf| number(row, leaf)))).collect();
             // Values that no leaf has, in one row after another.
             for absent in 0..16 {
-                let own = |row| if absent >> row & 1 == 1 { nobodys } else { number(row, 11) };
+                let own = |row| if absent >> row & 1 == 1 { unknown } else { number(row, 11) };
                 let one: Vec<ParameterId> = (0..4).map(own).collect();
                 let ends = [End::From, End::To];
                 for (end, level) in Level::available().into_iter().flat_map(|level| ends.map(|end| (end, level))) {
