@@ -1,4 +1,4 @@
-//! The *attachment tree*: the robot's tree with every carried object hung on its carrier instead of the world.
+//! The *attachment tree*: the robot's tree with every carried object attached to its carrier instead of the world.
 //!
 //! A robot that flies freely may *stand*: the world is then attached to a foot of it, and what moves anything against the world
 //! are the joints between it and that foot, not the root.
@@ -7,7 +7,7 @@ use crate::kinematics::joint_table::{JointEntry, joint_table};
 use foliate_components::robot::{JointIndex, JointType, Robot};
 use std::sync::Arc;
 
-/// The robot's tree with carried objects hung on their carriers.
+/// The robot's tree with carried objects attached to their carriers.
 #[derive(Clone, Debug)]
 pub struct AttachmentTree {
     joints: Arc<[JointEntry]>,
@@ -40,7 +40,7 @@ impl AttachmentTree {
         Self { carried: vec![false; joints.len()], parents, joints, standing: None }
     }
 
-    /// The robot's tree with the given objects (free-flyer roots) hung on their carriers. Objects that cannot be hung as
+    /// The robot's tree with the given objects (free-flyer roots) attached to their carriers. Objects that cannot be attached as
     /// asked (see [`Self::attach`]) stay where they were.
     #[must_use]
     pub fn with_carried(robot: &Robot, carried: impl IntoIterator<Item = (JointIndex, Option<JointIndex>)>) -> Self {

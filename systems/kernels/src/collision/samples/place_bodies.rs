@@ -78,7 +78,7 @@ impl Kernel for PlaceBodies<'_> {
         for step in self.steps {
             for half in 0..2 {
                 let values = &self.values[step.value as usize..];
-                let hung: Transform<I::F64> = match step.parent {
+                let joint_frame: Transform<I::F64> = match step.parent {
                     None => Transform::splat(isa, &step.X_PB),
                     Some(parent) if self.body_moves[parent as usize] => {
                         Transform::load(isa, &self.exact[parent as usize][half])
@@ -87,21 +87,24 @@ impl Kernel for PlaceBodies<'_> {
                     Some(parent) => Transform::splat(isa, &(self.start[parent as usize] * step.X_PB)),
                 };
                 let placed = match step.motion {
-                    None => hung,
+                    None => joint_frame,
                     Some(JointType::Revolute { axis }) => {
                         let angle = I::F64::load(isa, &values[0][half]);
-                        Transform { rotation: turned(hung.rotation, axis, angle), translation: hung.translation }
+                        Transform {
+                            rotation: turned(joint_frame.rotation, axis, angle),
+                            translation: joint_frame.translation,
+                        }
                     }
                     Some(JointType::Prismatic { axis }) => {
                         let by = I::F64::load(isa, &values[0][half]);
                         let along = Vector3::splat(isa, axis).scaled(by);
-                        Transform { rotation: hung.rotation, translation: hung.point(along) }
+                        Transform { rotation: joint_frame.rotation, translation: joint_frame.point(along) }
                     }
                     Some(JointType::Planar) => {
                         let (x, y) = (I::F64::load(isa, &values[0][half]), I::F64::load(isa, &values[1][half]));
-                        let at = hung.point(Vector3::new(x, y, I::F64::constant(isa, 0.0)));
+                        let at = joint_frame.point(Vector3::new(x, y, I::F64::constant(isa, 0.0)));
                         let angle = I::F64::load(isa, &values[2][half]);
-                        Transform { rotation: turned(hung.rotation, DVec3::Z, angle), translation: at }
+                        Transform { rotation: turned(joint_frame.rotation, DVec3::Z, angle), translation: at }
                     }
                     Some(JointType::FreeFlyer) => {
                         let row = [
@@ -117,7 +120,7 @@ impl Kernel for PlaceBodies<'_> {
                             rotation: Rotation::from_quaternion(row[3], row[4], row[5], row[6]),
                             translation: Vector3::new(row[0], row[1], row[2]),
                         };
-                        hung.times(&own)
+                        joint_frame.times(&own)
                     }
                 };
                 let rows = &mut self.exact[step.body as usize][half];
