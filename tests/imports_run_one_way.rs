@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 const ENTRIES: usize = 12;
 /// Most lines of a file.
 const LINES: usize = 400;
-const CRATES: [&str; 4] = ["components/src", "systems/kernels/src", "systems/src", "src"];
+const CRATES: [&str; 5] = ["components/src", "systems/kernels/src", "systems/src", "systems/schedulers/src", "src"];
 
 fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
