@@ -12,6 +12,8 @@ use std::path::{Path, PathBuf};
 const ENTRIES: usize = 12;
 /// Most lines of a file.
 const LINES: usize = 400;
+/// Most lines of a function that does not say why it has more.
+const FUNCTION: usize = 60;
 const CRATES: [&str; 5] = ["components/src", "systems/kernels/src", "systems/src", "systems/schedulers/src", "src"];
 
 fn root() -> PathBuf {
@@ -75,6 +77,41 @@ fn measure(folder: &Path, large: &mut Vec<String>) {
             if text.lines().count() > LINES {
                 large.push(format!("{}: {} lines", path.display(), text.lines().count()));
             }
+            let long = long_functions(&text).into_iter();
+            large.extend(long.map(|(line, lines)| format!("{}:{line}: a function of {lines} lines", path.display())));
         }
     }
+}
+
+/// Where a function starts that is long and has no comment in front of it that says why (`// Long: ...`), and its lines. Reads
+/// formatted sources: a function ends at the brace that stands as far in as it begins.
+fn long_functions(text: &str) -> Vec<(usize, usize)> {
+    let lines: Vec<&str> = text.lines().collect();
+    let mut long = Vec::new();
+    for (number, line) in lines.iter().enumerate() {
+        let code = line.trim_start();
+        let words = code.split(['(', '<']).next().unwrap_or_default();
+        if !words.split(' ').any(|word| word == "fn") || code.starts_with("//") || code.ends_with([';', '}']) {
+            continue;
+        }
+        let end = format!("{}}}", &line[..line.len() - code.len()]);
+        let body = lines[number..].iter().position(|line| **line == end);
+        let count = body.map_or(1, |last| last + 1);
+        let before = lines[..number].iter().rev().take_while(|line| {
+            let line = line.trim_start();
+            line.starts_with("//") || line.starts_with("#[")
+        });
+        if count > FUNCTION && !before.into_iter().any(|line| line.trim_start().starts_with("// Long: ")) {
+            long.push((number + 1, count));
+        }
+    }
+    long
+}
+
+#[test]
+fn long_functions_are_found() {
+    let body = "        step();\n".repeat(FUNCTION);
+    let method = format!("impl A {{\n    pub(crate) fn long(&self) {{\n{body}    }}\n    fn short() {{}}\n}}\n");
+    assert_eq!(long_functions(&method), [(2, FUNCTION + 2)]);
+    assert_eq!(long_functions(&method.replace("    pub(crate)", "    // Long: it is one list.\n    pub(crate)")), []);
 }

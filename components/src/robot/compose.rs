@@ -37,6 +37,7 @@ impl Robot {
         Ok(robot)
     }
 
+    // Long: tables are filled in one order, and each loop uses the ids that the loop before it gave.
     fn add_part(&mut self, model: &Model, placement: &PartPlacement) -> Result<(), PartError> {
         let tree = Tree::of(model)?;
         let follows = follows(model, placement.mimic_follows)?;

@@ -35,6 +35,7 @@ pub(crate) fn distance(metres: f64) -> String {
 }
 
 /// The summary for people.
+// Long: one line of the summary after another.
 pub(crate) fn text(loaded: &Loaded<'_>, answer: &Answer) -> String {
     let report = answer.report();
     let graph = &answer.model().graph;

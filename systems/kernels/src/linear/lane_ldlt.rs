@@ -176,6 +176,7 @@ fn products<V: Lanes, const A: usize, const B: usize>(
 }
 
 /// Any number of rows, in memory.
+// Long: factorisation and both substitutions read the same rows; each would need all arguments again.
 #[inline(always)]
 fn any_size<V: Lanes>(
     isa: V::Isa,

@@ -86,6 +86,7 @@ impl Kernel for Scan<'_> {
 const SERIES: [f32; 6] = [4.0, 1.0 / 3.0, 2.0 / 45.0, 1.0 / 140.0, 8.0 / 6300.0, 8.0 / 33264.0];
 
 /// Bounds between `Q` configurations and the blocks of a chunk.
+// Long: one pass over the rows of a block; its parts would share all of its sums.
 #[inline(always)]
 fn pass<I: Isa, const Q: usize>(
     isa: I,

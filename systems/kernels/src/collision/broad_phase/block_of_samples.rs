@@ -36,6 +36,7 @@ impl Kernel for BroadPhase<'_> {
     /// What all that is certified keeps, metres.
     type Output = f32;
 
+    // Long: one loop over the open pairs; its parts would share nearly all of its variables.
     #[inline(always)]
     fn run<I: Isa>(self, isa: I) -> f32 {
         let BroadPhase { scene, pairs, motion_samples, scratch, guard, mut lanes, open, rest, mut hits } = self;

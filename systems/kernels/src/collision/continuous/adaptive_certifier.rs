@@ -194,6 +194,7 @@ impl<'a> AdaptiveCertifier<'a> {
     }
 
     /// Exact queries of what is open in one lane.
+    // Long: one loop over the open pairs; each outcome changes what is asked of the next pair.
     fn ask_exactly(&mut self, block: &Block, lane: usize, rest: &mut Vec<Open>, scratch: &mut CollisionScratch) {
         let interval = block.intervals[lane];
         let NarrowPhase { scene, pairs, settings } = self.narrow_phase;

@@ -173,6 +173,7 @@ struct ToMesh<'a> {
 impl Kernel for ToMesh<'_> {
     type Output = f64;
 
+    // Long: one descent of two trees at once; its cases share the stack and the least distance.
     #[inline(always)]
     fn run<I: Isa>(self, isa: I) -> f64 {
         let Self { a, b, X_AB, query, hint } = self;

@@ -89,6 +89,7 @@ pub(crate) fn linearise_balance<V: Lanes>(
 }
 
 /// Writes the rows of a centre of mass between two feet. A satisfied inequality has value and Jacobian zero.
+// Long: one formula, whose terms share their subexpressions.
 #[inline(always)]
 pub(crate) fn linearise_stance<V: Lanes>(
     isa: V::Isa,

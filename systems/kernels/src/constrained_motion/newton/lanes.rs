@@ -75,6 +75,7 @@ fn begin<V: Lanes>(lane: usize, taken: u32, memory: &mut LaneMemory<V::Row>) {
 }
 
 /// Works the queue off; a step is solved `solves` times at most.
+// Long: one iteration of Newton's method in all lanes; its parts would share nearly all of its variables.
 #[inline(always)]
 pub(crate) fn work_off<V: Lanes>(isa: V::Isa, solve: Solve<'_, V::Row>, solves: u32) {
     let Solve { program, settings, memory, queue } = solve;
