@@ -53,12 +53,6 @@ pub struct SearchSettings {
     pub projection_tolerance: f64,
     /// Newton iterations per projection.
     pub projection_iterations: u32,
-    /// Residual down to which projections step in single precision, sixteen candidates side by side, metres and radians; 0 for
-    /// double precision throughout. Whatever is kept is finished and judged in double precision.
-    pub projection_single_until: f64,
-    /// Probability that the joints of an arm which a waypoint brings to a grasp start from a configuration whose hand is near
-    /// it already (a table of 4096 per arm), instead of from q_rand.
-    pub seeded_probability: f64,
     /// Instructions with which lanes work. Part of the answer: results are equal bit for bit only at one level.
     pub level: Level,
     /// Bound that residuals keep between knots, metres and radians.
@@ -111,8 +105,6 @@ impl Default for SearchSettings {
             connect_neighbours: 7,
             projection_tolerance: 1e-6,
             projection_iterations: 40,
-            projection_single_until: 0.0,
-            seeded_probability: 0.0,
             level: Level::detected(),
             path_tolerance: 2e-4,
             clearance_guard: 1e-5,

@@ -8,7 +8,7 @@ use foliate_components::pose::exp_so3;
 use foliate_components::robot::Robot;
 use foliate_components::samples::models;
 use foliate_kernels::constrained_motion::{
-    AttachmentTemplate, ConstraintProgram, Job, Outcome, SEEDS, Scratch, SeedTable, Settings, project, project_batch,
+    AttachmentTemplate, ConstraintProgram, Job, Outcome, Scratch, Settings, project, project_batch,
 };
 use foliate_kernels::constraints::{placement, placement_of};
 use foliate_kernels::kinematics::Kinematics;
@@ -347,70 +347,6 @@ fn an_object_ends_where_a_parameter_of_contact_says() {
             let (_, X_WO) = placement::hold(&contact, &arguments[0]).unwrap();
             let found = cell.poses(q)[block.at()];
             assert!((found.translation - X_WO.translation).length() < 1e-5);
-        }
-    }
-}
-
-#[test]
-fn seeds_are_near_their_targets_and_lead_there_more_often() {
-    let mut cell = Cell::new();
-    for (name, program, problems) in cell.programs() {
-        let known = ["reach", "grasp what lies", "some rows"].contains(&name);
-        assert_eq!(program.hand().is_some(), known, "{name}");
-        let Some(tip) = program.hand() else { continue };
-        let table = SeedTable::new(&cell.robot, tip).unwrap();
-        assert_eq!(table, SeedTable::new(&cell.robot, tip).unwrap());
-        assert!(table.bytes() < 2_000_000 && table.coordinates().len() == 7);
-        let mut scratch = Scratch::default();
-        for level in Level::available() {
-            let settings = Settings { level, ..Settings::default() };
-            let random = solve(&program, &problems, &settings);
-            let mut seeded = problems.clone();
-            for (q, arguments) in &mut seeded {
-                let target = program.seed_target(q, arguments, &mut scratch).unwrap();
-                let nearest = table.nearest(level, &target);
-                assert!(nearest.iter().all(|&seed| (seed as usize) < SEEDS));
-                let seed = table.seed(nearest[0] as usize);
-                table.coordinates().iter().zip(seed).for_each(|(&i, &x)| q[i] = x);
-                let space = &cell.robot.space;
-                assert!(table.coordinates().iter().all(|&i| q[i] >= space.lower[i] && q[i] <= space.upper[i]));
-            }
-            let rate = |solved: &[(Vec<f64>, Outcome)]| solved.iter().filter(|(_, o)| o.is_converged()).count();
-            let (random, seeded) = (rate(&random), rate(&solve(&program, &seeded, &settings)));
-            assert!(seeded > random && seeded * 10 >= problems.len() * 7, "{name}, {level}: {random}, {seeded}");
-        }
-    }
-}
-
-#[test]
-fn the_nearest_seed_is_the_nearest_of_all() {
-    let mut cell = Cell::new();
-    let (_, program, problems) = cell.programs().swap_remove(0);
-    let table = SeedTable::new(&cell.robot, program.hand().unwrap()).unwrap();
-    let grasp = cell.grasp("left/hand", "block/top");
-    let gripper = placement_of(&grasp.gripper);
-    let mut scratch = Scratch::default();
-    let (mut q, _) = problems[0].clone();
-    let poses: Vec<Pose> = (0..SEEDS)
-        .map(|seed| {
-            table.coordinates().iter().zip(table.seed(seed)).for_each(|(&i, &x)| q[i] = x);
-            gripper.in_world(&cell.poses(&q))
-        })
-        .collect();
-    for (q, arguments) in problems.iter().take(20) {
-        let target = program.seed_target(q, arguments, &mut scratch).unwrap();
-        // Squared distance, and what the rotation's trace leaves to its largest, 0.3 m a radian.
-        let gap = |pose: &Pose| {
-            let apart = pose.translation.distance_squared(arguments[0].translation);
-            let cosine = (pose.rotation.dot(arguments[0].rotation).powi(2) * 4.0 - 1.0) * 0.09;
-            apart - cosine
-        };
-        let expected = poses.iter().map(gap).fold(f64::INFINITY, f64::min);
-        for level in Level::available() {
-            let found = table.nearest(level, &target);
-            assert!(gap(&poses[found[0] as usize]) < expected + 1e-5, "{level}");
-            let gaps: Vec<f64> = found.iter().map(|&seed| gap(&poses[seed as usize])).collect();
-            assert!(gaps.is_sorted_by(|a, b| *a <= b + 1e-5), "{level}: {gaps:?}");
         }
     }
 }

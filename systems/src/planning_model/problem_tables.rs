@@ -1,5 +1,4 @@
-//! Tables that follow from a problem without its constraint graph: kinematics, solids and pairs, weights, locked joints,
-//! seeds.
+//! Tables that follow from a problem without its constraint graph: kinematics, solids and pairs, weights, locked joints.
 //!
 //! They take long to build (bounds of large meshes) and are apart from the model so that any number of models can share
 //! them.
@@ -11,9 +10,7 @@ use foliate_components::graph::ConstraintKind;
 use foliate_components::problem::{JointRest, Problem};
 use foliate_components::robot::{JointIndex, JointType, Robot, Source};
 use foliate_kernels::collision::{CollisionScene, PairRule, PairSet};
-use foliate_kernels::constrained_motion::SeedTable;
 use foliate_kernels::kinematics::Kinematics;
-use std::sync::OnceLock;
 
 /// What a problem says whatever of its graph is there: nearly all of it follows from the files of its models, and it is what takes
 /// long. Any number of models may share it.
@@ -33,28 +30,9 @@ pub struct ProblemTables {
     still: Vec<JointIndex>,
     /// Every pair, for verdicts.
     pub(crate) all_pairs: PairSet,
-    /// Starts for solves that bring a gripper somewhere, by the body that carries it: built in a millisecond when first asked
-    /// for, 0.4 MB each. They follow from the robots' models alone.
-    seeds: Vec<(JointIndex, OnceLock<Option<SeedTable>>)>,
-}
-
-/// Room for a table for each body that carries a gripper.
-fn seed_tables(robot: &Robot) -> Vec<(JointIndex, OnceLock<Option<SeedTable>>)> {
-    let mut tips: Vec<JointIndex> =
-        robot.grippers.iter().filter_map(|gripper| robot.links[gripper.link.at()].joint).collect();
-    tips.sort_unstable();
-    tips.dedup();
-    tips.into_iter().map(|tip| (tip, OnceLock::new())).collect()
 }
 
 impl ProblemTables {
-    /// Starts for solves that bring this body somewhere, where it carries a gripper and is attached to an arm of its own.
-    #[must_use]
-    pub fn seeds(&self, tip: JointIndex) -> Option<&SeedTable> {
-        let (_, table) = self.seeds.iter().find(|(body, _)| *body == tip)?;
-        table.get_or_init(|| SeedTable::new(&self.problem.robot, tip)).as_ref()
-    }
-
     /// Builds them: bounds of all shapes first.
     #[must_use]
     pub fn new(problem: Problem) -> Self {
@@ -79,7 +57,6 @@ impl ProblemTables {
             weights: coordinate_weights(robot),
             locked: locked_coordinates(&problem),
             all_pairs: PairSet::new(&collision, &[], &[]),
-            seeds: seed_tables(robot),
             collision,
             still,
             problem,

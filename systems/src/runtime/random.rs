@@ -17,8 +17,6 @@ pub enum Purpose {
     Still = 4,
     /// Choosing leaves to extend and to aim at.
     Heuristic = 6,
-    /// Choosing among seeds that are near a grasp.
-    Seed = 9,
     /// Configurations for goals that name only object poses.
     Goal = 5,
     /// Where trees grow that are to be joined on a leaf.

@@ -48,9 +48,6 @@ pub(crate) struct Tuning {
     /// Motions that stay in their state are tried with their weight times this
     #[arg(long, default_value_t = SearchSettings::default().loop_weight, value_name = "W", value_parser = weight)]
     pub loop_weight: f64,
-    /// Residual (m, rad) down to which projections step in single precision; 0 for never
-    #[arg(long, default_value_t = SearchSettings::default().projection_single_until, value_name = "R", value_parser = weight)]
-    pub single_until: f64,
 }
 
 /// A weight: finite and not negative.
@@ -67,7 +64,6 @@ impl Tuning {
             s.selection = self.selection.into();
             s.level = self.level;
             s.loop_weight = self.loop_weight;
-            s.projection_single_until = self.single_until;
         })
     }
 }

@@ -16,10 +16,9 @@ pub(crate) mod rows;
 
 pub use crate::constrained_motion::bounds::point_rates::BoundMemory;
 pub use crate::constrained_motion::bounds::residual_bound::ResidualBound;
-pub use crate::constrained_motion::lane_rows::hand::SeedTarget;
-pub use crate::constrained_motion::newton::batch::{Job, project_batch};
+pub use crate::constrained_motion::newton::batch::project_batch;
+pub use crate::constrained_motion::newton::lane_jobs::Job;
 pub use crate::constrained_motion::newton::scalar::project;
-pub use crate::constrained_motion::newton::seeds::{SEEDS, SeedTable};
 pub use crate::constrained_motion::newton::settings::{Outcome, Settings};
 pub use crate::constrained_motion::path::constrained_path::MotionScratch;
 pub use crate::constrained_motion::path::motion::{project_motion, project_motions};

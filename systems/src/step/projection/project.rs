@@ -24,9 +24,6 @@ use std::cmp::Reverse;
 /// (docs/decisions/0017).
 const DAMPING: f64 = 1e-2;
 
-/// Seeds among which one is drawn, of the sixteen that are found near a grasp.
-const NEAR_SEEDS: usize = 8;
-
 /// What a system reads of the world.
 pub(crate) struct Context<'a> {
     pub(crate) model: &'a PlanningModel,
@@ -184,7 +181,6 @@ impl Context<'_> {
             tolerance: self.settings.projection_tolerance,
             iterations: self.settings.projection_iterations,
             damping: DAMPING,
-            single_until: self.settings.projection_single_until,
             level: self.settings.level,
             ..NewtonSettings::default()
         };
@@ -193,11 +189,7 @@ impl Context<'_> {
         for lane in &lanes {
             let drawn = lane.candidate.drawn;
             let arguments = program.arguments(self.model, self.leaves, leg.state, &lane.parameters, drawn);
-            let mut start = self.start(program, leg, lane);
-            if !leg.short {
-                self.start_near(program, &arguments, lane, number, &mut start, &mut scratch.newton);
-            }
-            solves.push((start, arguments));
+            solves.push((self.start(program, leg, lane), arguments));
         }
         let mut jobs: Vec<_> = solves.iter_mut().map(|(q, arguments)| Job::new(q, arguments)).collect();
         project_batch(&program.program, &mut jobs, &settings, &mut scratch.newton);
@@ -247,37 +239,6 @@ impl Context<'_> {
         }
         self.model.lock(&mut seed);
         seed
-    }
-
-    /// For some candidates, moves the joints of the arm that a leg brings to a grasp to where its hand is near it: to one of
-    /// the nearest configurations of a table, drawn at random so that candidates differ.
-    fn start_near(
-        &self,
-        program: &LegProgram,
-        arguments: &[Pose],
-        lane: &Lane<'_>,
-        leg: usize,
-        start: &mut [f64],
-        scratch: &mut NewtonScratch,
-    ) {
-        if self.settings.seeded_probability <= 0.0 {
-            return;
-        }
-        let Some(table) = program.program.hand().and_then(|tip| self.model.seeds(tip)) else { return };
-        let mut rng = stream(self.settings.seed, Purpose::Seed, self.step, lane.candidate.index);
-        // Legs draw one after another.
-        let mut numbers = [0.0; 2];
-        (0..=leg).for_each(|_| numbers = rng.random());
-        let [chance, which] = numbers;
-        if chance >= self.settings.seeded_probability {
-            return;
-        }
-        let Some(target) = program.program.seed_target(start, arguments, scratch) else { return };
-        let nearest = table.nearest(self.settings.level, &target);
-        let drawn = nearest[((which * NEAR_SEEDS as f64) as usize).min(NEAR_SEEDS - 1)];
-        for (&coordinate, &x) in table.coordinates().iter().zip(table.seed(drawn as usize)) {
-            start[coordinate] = x;
-        }
     }
 
     fn stands_still(&self, lane: &Lane<'_>) -> bool {

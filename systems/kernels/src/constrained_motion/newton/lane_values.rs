@@ -1,6 +1,6 @@
 //! How far rows are from zero at several configurations side by side.
 
-use crate::constrained_motion::newton::batch::fill;
+use crate::constrained_motion::newton::lane_jobs::fill;
 use crate::constrained_motion::newton::lanes::evaluate_values;
 use crate::constrained_motion::program::constraint_program::ConstraintProgram;
 use crate::constrained_motion::program::scratch::Scratch;

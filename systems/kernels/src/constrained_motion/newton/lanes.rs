@@ -10,7 +10,7 @@ use crate::constrained_motion::lane_rows::slots::{At, Out};
 use crate::constrained_motion::newton::settings::Settings;
 use crate::kinematics::lane_forward::run as run_lanes;
 use crate::lanes::level::{Kernel, Level};
-use crate::lanes::vector::{F32Row, F64Row, Isa, Lanes, Mask, Scalar};
+use crate::lanes::vector::{F64Row, Isa, Lanes, Mask, Scalar};
 use crate::linear::lane_ldlt::{LaneSystem, Rows, damped_step_lanes};
 
 /// How a lane's problem ended.
@@ -43,34 +43,18 @@ pub(crate) fn solve(
     settings.level.run(Double(Solve { program, settings, memory, queue }));
 }
 
-/// The same in lanes of single precision, twice as many.
-pub(crate) fn solve_single(
-    program: &LaneProgram,
-    coordinates: usize,
-    settings: &Settings,
-    memory: &mut LaneMemory<F32Row>,
-    queue: &mut dyn Queue<F32Row>,
-) {
-    memory.prepare(program, coordinates);
-    settings.level.run(Single(Solve { program, settings, memory, queue }));
-}
-
-struct Solve<'a, R> {
-    program: &'a LaneProgram,
-    settings: &'a Settings,
-    memory: &'a mut LaneMemory<R>,
-    queue: &'a mut dyn Queue<R>,
+/// What a solve in lanes works with.
+pub(crate) struct Solve<'a, R> {
+    pub(crate) program: &'a LaneProgram,
+    pub(crate) settings: &'a Settings,
+    pub(crate) memory: &'a mut LaneMemory<R>,
+    pub(crate) queue: &'a mut dyn Queue<R>,
 }
 
 /// How often a step is solved at most, each time without the coordinates that it would push out of their bounds.
 const SOLVES: u32 = 3;
 
-/// With sixteen lanes there is nearly always one that meets a bound, and all would be solved again for it; first steps need not
-/// be so exact.
-const SOLVES_SINGLE: u32 = 1;
-
 struct Double<'a>(Solve<'a, F64Row>);
-struct Single<'a>(Solve<'a, F32Row>);
 
 impl Kernel for Double<'_> {
     type Output = ();
@@ -78,16 +62,6 @@ impl Kernel for Double<'_> {
     fn run<I: Isa>(self, isa: I) {
         if I::SIDE_BY_SIDE {
             work_off::<I::F64>(isa, self.0, SOLVES);
-        }
-    }
-}
-
-impl Kernel for Single<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn run<I: Isa>(self, isa: I) {
-        if I::SIDE_BY_SIDE {
-            work_off::<I::F32>(isa, self.0, SOLVES_SINGLE);
         }
     }
 }
@@ -100,8 +74,9 @@ fn begin<V: Lanes>(lane: usize, taken: u32, memory: &mut LaneMemory<V::Row>) {
     memory.iterations[lane] = V::Scalar::of(f64::from(taken));
 }
 
+/// Works the queue off; a step is solved `solves` times at most.
 #[inline(always)]
-fn work_off<V: Lanes>(isa: V::Isa, solve: Solve<'_, V::Row>, solves: u32) {
+pub(crate) fn work_off<V: Lanes>(isa: V::Isa, solve: Solve<'_, V::Row>, solves: u32) {
     let Solve { program, settings, memory, queue } = solve;
     let mut running = 0_u32;
     for lane in 0..V::COUNT {

@@ -5,7 +5,7 @@
 
 use crate::constrained_motion::lane_rows::form::LaneProgram;
 use crate::constrained_motion::lane_rows::memory::LaneMemory;
-use crate::constrained_motion::newton::batch::{fill, read};
+use crate::constrained_motion::newton::lane_jobs::{fill, read};
 use crate::constrained_motion::newton::lanes::{End, Queue, solve};
 use crate::constrained_motion::path::constrained_path::{ConstrainedPath, MotionScratch, PathMemory, Tools};
 use crate::constrained_motion::path::settings::{MotionEnd, MotionJob, MotionSettings};

@@ -70,10 +70,7 @@ impl Compiler<'_> {
         let moves = self.moves(&active);
         let root = self.standing_root();
         let lanes = LaneProgram::new(self.robot, &bodies, &blocks, &moves, active.len());
-        // Tables of seeds are of hands of robots whose root stays where it is.
-        let seeded = lanes.as_ref().filter(|_| root.is_none());
         ConstraintProgram {
-            hand: seeded.and_then(|lanes| lanes.hand(&bodies.moving_bodies(), self.robot)),
             lanes,
             moves,
             written: objects.iter().filter_map(|&object| self.write_back(object)).collect(),

@@ -2,7 +2,6 @@
 
 use crate::constrained_motion::bounds::residual_bound::ResidualBound;
 use crate::constrained_motion::lane_rows::form::LaneProgram;
-use crate::constrained_motion::lane_rows::hand::Hand;
 use crate::constrained_motion::program::scratch::Scratch;
 use crate::constrained_motion::rows::blocks::{Block, Inputs, Kind, locked_value};
 use crate::constrained_motion::rows::bodies;
@@ -44,8 +43,6 @@ pub struct ConstraintProgram {
     pub(crate) bound: ResidualBound,
     /// The same for lanes, where every part has a form for them.
     pub(crate) lanes: Option<LaneProgram>,
-    /// What seeds are looked up for.
-    pub(crate) hand: Option<Hand>,
     /// The same with a free-flying robot's root eliminated, where a foot of it stands in the world: what is solved. Rows
     /// and bounds are those of the robot as written, for that is what moves.
     pub(crate) standing: Option<Box<ConstraintProgram>>,
