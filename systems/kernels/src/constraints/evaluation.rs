@@ -4,11 +4,12 @@
 
 use super::{centre_of_mass, com_between, custom, distance, placement, relative_pose};
 use crate::constraints::rows_out::placement_of;
+use crate::kinematics::joint_table::JointCoordinates;
 use foliate_components::Pose;
 use foliate_components::constraint::{
     Constraint, LockedValue, Placement, PlaneRow, Reference, RelativePose, Row, parameter_of,
 };
-use foliate_components::robot::{JointIndex, Robot, Source};
+use foliate_components::robot::{JointIndex, Robot};
 use glam::DVec3;
 
 /// The largest row in absolute value at configuration `q`; metres and radians. Rows that are parameters do not count,
@@ -119,11 +120,5 @@ fn contact(contact: &Placement, X_WJ: &[Pose]) -> f64 {
 }
 
 fn coordinate(robot: &Robot, joint: JointIndex, q: &[f64]) -> f64 {
-    match robot.joints[joint.at()].source {
-        Source::Coordinates { q: index, .. } => q[index],
-        Source::Follows { leader, multiplier, offset } => match robot.joints[leader.at()].source {
-            Source::Coordinates { q: index, .. } => multiplier * q[index] + offset,
-            Source::Follows { .. } => offset, // composing a robot resolves chains of followers
-        },
-    }
+    JointCoordinates::of(robot, &robot.joints[joint.at()]).value(q)
 }

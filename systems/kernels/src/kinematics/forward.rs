@@ -1,8 +1,9 @@
 //! Forward kinematics of the hybrid robot, with objects that follow what carries them.
 
+use crate::kinematics::joint_table::{JointEntry, joint_table};
 use foliate_components::Pose;
 use foliate_components::robot::configuration::quaternion;
-use foliate_components::robot::{JointIndex, JointType, Robot, Source};
+use foliate_components::robot::{JointIndex, JointType, Robot};
 use glam::{DQuat, DVec3};
 
 /// An object that follows a carrier rigidly: an eliminated variable (HPP's explicit relative pose).
@@ -36,23 +37,10 @@ impl Placement {
     }
 }
 
-/// One joint, as the loop over them wants it.
-#[derive(Clone, Copy, Debug)]
-struct Step {
-    parent: Option<JointIndex>,
-    X_PJ: Pose,
-    motion: JointType,
-    /// First coordinate of the joint itself, or of the joint that it follows.
-    q: usize,
-    multiplier: f64,
-    offset: f64,
-}
-
 /// The tables of forward kinematics, compiled once per robot.
 #[derive(Clone, Debug)]
 pub struct Kinematics {
-    steps: Vec<Step>,
-    /// Joints in an order in which every leader and parent comes first; the robot's own order has parents first.
+    joints: Vec<JointEntry>,
     size: usize,
 }
 
@@ -60,35 +48,13 @@ impl Kinematics {
     /// Compiles the tables.
     #[must_use]
     pub fn new(robot: &Robot) -> Self {
-        let steps = robot
-            .joints
-            .iter()
-            .map(|joint| {
-                let (q, multiplier, offset) = match joint.source {
-                    Source::Coordinates { q, .. } => (q, 1.0, 0.0),
-                    Source::Follows { leader, multiplier, offset } => match robot.joints[leader.at()].source {
-                        Source::Coordinates { q, .. } => (q, multiplier, offset),
-                        // `Robot::compose` resolves chains; a follower of a follower cannot arise.
-                        Source::Follows { .. } => (0, 0.0, offset),
-                    },
-                };
-                Step {
-                    parent: joint.parent,
-                    X_PJ: joint.parent_from_joint,
-                    motion: joint.motion,
-                    q,
-                    multiplier,
-                    offset,
-                }
-            })
-            .collect();
-        Self { steps, size: robot.space.size() }
+        Self { joints: joint_table(robot), size: robot.space.size() }
     }
 
     /// Number of bodies: the length of the slices that [`Self::forward`] fills.
     #[must_use]
     pub fn bodies(&self) -> usize {
-        self.steps.len()
+        self.joints.len()
     }
 
     /// Length of a configuration.
@@ -102,10 +68,9 @@ impl Kinematics {
     /// # Panics
     /// If `q` or `X_WJ` is too short.
     pub fn forward(&self, q: &[f64], X_WJ: &mut [Pose]) {
-        for (index, step) in self.steps.iter().enumerate() {
-            let X_JB = step.moved(q);
-            let X_PB = step.X_PJ * X_JB;
-            X_WJ[index] = match step.parent {
+        for (index, joint) in self.joints.iter().enumerate() {
+            let X_PB = joint.in_parent(q);
+            X_WJ[index] = match joint.parent {
                 Some(parent) => X_WJ[parent.at()] * X_PB,
                 None => X_PB,
             };
@@ -125,10 +90,10 @@ impl Kinematics {
                 None => rigid_attachment.X_CO,
             };
             // An articulated object's own joints stand directly behind its root.
-            for index in object + 1..self.steps.len() {
-                let step = &self.steps[index];
-                let Some(parent) = step.parent.filter(|p| p.at() >= object) else { break };
-                X_WJ[index] = X_WJ[parent.at()] * (step.X_PJ * step.moved(q));
+            for index in object + 1..self.joints.len() {
+                let joint = &self.joints[index];
+                let Some(parent) = joint.parent.filter(|p| p.at() >= object) else { break };
+                X_WJ[index] = X_WJ[parent.at()] * joint.in_parent(q);
             }
         }
     }
@@ -143,7 +108,7 @@ impl Kinematics {
     fn carriers_come_first(&self, rigid_attachments: &[RigidAttachment]) -> bool {
         let root = |body: JointIndex| {
             let mut body = body;
-            while let Some(parent) = self.steps[body.at()].parent {
+            while let Some(parent) = self.joints[body.at()].parent {
                 body = parent;
             }
             body
@@ -161,32 +126,32 @@ impl Kinematics {
     /// If a slice is too short.
     pub fn write_back(&self, rigid_attachments: &[RigidAttachment], X_WJ: &[Pose], q: &mut [f64]) {
         for rigid_attachment in rigid_attachments {
-            let step = &self.steps[rigid_attachment.object.at()];
+            let joint = &self.joints[rigid_attachment.object.at()];
+            let first = joint.coordinates.q;
             // Object roots are attached to the world: their coordinates are their pose in the frame of the root joint.
-            let X_JB = step.X_PJ.inverse() * X_WJ[rigid_attachment.object.at()];
-            let old = quaternion(q, step.q);
+            let X_JB = joint.X_PJ.inverse() * X_WJ[rigid_attachment.object.at()];
+            let old = quaternion(q, first);
             let turn = X_JB.rotation.normalize();
             let turn = if turn.dot(old) < 0.0 { -turn } else { turn };
             let t = X_JB.translation;
-            q[step.q..step.q + 7].copy_from_slice(&[t.x, t.y, t.z, turn.x, turn.y, turn.z, turn.w]);
+            q[first..first + 7].copy_from_slice(&[t.x, t.y, t.z, turn.x, turn.y, turn.z, turn.w]);
         }
     }
 }
 
-impl Step {
-    /// Pose of the body in the joint frame at zero.
+impl JointEntry {
+    /// Pose of the body in its parent.
     #[inline]
-    fn moved(&self, q: &[f64]) -> Pose {
-        let value = |i: usize| self.multiplier * q[self.q + i] + self.offset;
-        match self.motion {
-            JointType::Revolute { axis } => Pose::from_rotation(DQuat::from_axis_angle(axis, value(0))),
-            JointType::Prismatic { axis } => Pose::from_translation(axis * value(0)),
-            JointType::Planar => {
-                Pose::from_parts(DVec3::new(q[self.q], q[self.q + 1], 0.0), DQuat::from_rotation_z(q[self.q + 2]))
+    fn in_parent(&self, q: &[f64]) -> Pose {
+        let i = self.coordinates.q;
+        let X_JB = match self.motion {
+            JointType::Revolute { axis } => {
+                Pose::from_rotation(DQuat::from_axis_angle(axis, self.coordinates.value(q)))
             }
-            JointType::FreeFlyer => {
-                Pose::from_parts(DVec3::new(q[self.q], q[self.q + 1], q[self.q + 2]), quaternion(q, self.q))
-            }
-        }
+            JointType::Prismatic { axis } => Pose::from_translation(axis * self.coordinates.value(q)),
+            JointType::Planar => Pose::from_parts(DVec3::new(q[i], q[i + 1], 0.0), DQuat::from_rotation_z(q[i + 2])),
+            JointType::FreeFlyer => Pose::from_parts(DVec3::new(q[i], q[i + 1], q[i + 2]), quaternion(q, i)),
+        };
+        self.X_PJ * X_JB
     }
 }

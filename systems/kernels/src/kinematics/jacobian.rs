@@ -8,8 +8,9 @@
 //! A robot that flies freely may *stand*: the world is then attached to a foot of it, and what moves anything against the world
 //! are the joints between it and that foot, not the root.
 
+use crate::kinematics::joint_table::JointCoordinates;
 use foliate_components::Pose;
-use foliate_components::robot::{JointIndex, JointType, Robot, Source};
+use foliate_components::robot::{JointIndex, JointType, Robot};
 use glam::DVec3;
 
 /// The robot's tree with carried objects attached to their carriers.
@@ -155,13 +156,8 @@ impl<'a> AttachmentTree<'a> {
         out: &mut Vec<Column>,
     ) {
         let joint = &self.robot.joints[index.at()];
-        let (v, scale) = match joint.source {
-            Source::Coordinates { v, .. } => (v, sign),
-            Source::Follows { leader, multiplier, .. } => match self.robot.joints[leader.at()].source {
-                Source::Coordinates { v, .. } => (v, sign * multiplier),
-                Source::Follows { .. } => return, // composing a robot resolves chains of followers
-            },
-        };
+        let JointCoordinates { v, multiplier, .. } = JointCoordinates::of(self.robot, joint);
+        let scale = sign * multiplier;
         // A slide's axis is fixed in the body on which the joint sits.
         let slide = |axis: DVec3| (Some(joint.parent), joint.parent_from_joint.rotation * axis * scale);
         let turn = |axis: DVec3| (None, axis * scale);

@@ -5,10 +5,11 @@
 //! the moved body to the one on which its joint is mounted. Steps are apart from `lane_forward`, because constraint programs
 //! make their own tables of them.
 
+use crate::kinematics::joint_table::JointCoordinates;
 use crate::lanes::geometry::{Rotation, Transform, Vector3};
 use crate::lanes::trigonometry::sin_cos;
 use crate::lanes::vector::Lanes;
-use foliate_components::robot::{Joint, JointType, Robot, Source};
+use foliate_components::robot::{Joint, JointType, Robot};
 use glam::{DMat3, DVec3};
 
 /// Rotations that differ from one with entries 0 and ±1 by no more than this are taken for it: URDF files write π/2 with ten
@@ -42,21 +43,13 @@ enum Mounting {
     General(DMat3),
 }
 
-/// The coordinate of a joint, with what mimicry makes of it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Coordinate {
-    q: usize,
-    multiplier: f64,
-    offset: f64,
-}
-
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Moving {
-    TurnX(Coordinate),
-    TurnY(Coordinate),
-    TurnZ(Coordinate),
-    Turn(Coordinate, DVec3),
-    Slide(Coordinate, DVec3),
+    TurnX(JointCoordinates),
+    TurnY(JointCoordinates),
+    TurnZ(JointCoordinates),
+    Turn(JointCoordinates, DVec3),
+    Slide(JointCoordinates, DVec3),
     /// x, y, θ from this coordinate on.
     Planar(usize),
     /// Position and quaternion from this coordinate on.
@@ -80,19 +73,12 @@ pub(crate) struct LaneStep {
 impl LaneStep {
     /// A body moved by its own joint.
     pub(crate) fn of_joint(robot: &Robot, joint: &Joint, parent: Parent) -> Self {
-        let (q, multiplier, offset) = match joint.source {
-            Source::Coordinates { q, .. } => (q, 1.0, 0.0),
-            Source::Follows { leader, multiplier, offset } => match robot.joints[leader.at()].source {
-                Source::Coordinates { q, .. } => (q, multiplier, offset),
-                Source::Follows { .. } => (0, 0.0, offset), // composing a robot resolves chains of followers
-            },
-        };
-        let coordinate = Coordinate { q, multiplier, offset };
+        let coordinates = JointCoordinates::of(robot, joint);
         let moving = match joint.motion {
-            JointType::Revolute { axis } => Moving::turn(coordinate, axis),
-            JointType::Prismatic { axis } => Moving::Slide(coordinate, axis),
-            JointType::Planar => Moving::Planar(q),
-            JointType::FreeFlyer => Moving::FreeFlyer(q),
+            JointType::Revolute { axis } => Moving::turn(coordinates, axis),
+            JointType::Prismatic { axis } => Moving::Slide(coordinates, axis),
+            JointType::Planar => Moving::Planar(coordinates.q),
+            JointType::FreeFlyer => Moving::FreeFlyer(coordinates.q),
         };
         let X_PJ = joint.parent_from_joint;
         let mounting = Mounting::of(DMat3::from_quat(X_PJ.rotation));
@@ -194,30 +180,30 @@ impl LaneStep {
         let [x, y, z] = rotation.columns;
         let columns = match self.moving {
             Moving::TurnX(coordinate) => {
-                let (s, c) = sin_cos(coordinate.value::<V>(isa, q));
+                let (s, c) = sin_cos(coordinate.value_in_lanes::<V>(isa, q));
                 let (y, z) = turned(s, c, y, z);
                 [x, y, z]
             }
             Moving::TurnY(coordinate) => {
-                let (s, c) = sin_cos(coordinate.value::<V>(isa, q));
+                let (s, c) = sin_cos(coordinate.value_in_lanes::<V>(isa, q));
                 let (z, x) = turned(s, c, z, x);
                 [x, y, z]
             }
             Moving::TurnZ(coordinate) => {
-                let (s, c) = sin_cos(coordinate.value::<V>(isa, q));
+                let (s, c) = sin_cos(coordinate.value_in_lanes::<V>(isa, q));
                 let (x, y) = turned(s, c, x, y);
                 [x, y, z]
             }
             Moving::Turn(coordinate, axis) => {
                 // The quaternion of half the angle about the axis.
-                let half = coordinate.value::<V>(isa, q) * V::constant(isa, 0.5);
+                let half = coordinate.value_in_lanes::<V>(isa, q) * V::constant(isa, 0.5);
                 let (s, c) = sin_cos(half);
                 let axis = Vector3::splat(isa, axis).scaled(s);
                 rotation.times(&Rotation::from_quaternion(axis.x, axis.y, axis.z, c)).columns
             }
             Moving::Slide(coordinate, axis) => {
                 let along = rotation.turn(Vector3::splat(isa, axis));
-                let translation = along.scaled_plus(coordinate.value::<V>(isa, q), translation);
+                let translation = along.scaled_plus(coordinate.value_in_lanes::<V>(isa, q), translation);
                 return Transform { rotation, translation };
             }
             Moving::Planar(i) => {
@@ -278,13 +264,13 @@ fn turned<V: Lanes>(s: V, c: V, x: Vector3<V>, y: Vector3<V>) -> (Vector3<V>, Ve
     (x.scaled_plus(c, y.scaled(s)), x.scaled_from(s, y.scaled(c)))
 }
 
-impl Coordinate {
+impl JointCoordinates {
     fn negated(self) -> Self {
         Self { multiplier: -self.multiplier, offset: -self.offset, ..self }
     }
 
     #[inline(always)]
-    fn value<V: Lanes>(self, isa: V::Isa, q: &[V::Row]) -> V {
+    fn value_in_lanes<V: Lanes>(self, isa: V::Isa, q: &[V::Row]) -> V {
         V::load(isa, &q[self.q]).mul_add(V::constant(isa, self.multiplier), V::constant(isa, self.offset))
     }
 }
@@ -303,12 +289,12 @@ impl Moving {
     }
 
     /// A turn about a unit axis; one about an axis of the frame is known as such.
-    fn turn(coordinate: Coordinate, axis: DVec3) -> Self {
+    fn turn(coordinate: JointCoordinates, axis: DVec3) -> Self {
         let along = |k: usize, own: DVec3| {
             let sign = if axis[k] < 0.0 { -1.0 } else { 1.0 };
             let near = (axis - own * sign).abs().max_element() <= SNAP;
-            let Coordinate { q, multiplier, offset } = coordinate;
-            near.then_some(Coordinate { q, multiplier: sign * multiplier, offset: sign * offset })
+            let JointCoordinates { multiplier, offset, .. } = coordinate;
+            near.then_some(JointCoordinates { multiplier: sign * multiplier, offset: sign * offset, ..coordinate })
         };
         if let Some(about) = along(0, DVec3::X) {
             Self::TurnX(about)

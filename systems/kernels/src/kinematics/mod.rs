@@ -2,6 +2,7 @@
 
 pub(crate) mod forward;
 pub(crate) mod jacobian;
+pub(crate) mod joint_table;
 pub(crate) mod lane_forward;
 pub(crate) mod lane_jacobian;
 pub(crate) mod lane_steps;

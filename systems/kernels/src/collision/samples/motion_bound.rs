@@ -13,8 +13,8 @@ use crate::collision::scene::attachment::Chain;
 use crate::collision::scene::collision_scene::{CollisionScene, PairId};
 use crate::collision::scene::pair_query::{place_balls, solid_balls};
 use crate::collision::scene::pair_set::{ActiveGroup, PairSet};
-use crate::collision::scene::scene_joint::SceneJoint;
 use crate::collision::solids::volumes::Ball;
+use crate::kinematics::joint_table::{JointCoordinates, JointEntry};
 use foliate_components::Pose;
 use foliate_components::robot::JointType;
 use glam::DVec3;
@@ -125,7 +125,7 @@ impl MotionBound {
             self.world_spin[index] = X_WJ[index].rotation * self.spin[index];
         }
         for (index, joint) in scene.joints.iter().enumerate().filter(|&(i, _)| self.slide[i] > 0.0) {
-            let along = joint.turned * self.drift[index];
+            let along = joint.X_PJ.rotation * self.drift[index];
             self.world_drift[index] = joint.parent.map_or(along, |p| X_WJ[p.at()].rotation * along);
         }
     }
@@ -290,20 +290,20 @@ struct JointRate {
 }
 
 impl JointRate {
-    fn of(joint: &SceneJoint, q: &[f64], delta: &[f64]) -> Self {
+    fn of(joint: &JointEntry, q: &[f64], delta: &[f64]) -> Self {
         let vector = |values: &[f64], i: usize, n: usize| {
             DVec3::new(values[i], values[i + 1], if n > 2 { values[i + 2] } else { 0.0 })
         };
         let farthest = |start: DVec3, by: DVec3| start.length().max((start + by).length());
-        let (i, j) = (joint.q, joint.v);
+        let JointCoordinates { q: i, v: j, multiplier, offset } = joint.coordinates;
         match joint.motion {
             JointType::Revolute { axis } => {
-                let turn = joint.multiplier * delta[j];
+                let turn = multiplier * delta[j];
                 Self { turn: turn.abs(), slide: 0.0, travel: 0.0, spin: axis * turn, drift: DVec3::ZERO }
             }
             JointType::Prismatic { axis } => {
-                let slide = joint.multiplier * delta[j];
-                let value = |x: f64| (joint.multiplier * x + joint.constant).abs();
+                let slide = multiplier * delta[j];
+                let value = |x: f64| (multiplier * x + offset).abs();
                 let travel = value(q[i]).max(value(q[i] + delta[j]));
                 Self { turn: 0.0, slide: slide.abs(), travel, spin: DVec3::ZERO, drift: axis * slide }
             }

@@ -10,8 +10,8 @@ use crate::collision::samples::motion_bound::FINE;
 use crate::collision::samples::place_bodies::{PlaceBodies, Step, numbers_of, rows_of};
 use crate::collision::scene::collision_scene::CollisionScene;
 use crate::collision::scene::pair_set::{ActiveGroup, PairSet};
-use crate::collision::scene::scene_joint::SceneJoint;
 use crate::kinematics::forward::{Kinematics, RigidAttachment};
+use crate::kinematics::joint_table::JointEntry;
 use crate::lanes::level::Level;
 use crate::lanes::vector::{F32Row, F64Row};
 use foliate_components::Pose;
@@ -112,7 +112,8 @@ impl MotionSamples {
         let (first, others) = configurations.split_at(size);
         for other in others.chunks_exact(size) {
             for (moves, joint) in self.joint_moves.iter_mut().zip(&scene.joints) {
-                let own = joint.q..joint.q + joint.motion.configuration_size();
+                let first_own = joint.coordinates.q;
+                let own = first_own..first_own + joint.motion.configuration_size();
                 // Compared so that NaN moves.
                 *moves |= first[own.clone()] != other[own];
             }
@@ -176,7 +177,7 @@ impl MotionSamples {
         }
     }
 
-    fn add_joint(&mut self, index: usize, joint: &SceneJoint) {
+    fn add_joint(&mut self, index: usize, joint: &JointEntry) {
         let with_parent = joint.parent.is_some_and(|p| self.body_moves[p.at()]);
         if !with_parent && !self.joint_moves[index] {
             return;
@@ -187,7 +188,7 @@ impl MotionSamples {
         self.steps.push(Step {
             body: index as u32,
             parent: joint.parent.map(|p| p.0),
-            hangs: Pose::from_parts(joint.offset, joint.turned),
+            hangs: joint.X_PJ,
             motion: Some(joint.motion),
             value,
         });
@@ -311,12 +312,12 @@ impl MotionSamples {
         let (half, lane) = (lane / 8, lane % 8);
         for step in &self.steps {
             let Some(motion) = step.motion else { continue };
-            let joint = &scene.joints[step.body as usize];
+            let joint = scene.joints[step.body as usize].coordinates;
             let rows = &mut self.values[step.value as usize..];
             let linear = |i: usize| q[joint.q + i] + delta.map_or(0.0, |d| t * d[joint.v + i]);
             match motion {
                 JointType::Revolute { .. } | JointType::Prismatic { .. } => {
-                    let value = joint.multiplier * linear(0) + joint.constant;
+                    let value = joint.multiplier * linear(0) + joint.offset;
                     rows[0][half][lane] = if value.abs() < FARTHEST { value } else { f64::NAN };
                 }
                 JointType::Planar => {

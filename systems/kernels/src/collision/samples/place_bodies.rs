@@ -1,7 +1,7 @@
 //! Sixteen configurations' bodies, placed in lanes.
 
 use crate::collision::samples::interval::POSE;
-use crate::collision::scene::scene_joint::SceneJoint;
+use crate::kinematics::joint_table::{JointCoordinates, JointEntry};
 use crate::lanes::geometry::{Rotation, Transform, Vector3};
 use crate::lanes::level::Kernel;
 use crate::lanes::trigonometry::sin_cos;
@@ -24,16 +24,16 @@ pub(crate) fn numbers_of(X: &Pose) -> [f64; POSE] {
     [r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8], t.x, t.y, t.z]
 }
 
-impl SceneJoint {
+impl JointEntry {
     /// By how much it turns and slides along a straight motion, and how far from zero its translation is at most.
     pub(crate) fn moves_by(&self, q: &[f64], delta: &[f64]) -> (f64, f64, f64) {
-        let (i, j) = (self.q, self.v);
+        let JointCoordinates { q: i, v: j, multiplier, offset } = self.coordinates;
         let length = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
         match self.motion {
-            JointType::Revolute { .. } => ((self.multiplier * delta[j]).abs(), 0.0, 0.0),
+            JointType::Revolute { .. } => ((multiplier * delta[j]).abs(), 0.0, 0.0),
             JointType::Prismatic { .. } => {
-                let value = |x: f64| (self.multiplier * x + self.constant).abs();
-                (0.0, (self.multiplier * delta[j]).abs(), value(q[i]).max(value(q[i] + delta[j])))
+                let value = |x: f64| (multiplier * x + offset).abs();
+                (0.0, (multiplier * delta[j]).abs(), value(q[i]).max(value(q[i] + delta[j])))
             }
             JointType::Planar => {
                 let end = [q[i] + delta[j], q[i + 1] + delta[j + 1]];

@@ -1,8 +1,8 @@
 //! The attachment tree: who moves whom on a leaf. An object that is carried is attached to its carrier.
 
 use crate::collision::scene::collision_scene::CollisionScene;
-use crate::collision::scene::scene_joint::SceneJoint;
 use crate::kinematics::RigidAttachment;
+use crate::kinematics::joint_table::JointEntry;
 use foliate_components::robot::{JointIndex, JointType};
 use glam::DVec3;
 
@@ -40,7 +40,7 @@ struct Up<'a> {
     parent: Option<JointIndex>,
     offset: DVec3,
     /// The joint, where it moves its body (a carried object's does not).
-    joint: Option<&'a SceneJoint>,
+    joint: Option<&'a JointEntry>,
 }
 
 impl AttachmentTree {
@@ -50,14 +50,14 @@ impl AttachmentTree {
                 Some(c) => Up { parent: c.carrier, offset: c.X_CO.translation, joint: None },
                 None => {
                     let joint = &scene.joints[body.at()];
-                    Up { parent: joint.parent, offset: joint.offset, joint: Some(joint) }
+                    Up { parent: joint.parent, offset: joint.X_PJ.translation, joint: Some(joint) }
                 }
             }
         };
         let mut tree = Self { chains: vec![Chain::default(); scene.joints.len()], ..Self::default() };
         for body in 0..scene.joints.len() {
             let body = JointIndex(body as u32);
-            let class = tree.ancestors(body, &up).find(|(_, step)| step.joint.is_some_and(|j| !j.locked));
+            let class = tree.ancestors(body, &up).find(|(body, step)| step.joint.is_some() && !scene.locked[body.at()]);
             let class = class.map(|(b, _)| b);
             tree.class.push(class);
             tree.parents.push(up(body).parent);

@@ -1,10 +1,10 @@
 //! What can collide with what: the solids of a robot, grouped by the rigid bodies that they sit on, and the pairs.
 
 use crate::collision::scene::pair_filter::{PairRule, Rules};
-use crate::collision::scene::scene_joint::SceneJoint;
 use crate::collision::scene::scene_solid::{SceneSolid, Solids};
 use crate::collision::solids::solid::Solid;
 use crate::collision::solids::volumes::Ball;
+use crate::kinematics::joint_table::{JointEntry, joint_table};
 use foliate_components::coverage::{LeftOut, PairCounts};
 use foliate_components::robot::configuration::ConfigurationSpace;
 use foliate_components::robot::{JointIndex, Robot, Shape, ShapeIndex};
@@ -29,7 +29,9 @@ pub struct CollisionScene {
     pub(crate) clusters: Vec<Cluster>,
     pub(crate) groups: Vec<Group>,
     pub(crate) pairs: Vec<Pair>,
-    pub(crate) joints: Vec<SceneJoint>,
+    pub(crate) joints: Vec<JointEntry>,
+    /// By joint: whether it never moves, itself or through its leader.
+    pub(crate) locked: Vec<bool>,
     pub(crate) space: ConfigurationSpace,
     counts: PairCounts,
 }
@@ -96,7 +98,8 @@ impl CollisionScene {
             clusters: Vec::new(),
             groups: Vec::new(),
             pairs: Vec::new(),
-            joints: (0..robot.joints.len()).map(|j| SceneJoint::new(robot, j, rule.locked)).collect(),
+            joints: joint_table(robot),
+            locked: (0..robot.joints.len() as u32).map(|joint| rule.locks(robot, JointIndex(joint))).collect(),
             space: robot.space.clone(),
             counts: PairCounts::default(),
         };
@@ -174,7 +177,7 @@ impl CollisionScene {
     }
 
     fn list_pairs(&mut self, rules: &Rules) {
-        let class = rigid_classes(&self.joints);
+        let class = rigid_classes(&self.joints, &self.locked);
         let class_of = |body: Option<JointIndex>| body.and_then(|b| class[b.at()]);
         for first in 0..self.clusters.len() {
             let count = self.clusters[first].solids.len() as u64;
@@ -205,11 +208,11 @@ impl CollisionScene {
 }
 
 /// For each body the nearest ancestor, or itself, whose joint is not locked; none where that is the world.
-fn rigid_classes(joints: &[SceneJoint]) -> Vec<Option<JointIndex>> {
+fn rigid_classes(joints: &[JointEntry], locked: &[bool]) -> Vec<Option<JointIndex>> {
     let mut class: Vec<Option<JointIndex>> = Vec::with_capacity(joints.len());
-    for (index, joint) in joints.iter().enumerate() {
+    for (index, (joint, &is_locked)) in joints.iter().zip(locked).enumerate() {
         let parent = joint.parent.and_then(|p| class.get(p.at()).copied().flatten());
-        class.push(if joint.locked { parent } else { Some(JointIndex(index as u32)) });
+        class.push(if is_locked { parent } else { Some(JointIndex(index as u32)) });
     }
     class
 }

@@ -1,7 +1,6 @@
 //! What can collide with what: the solids of a robot, the pairs to test, and the queries on one pair.
 //!
 //! * `scene_solid` prepares each collision shape. It stores a bounding volume (`bounding`) and an inscribed volume (`inscribed`) with it.
-//! * `scene_joint` stores each joint as the motion bounds need it.
 //! * `pair_filter` decides which links are tested against which. `adjacent` proposes neighbours to leave out, and `coverage`
 //!   reports the pairs that are left out.
 //! * `collision_scene` puts solids, joints and pairs together. It is immutable and holds for every leaf.
@@ -19,7 +18,6 @@ pub(crate) mod inscribed;
 pub(crate) mod pair_filter;
 pub mod pair_query;
 pub mod pair_set;
-pub(crate) mod scene_joint;
 pub mod scene_solid;
 
 pub use crate::collision::scene::collision_scene::{Cluster, CollisionScene, Group, Pair, PairId};

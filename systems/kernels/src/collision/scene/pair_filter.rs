@@ -2,7 +2,7 @@
 
 use foliate_components::coverage::LeftOut;
 use foliate_components::problem::Margin;
-use foliate_components::robot::{DisabledPair, JointIndex, LinkIndex, Robot};
+use foliate_components::robot::{DisabledPair, JointIndex, LinkIndex, Robot, Source};
 use std::collections::{HashMap, HashSet};
 
 /// What narrows the pairs besides the robot's own disabled pairs. By default nothing does: what is left out is what a file or a host
@@ -16,6 +16,17 @@ pub struct PairRule<'a> {
     pub margins: &'a [Margin],
     /// Joints that never move: they make their bodies one with their parents'.
     pub locked: &'a [JointIndex],
+}
+
+impl PairRule<'_> {
+    /// Whether a joint never moves: it is locked, or its leader is.
+    pub(crate) fn locks(&self, robot: &Robot, joint: JointIndex) -> bool {
+        let leader = match robot.joints[joint.at()].source {
+            Source::Coordinates { .. } => None,
+            Source::Follows { leader, .. } => Some(leader),
+        };
+        self.locked.contains(&joint) || leader.is_some_and(|leader| self.locked.contains(&leader))
+    }
 }
 
 /// A rule, ready for look-ups.

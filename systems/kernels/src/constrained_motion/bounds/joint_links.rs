@@ -4,7 +4,8 @@
 //! All bounds are sums over such links.
 
 use crate::kinematics::jacobian::AttachmentTree;
-use foliate_components::robot::{JointIndex, JointType, Robot, Source};
+use crate::kinematics::joint_table::JointCoordinates;
+use foliate_components::robot::{JointIndex, JointType, Robot};
 use glam::DVec3;
 
 /// One free motion of a joint.
@@ -40,13 +41,7 @@ pub(crate) fn links_between(
 
 pub(crate) fn links_of(robot: &Robot, index: JointIndex, is_free: &[bool]) -> Vec<Link> {
     let joint = &robot.joints[index.at()];
-    let (v, scale) = match joint.source {
-        Source::Coordinates { v, .. } => (v, 1.0),
-        Source::Follows { leader, multiplier, .. } => match robot.joints[leader.at()].source {
-            Source::Coordinates { v, .. } => (v, multiplier),
-            Source::Follows { .. } => return Vec::new(),
-        },
-    };
+    let JointCoordinates { v, multiplier: scale, .. } = JointCoordinates::of(robot, joint);
     if !is_free[v] {
         return Vec::new();
     }

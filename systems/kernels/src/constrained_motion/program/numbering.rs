@@ -3,8 +3,9 @@
 //! The functions work on blocks and the robot alone, without the state of the compiler.
 
 use crate::constrained_motion::rows::blocks::{Block, Kind};
+use crate::kinematics::joint_table::JointCoordinates;
 use foliate_components::constraint::{Constraint, Frame, Masses, RelativePose};
-use foliate_components::robot::{JointIndex, Robot, Source};
+use foliate_components::robot::{JointIndex, Robot};
 
 /// The body that a constraint puts in its place in the world, with what says so.
 pub(crate) fn foot_of(constraint: &Constraint) -> Option<(RelativePose, JointIndex)> {
@@ -18,13 +19,8 @@ pub(crate) fn foot_of(constraint: &Constraint) -> Option<(RelativePose, JointInd
 /// The velocity coordinates that move a joint: its own, or its leader's.
 pub(crate) fn velocities_of(robot: &Robot, joint: JointIndex) -> std::ops::Range<usize> {
     let joint = &robot.joints[joint.at()];
-    match joint.source {
-        Source::Coordinates { v, .. } => v..v + joint.motion.velocity_size(),
-        Source::Follows { leader, .. } => match robot.joints[leader.at()].source {
-            Source::Coordinates { v, .. } => v..v + 1,
-            Source::Follows { .. } => 0..0, // composing a robot resolves chains of followers
-        },
-    }
+    let v = JointCoordinates::of(robot, joint).v;
+    v..v + joint.motion.velocity_size()
 }
 
 /// Numbers the velocity coordinates that columns use from zero, ascending; returns them.

@@ -1,9 +1,10 @@
 //! Forward kinematics of only those bodies that a program needs, in the order of the attachment tree.
 
+use crate::kinematics::joint_table::JointCoordinates;
 use crate::kinematics::{AttachmentTree, RigidAttachment, Standing};
 use foliate_components::Pose;
 use foliate_components::robot::configuration::quaternion;
-use foliate_components::robot::{Joint, JointIndex, JointType, Robot, Source};
+use foliate_components::robot::{Joint, JointIndex, JointType, Robot};
 use glam::{DQuat, DVec3, DVec4};
 
 /// Steps of forward kinematics in three groups.
@@ -30,11 +31,11 @@ pub(crate) struct Step {
 
 #[derive(Clone, Copy, Debug)]
 enum Kind {
-    /// Rotation by `multiplier · q[coordinate] + offset`. The quaternion of the body in its parent is
+    /// Rotation by the joint's value. The quaternion of the body in its parent is
     /// cos(half angle) · `base` + sin(half angle) · `base` ⊗ axis: two scaled vectors instead of a quaternion product.
-    Turn { coordinate: usize, multiplier: f64, offset: f64, translation: DVec3, base: DVec4, turned: DVec4 },
+    Turn { coordinates: JointCoordinates, translation: DVec3, base: DVec4, turned: DVec4 },
     /// Translation along `axis`, given in the parent.
-    Slide { coordinate: usize, multiplier: f64, offset: f64, X_PJ: Pose, axis: DVec3 },
+    Slide { coordinates: JointCoordinates, X_PJ: Pose, axis: DVec3 },
     /// x, y, θ.
     Planar { coordinate: usize, X_PJ: Pose },
     /// Position and quaternion.
@@ -164,12 +165,12 @@ impl Step {
     #[inline]
     fn in_parent(&self, q: &[f64], rigid_attachments: &[RigidAttachment]) -> Pose {
         match self.kind {
-            Kind::Turn { coordinate, multiplier, offset, translation, base, turned } => {
-                let (sine, cosine) = (0.5 * (multiplier * q[coordinate] + offset)).sin_cos();
+            Kind::Turn { coordinates, translation, base, turned } => {
+                let (sine, cosine) = (0.5 * coordinates.value(q)).sin_cos();
                 Pose::from_parts(translation, DQuat::from_vec4(base * cosine + turned * sine))
             }
-            Kind::Slide { coordinate, multiplier, offset, X_PJ, axis } => {
-                let along = axis * (multiplier * q[coordinate] + offset);
+            Kind::Slide { coordinates, X_PJ, axis } => {
+                let along = axis * coordinates.value(q);
                 Pose::from_parts(X_PJ.translation + along, X_PJ.rotation)
             }
             Kind::Planar { coordinate: i, X_PJ } => {
@@ -185,24 +186,17 @@ impl Step {
 
 impl Kind {
     fn of_joint(robot: &Robot, joint: &Joint) -> Self {
-        let (coordinate, multiplier, offset) = match joint.source {
-            Source::Coordinates { q, .. } => (q, 1.0, 0.0),
-            Source::Follows { leader, multiplier, offset } => match robot.joints[leader.at()].source {
-                Source::Coordinates { q, .. } => (q, multiplier, offset),
-                Source::Follows { .. } => (0, 0.0, offset), // composing a robot resolves chains of followers
-            },
-        };
+        let coordinates = JointCoordinates::of(robot, joint);
+        let coordinate = coordinates.q;
         let X_PJ = joint.parent_from_joint;
         match joint.motion {
             JointType::Revolute { axis } => {
                 let base = X_PJ.rotation;
                 let turned = base * DQuat::from_xyzw(axis.x, axis.y, axis.z, 0.0);
                 let (base, turned) = (DVec4::from(base), DVec4::from(turned));
-                Self::Turn { coordinate, multiplier, offset, translation: X_PJ.translation, base, turned }
+                Self::Turn { coordinates, translation: X_PJ.translation, base, turned }
             }
-            JointType::Prismatic { axis } => {
-                Self::Slide { coordinate, multiplier, offset, X_PJ, axis: X_PJ.rotation * axis }
-            }
+            JointType::Prismatic { axis } => Self::Slide { coordinates, X_PJ, axis: X_PJ.rotation * axis },
             JointType::Planar => Self::Planar { coordinate, X_PJ },
             JointType::FreeFlyer => Self::FreeFlyer { coordinate, X_PJ },
         }
