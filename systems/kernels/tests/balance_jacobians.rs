@@ -35,7 +35,7 @@ impl Setting {
         [of(|_| Vec::new()), of(held)]
     }
 
-    fn tree(&self) -> AttachmentTree<'_> {
+    fn tree(&self) -> AttachmentTree {
         AttachmentTree::with_carried(&self.robot, self.rigid_attachments.iter().map(|c| (c.object, c.carrier)))
     }
 

@@ -50,7 +50,7 @@ impl Setting {
         Self { kinematics: Kinematics::new(&robot), rigid_attachments: rigid_attachments(&robot), robot }
     }
 
-    fn tree(&self) -> AttachmentTree<'_> {
+    fn tree(&self) -> AttachmentTree {
         AttachmentTree::with_carried(&self.robot, self.rigid_attachments.iter().map(|c| (c.object, c.carrier)))
     }
 

@@ -19,7 +19,7 @@ impl MassColumns {
     /// where it is not free, `moves` whether any coordinate of a joint is free.
     #[must_use]
     pub fn new(
-        tree: &AttachmentTree<'_>,
+        tree: &AttachmentTree,
         from: Option<JointIndex>,
         masses: &Masses,
         moves: impl Fn(JointIndex) -> bool,

@@ -4,7 +4,8 @@
 //! *moment* Σ wₖpₖ of the points beyond. One pass over the tree finds all moments; nothing is computed once per point
 //! and joint.
 
-use super::jacobian::{AttachmentTree, Column};
+use super::attachment_tree::AttachmentTree;
+use super::jacobian::Column;
 use foliate_components::Pose;
 use foliate_components::robot::JointIndex;
 use glam::DVec3;
@@ -46,7 +47,7 @@ impl PointTree {
     /// The joints between the body `from` and the points; only those that `moves` names become nodes.
     #[must_use]
     pub fn new(
-        tree: &AttachmentTree<'_>,
+        tree: &AttachmentTree,
         from: Option<JointIndex>,
         points: impl IntoIterator<Item = WeightedPoint>,
         moves: impl Fn(JointIndex) -> bool,
@@ -114,7 +115,7 @@ impl PointTree {
     /// How the velocity coordinates that `variable` numbers move the sum, as seen from the body `from`; with each column
     /// the node whose points it moves.
     #[must_use]
-    pub fn columns(&self, tree: &AttachmentTree<'_>, variable: impl Fn(usize) -> Option<usize>) -> Vec<MomentColumn> {
+    pub fn columns(&self, tree: &AttachmentTree, variable: impl Fn(usize) -> Option<usize>) -> Vec<MomentColumn> {
         let mut columns = Vec::new();
         let mut own = Vec::new();
         for (index, node) in self.nodes.iter().enumerate() {

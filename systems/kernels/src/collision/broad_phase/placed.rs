@@ -43,7 +43,7 @@ impl BroadPhaseScratch {
         self.centers.resize(scene.clusters.len().max(self.centers.len()), Default::default());
         self.solids.resize(scene.solids.len().max(self.solids.len()), Default::default());
         self.axes.resize(scene.joints.len().max(self.axes.len()), Default::default());
-        let rows = pairs.tree.links.len() + scene.clusters.len() + 1;
+        let rows = pairs.chains.links.len() + scene.clusters.len() + 1;
         self.moved.clear();
         self.moved.resize(rows, F32Row::default());
         self.fresh_solids.clear();
@@ -180,7 +180,7 @@ fn accumulate<I: Isa>(
     scratch: &mut BroadPhaseScratch,
     cluster: usize,
 ) {
-    let chain = pairs.tree.chain_of(scene.clusters[cluster].body);
+    let chain = pairs.chains.chain_of(scene.clusters[cluster].body);
     let base = chain.start as usize + cluster;
     let center = Vector3::<I::F32>::load(isa, &scratch.centers[cluster]);
     let ball = I::F32::constant(isa, scene.clusters[cluster].ball.radius) + I::F32::load(isa, &scratch.slack);
@@ -188,7 +188,7 @@ fn accumulate<I: Isa>(
     moved.store(&mut scratch.moved[base]);
     for place in 0..(chain.end - chain.start) as usize {
         let index = chain.start as usize + place;
-        let joint = pairs.tree.links[index].joint;
+        let joint = pairs.chains.links[index].joint;
         if motion_samples.joint_moves(joint) {
             let joint = joint as usize;
             let origin = Vector3::<I::F32>::load(isa, &motion_samples.poses[joint][9..]);

@@ -6,7 +6,7 @@
 
 use crate::collision::convex::gjk::DistanceQuery;
 use crate::collision::samples::motion_samples::MotionSamples;
-use crate::collision::scene::attachment::AttachmentTree;
+use crate::collision::scene::body_chains::BodyChains;
 use crate::collision::scene::collision_scene::{CollisionScene, PairId};
 use crate::collision::scene::pair_query::{exact_clearance, hull_clearance, rough_clearance, solid_balls};
 use crate::collision::scene::pair_set::{ActiveGroup, PairSet, RigidPair};
@@ -28,18 +28,18 @@ pub(crate) fn rigid_pair_of<'a>(
     }
     let group = &scene.groups[active.group as usize];
     let [first, second] =
-        [group.first, group.second].map(|c| mover(&pairs.tree, motion_samples, scene.clusters[c as usize].body));
+        [group.first, group.second].map(|c| mover(&pairs.chains, motion_samples, scene.clusters[c as usize].body));
     pairs.rigid_pairs.iter().find(|rigid_pair| {
-        let ends = [rigid_pair.a, rigid_pair.b].map(|body| mover(&pairs.tree, motion_samples, body));
+        let ends = [rigid_pair.a, rigid_pair.b].map(|body| mover(&pairs.chains, motion_samples, body));
         ends == [first, second] || ends == [second, first]
     })
 }
 
 /// The nearest joint above a body, its own included, that moves along the motion; none where the body stands still.
-fn mover(tree: &AttachmentTree, motion_samples: &MotionSamples, mut body: Option<JointIndex>) -> Option<JointIndex> {
+fn mover(chains: &BodyChains, motion_samples: &MotionSamples, mut body: Option<JointIndex>) -> Option<JointIndex> {
     // Rigid attachments close no circle.
     while let Some(index) = body.filter(|&index| !motion_samples.joint_moves(index.0)) {
-        body = tree.parent(index);
+        body = chains.parent(index);
     }
     body
 }

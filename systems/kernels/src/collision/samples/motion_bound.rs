@@ -9,7 +9,7 @@
 //! ‖ẍ‖ ≤ Σⱼ |Δⱼ| rⱼ (|Δⱼ| + 2 Σᵢ |Δᵢ|) over the joints i that carry joint j. Bodies that slide past each other need far
 //! fewer samples so.
 
-use crate::collision::scene::attachment::Chain;
+use crate::collision::scene::body_chains::Chain;
 use crate::collision::scene::collision_scene::{CollisionScene, PairId};
 use crate::collision::scene::pair_query::{place_balls, solid_balls};
 use crate::collision::scene::pair_set::{ActiveGroup, PairSet};
@@ -61,7 +61,7 @@ impl MotionBound {
     /// If a slice is too short.
     pub fn begin(&mut self, scene: &CollisionScene, pairs: &PairSet, q: &[f64], delta: &[f64]) {
         self.clear();
-        for joint in &scene.joints {
+        for joint in scene.joints.iter() {
             let rate = JointRate::of(joint, q, delta);
             self.turn.push(rate.turn);
             self.slide.push(rate.slide);
@@ -83,18 +83,18 @@ impl MotionBound {
     fn make_room(&mut self, scene: &CollisionScene, pairs: &PairSet) {
         let joints = scene.joints.len();
         self.radius.clear();
-        self.radius.resize(pairs.tree.links.len(), 0.0);
+        self.radius.resize(pairs.chains.links.len(), 0.0);
         self.world_spin.clear();
         self.world_spin.resize(joints, DVec3::ZERO);
         self.world_drift.clear();
         self.world_drift.resize(joints, DVec3::ZERO);
         self.reach.clear();
-        self.reach.resize(pairs.tree.links.len(), 0.0);
+        self.reach.resize(pairs.chains.links.len(), 0.0);
         for cluster in &scene.clusters {
-            let chain = pairs.tree.chain_of(cluster.body);
+            let chain = pairs.chains.chain_of(cluster.body);
             let mut travel = 0.0;
             for index in chain.start as usize..chain.end as usize {
-                let link = &pairs.tree.links[index];
+                let link = &pairs.chains.links[index];
                 self.reach[index] = link.reach + travel;
                 travel += self.travel[link.joint as usize];
             }
@@ -102,7 +102,7 @@ impl MotionBound {
         self.origins.clear();
         self.origins.resize(joints, (DVec3::ZERO, DVec3::ZERO));
         self.moved.clear();
-        self.moved.resize(pairs.tree.links.len() + scene.clusters.len(), 0.0);
+        self.moved.resize(pairs.chains.links.len() + scene.clusters.len(), 0.0);
         self.fresh.clear();
         self.fresh.resize(scene.clusters.len(), 0);
         self.sample = 0;
@@ -199,7 +199,7 @@ impl MotionBound {
     ) -> f64 {
         let group = &scene.groups[active.group as usize];
         let side = |cluster: u32, count: u32, ball: Ball| {
-            let chain = pairs.tree.chain_of(scene.clusters[cluster as usize].body);
+            let chain = pairs.chains.chain_of(scene.clusters[cluster as usize].body);
             self.side(pairs, chain, count as usize, ball, n)
         };
         let (a, b) = (side(group.first, active.apart.0, balls[0]), side(group.second, active.apart.1, balls[1]));
@@ -210,7 +210,7 @@ impl MotionBound {
     /// How the points within a ball move along `n`, by the `count` most distal joints of a chain.
     fn side(&self, pairs: &PairSet, chain: Chain, count: usize, ball: Ball, n: DVec3) -> Side {
         let start = chain.start as usize;
-        let links = &pairs.tree.links[start..start + count];
+        let links = &pairs.chains.links[start..start + count];
         let mut carried: f64 = links.iter().map(|l| self.turn[l.joint as usize]).sum();
         let mut side = Side { speed: 0.0, spread: 0.0, acceleration: 0.0 };
         // n · (ω × (x − o)) changes by (n × ω) · δ when x changes by δ.
@@ -240,7 +240,7 @@ impl MotionBound {
         ball: &Ball,
         count: u32,
     ) -> f64 {
-        let chain = pairs.tree.chain_of(scene.clusters[cluster].body);
+        let chain = pairs.chains.chain_of(scene.clusters[cluster].body);
         // Chains stand in the order of clusters, and each has one more number than links, so that "no joint" has a place.
         let base = chain.start as usize + cluster;
         if self.fresh[cluster] != self.sample {
@@ -254,7 +254,7 @@ impl MotionBound {
         let mut moved = 0.0;
         self.moved[base] = 0.0;
         for (place, index) in (chain.start as usize..chain.end as usize).enumerate() {
-            let joint = pairs.tree.links[index].joint as usize;
+            let joint = pairs.chains.links[index].joint as usize;
             if self.turn[joint] > 0.0 {
                 let (origin, axis) = self.origins[joint];
                 let out = ball.center - origin;

@@ -111,7 +111,7 @@ impl MotionSamples {
         self.joint_moves.resize(joints, false);
         let (first, others) = configurations.split_at(size);
         for other in others.chunks_exact(size) {
-            for (moves, joint) in self.joint_moves.iter_mut().zip(&scene.joints) {
+            for (moves, joint) in self.joint_moves.iter_mut().zip(scene.joints.iter()) {
                 let first_own = joint.coordinates.q;
                 let own = first_own..first_own + joint.motion.configuration_size();
                 // Compared so that NaN moves.
@@ -209,14 +209,14 @@ impl MotionSamples {
         self.slides.clear();
         self.slides.resize(joints, F32Row::default());
         self.reach.clear();
-        self.reach.resize(pairs.tree.links.len(), 0.0);
+        self.reach.resize(pairs.chains.links.len(), 0.0);
         self.moving.clear();
-        self.moving.resize(pairs.tree.links.len() + scene.clusters.len() + 1, 0);
+        self.moving.resize(pairs.chains.links.len() + scene.clusters.len() + 1, 0);
         for (number, cluster) in scene.clusters.iter().enumerate() {
-            let chain = pairs.tree.chain_of(cluster.body);
+            let chain = pairs.chains.chain_of(cluster.body);
             let (mut travel, mut moving) = (0.0, 0);
             for index in chain.start as usize..chain.end as usize {
-                let link = &pairs.tree.links[index];
+                let link = &pairs.chains.links[index];
                 self.reach[index] = ((link.reach + travel) * MORE) as f32;
                 travel += self.travel[link.joint as usize];
                 moving += u32::from(self.joint_moves[link.joint as usize]);

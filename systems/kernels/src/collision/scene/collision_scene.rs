@@ -9,6 +9,7 @@ use foliate_components::coverage::{LeftOut, PairCounts};
 use foliate_components::robot::configuration::ConfigurationSpace;
 use foliate_components::robot::{JointIndex, Robot, Shape, ShapeIndex};
 use glam::DVec3;
+use std::sync::Arc;
 
 /// Index of a pair in [`CollisionScene::pairs`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -29,7 +30,7 @@ pub struct CollisionScene {
     pub(crate) clusters: Vec<Cluster>,
     pub(crate) groups: Vec<Group>,
     pub(crate) pairs: Vec<Pair>,
-    pub(crate) joints: Vec<JointEntry>,
+    pub(crate) joints: Arc<[JointEntry]>,
     /// By joint: whether it never moves, itself or through its leader.
     pub(crate) locked: Vec<bool>,
     pub(crate) space: ConfigurationSpace,
@@ -98,7 +99,7 @@ impl CollisionScene {
             clusters: Vec::new(),
             groups: Vec::new(),
             pairs: Vec::new(),
-            joints: joint_table(robot),
+            joints: joint_table(robot).into(),
             locked: (0..robot.joints.len() as u32).map(|joint| rule.locks(robot, JointIndex(joint))).collect(),
             space: robot.space.clone(),
             counts: PairCounts::default(),

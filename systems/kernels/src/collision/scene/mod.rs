@@ -4,13 +4,13 @@
 //! * `pair_filter` decides which links are tested against which. `adjacent` proposes neighbours to leave out, and `coverage`
 //!   reports the pairs that are left out.
 //! * `collision_scene` puts solids, joints and pairs together. It is immutable and holds for every leaf.
-//! * `attachment` builds the attachment tree of one leaf from the scene and its rigid attachments. `pair_set` uses the tree to select
-//!   the pairs that matter on that leaf.
+//! * `body_chains` finds the joints above each body on one leaf, from the scene and its rigid attachments. `pair_set` uses them
+//!   to select the pairs that matter on that leaf.
 //! * `pair_query` computes clearance and containment of one pair. It builds on `collision_scene` and on the room `distance`;
 //!   `adjacent` and `coverage` build on it.
 
 pub(crate) mod adjacent;
-pub(crate) mod attachment;
+pub(crate) mod body_chains;
 pub(crate) mod bounding;
 pub mod collision_scene;
 pub(crate) mod coverage;

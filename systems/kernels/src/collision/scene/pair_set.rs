@@ -1,6 +1,6 @@
 //! The pairs that matter on one leaf.
 
-use crate::collision::scene::attachment::AttachmentTree;
+use crate::collision::scene::body_chains::BodyChains;
 use crate::collision::scene::collision_scene::{CollisionScene, PairId};
 use crate::kinematics::forward::RigidAttachment;
 use foliate_components::robot::{JointIndex, LinkIndex};
@@ -10,7 +10,7 @@ use glam::DVec3;
 /// and those for which it cannot (P1, future work). Built once per leaf or transition and kept by the caller.
 #[derive(Clone, Debug)]
 pub struct PairSet {
-    pub(crate) tree: AttachmentTree,
+    pub(crate) chains: BodyChains,
     pub(crate) moving: Vec<ActiveGroup>,
     pub(crate) constant: Vec<ActiveGroup>,
     /// By pair of the scene.
@@ -40,7 +40,7 @@ impl PairSet {
         rigid_attachments: &[RigidAttachment],
         touching: &[(LinkIndex, LinkIndex)],
     ) -> Self {
-        let tree = AttachmentTree::new(scene, rigid_attachments);
+        let chains = BodyChains::new(scene, rigid_attachments);
         let touches = |a: LinkIndex, b: LinkIndex| touching.contains(&(a, b)) || touching.contains(&(b, a));
         let link = |i: u32| scene.solids[i as usize].link;
         let margins: Vec<f64> = scene
@@ -51,18 +51,18 @@ impl PairSet {
         let (mut moving, mut constant) = (Vec::new(), Vec::new());
         for (index, group) in scene.groups.iter().enumerate().filter(|(_, g)| !g.fixed) {
             let [a, b] = [group.first, group.second].map(|c| scene.clusters[c as usize].body);
-            let (below_a, below_b) = tree.apart(a, b);
+            let (below_a, below_b) = chains.apart(a, b);
             let margin = margins[group.start as usize..group.end as usize].iter().copied().fold(0.0, f64::max);
-            let none = (tree.links.len() + scene.clusters.len()) as u32;
+            let none = (chains.links.len() + scene.clusters.len()) as u32;
             let row = |cluster: u32, body, below: usize| match below {
                 0 => none,
-                _ => tree.chain_of(body).start + cluster + below as u32,
+                _ => chains.chain_of(body).start + cluster + below as u32,
             };
             let rows = (row(group.first, a, below_a), row(group.second, b, below_b));
-            let list = if tree.rigid(a, b) { &mut constant } else { &mut moving };
+            let list = if chains.rigid(a, b) { &mut constant } else { &mut moving };
             list.push(ActiveGroup { group: index as u32, apart: (below_a as u32, below_b as u32), rows, margin });
         }
-        Self { tree, moving, constant, margins, rigid_pairs: Vec::new() }
+        Self { chains, moving, constant, margins, rigid_pairs: Vec::new() }
     }
 
     /// The same pairs along motions that keep some bodies together.
@@ -84,8 +84,8 @@ impl PairSet {
     /// The nearest body, itself included, that moves both clusters of a group along; none where that is the world.
     pub(crate) fn ancestor(&self, scene: &CollisionScene, active: &ActiveGroup) -> Option<JointIndex> {
         let group = &scene.groups[active.group as usize];
-        let chain = self.tree.chain_of(scene.clusters[group.first as usize].body);
-        let links = &self.tree.links[chain.start as usize..chain.end as usize];
+        let chain = self.chains.chain_of(scene.clusters[group.first as usize].body);
+        let links = &self.chains.links[chain.start as usize..chain.end as usize];
         links.get(active.apart.0 as usize).map(|link| JointIndex(link.joint))
     }
 

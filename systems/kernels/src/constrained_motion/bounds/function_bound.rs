@@ -39,11 +39,7 @@ pub(crate) enum FunctionBound {
 
 impl FunctionBound {
     /// `None` for constraints that have a bound of their own kind.
-    pub(crate) fn new(
-        tree: &AttachmentTree<'_>,
-        block: &Block,
-        links: impl Fn(JointIndex) -> Vec<Link>,
-    ) -> Option<Self> {
+    pub(crate) fn new(tree: &AttachmentTree, block: &Block, links: impl Fn(JointIndex) -> Vec<Link>) -> Option<Self> {
         let rates = |from, points: Vec<WeightedPoint>| PointRates::new(tree, from, points, &links);
         let masses = |masses: &Masses, sign: f64| -> Vec<WeightedPoint> {
             weighted(masses).map(|heavy| WeightedPoint { weight: sign * heavy.weight, ..heavy }).collect()

@@ -3,7 +3,7 @@
 //! A planar joint or a free-flyer gives two links, a slide and a turn. A follower moves with its leader's coordinate, scaled.
 //! All bounds are sums over such links.
 
-use crate::kinematics::jacobian::AttachmentTree;
+use crate::kinematics::attachment_tree::AttachmentTree;
 use crate::kinematics::joint_table::JointCoordinates;
 use foliate_components::robot::{JointIndex, JointType, Robot};
 use glam::DVec3;
@@ -27,7 +27,7 @@ impl Link {
 
 pub(crate) fn links_between(
     robot: &Robot,
-    tree: &AttachmentTree<'_>,
+    tree: &AttachmentTree,
     a: Option<JointIndex>,
     b: Option<JointIndex>,
     is_free: &[bool],

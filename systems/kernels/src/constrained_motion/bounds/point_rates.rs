@@ -45,7 +45,7 @@ pub(crate) struct Rates {
 impl PointRates {
     /// Seen from the body `from`; `links` gives the free motions of a joint, its own body outwards.
     pub(crate) fn new(
-        tree: &AttachmentTree<'_>,
+        tree: &AttachmentTree,
         from: Option<JointIndex>,
         points: impl IntoIterator<Item = WeightedPoint>,
         links: impl Fn(JointIndex) -> Vec<Link>,

@@ -16,8 +16,8 @@ use crate::constrained_motion::bounds::function_bound::FunctionBound;
 use crate::constrained_motion::bounds::joint_links::{Link, links_between, links_of};
 use crate::constrained_motion::bounds::point_rates::BoundMemory;
 use crate::constrained_motion::rows::blocks::{Block, ContactBlock, Kind as BlockKind, Part};
+use crate::kinematics::attachment_tree::AttachmentTree;
 use crate::kinematics::forward::Placement;
-use crate::kinematics::jacobian::AttachmentTree;
 use foliate_components::Pose;
 use foliate_components::constraint::{Frame, Placement as Contact, Row, Rows};
 use foliate_components::robot::{JointIndex, Robot};
@@ -55,7 +55,7 @@ enum Turns {
 }
 
 impl ResidualBound {
-    pub(crate) fn new(robot: &Robot, tree: &AttachmentTree<'_>, blocks: &[Block], is_free: &[bool]) -> Self {
+    pub(crate) fn new(robot: &Robot, tree: &AttachmentTree, blocks: &[Block], is_free: &[bool]) -> Self {
         let links = |a, b| links_between(robot, tree, a, b, is_free);
         let mut pairs = Vec::new();
         for block in blocks {

@@ -6,8 +6,8 @@ use crate::constrained_motion::program::elimination::Compiler;
 use crate::constrained_motion::program::error::CompileError;
 use crate::constrained_motion::rows::merge::merged;
 use crate::constrained_motion::rows::rigid_attachment::AttachmentTemplate;
+use crate::kinematics::attachment_tree::AttachmentTree;
 use crate::kinematics::forward::Kinematics;
-use crate::kinematics::jacobian::AttachmentTree;
 use foliate_components::constraint::{Constraint, Locked, LockedValue};
 use foliate_components::robot::{JointIndex, Robot};
 

@@ -6,13 +6,13 @@
 use crate::constrained_motion::program::error::CompileError;
 use crate::constrained_motion::rows::coordinates::LockedCoordinate;
 use crate::constrained_motion::rows::rigid_attachment::{AttachmentTemplate, Relation};
-use crate::kinematics::jacobian::AttachmentTree;
+use crate::kinematics::attachment_tree::AttachmentTree;
 use foliate_components::constraint::{Constraint, Frame, Locked, LockedValue, Placement, RelativePose};
 use foliate_components::robot::{Robot, Source};
 
 pub(crate) struct Compiler<'a> {
     pub(crate) robot: &'a Robot,
-    pub(crate) tree: AttachmentTree<'a>,
+    pub(crate) tree: AttachmentTree,
     pub(crate) rigid_attachments: Vec<AttachmentTemplate>,
     pub(crate) locked: Vec<LockedCoordinate>,
     /// For each joint whether its coordinate is locked.

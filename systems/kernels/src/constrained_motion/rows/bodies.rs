@@ -49,7 +49,7 @@ impl Bodies {
     /// `moves` (joints whose own coordinates are variables of the solve).
     pub(crate) fn new(
         robot: &Robot,
-        tree: &AttachmentTree<'_>,
+        tree: &AttachmentTree,
         looked_at: impl IntoIterator<Item = JointIndex>,
         objects: &[JointIndex],
         moves: impl Fn(JointIndex) -> bool,
@@ -94,7 +94,7 @@ impl Bodies {
     fn stand(
         &mut self,
         robot: &Robot,
-        tree: &AttachmentTree<'_>,
+        tree: &AttachmentTree,
         foot: JointIndex,
         objects: &[JointIndex],
         moves: &impl Fn(JointIndex) -> bool,
@@ -153,7 +153,7 @@ pub(crate) enum Found {
 }
 
 impl Step {
-    fn new(robot: &Robot, tree: &AttachmentTree<'_>, index: JointIndex, objects: &[JointIndex]) -> Self {
+    fn new(robot: &Robot, tree: &AttachmentTree, index: JointIndex, objects: &[JointIndex]) -> Self {
         let joint = &robot.joints[index.at()];
         let kind = match objects.iter().position(|&o| o == index) {
             Some(rigid_attachment) => Kind::Carried(rigid_attachment),

@@ -1,24 +1,24 @@
-//! The attachment tree: who moves whom on a leaf. An object that is carried is attached to its carrier.
+//! The joints between the world and each body on a leaf, and how far the body reaches from each.
 
 use crate::collision::scene::collision_scene::CollisionScene;
 use crate::kinematics::RigidAttachment;
-use crate::kinematics::joint_table::JointEntry;
+use crate::kinematics::attachment_tree::AttachmentTree;
 use foliate_components::robot::{JointIndex, JointType};
 use glam::DVec3;
+use std::sync::Arc;
 
-/// Joints between the world and each body, with how far the body reaches from each.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct AttachmentTree {
+/// The attachment tree of a leaf, with a chain of joints for each body.
+#[derive(Clone, Debug)]
+pub(crate) struct BodyChains {
+    tree: AttachmentTree,
     /// By body: the nearest body, itself included, that moves on its own; none where it is fixed to the world.
     class: Vec<Option<JointIndex>>,
-    /// By body: what it is attached to, its carrier where it is carried.
-    parents: Vec<Option<JointIndex>>,
     /// By body: its chain, distal joints first.
     chains: Vec<Chain>,
     pub(crate) links: Vec<ChainLink>,
 }
 
-/// A range of [`AttachmentTree::links`].
+/// A range of [`BodyChains::links`].
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Chain {
     pub start: u32,
@@ -35,65 +35,44 @@ pub(crate) struct ChainLink {
     pub reach: f64,
 }
 
-/// One step up the tree.
-struct Up<'a> {
-    parent: Option<JointIndex>,
-    offset: DVec3,
-    /// The joint, where it moves its body (a carried object's does not).
-    joint: Option<&'a JointEntry>,
-}
-
-impl AttachmentTree {
+impl BodyChains {
+    /// Where an object is attached twice the last attachment counts, as in forward kinematics. One that would close a circle of
+    /// carriers is left out.
     pub(crate) fn new(scene: &CollisionScene, rigid_attachments: &[RigidAttachment]) -> Self {
-        let up = |body: JointIndex| -> Up<'_> {
-            match rigid_attachments.iter().rev().find(|c| c.object == body) {
-                Some(c) => Up { parent: c.carrier, offset: c.X_CO.translation, joint: None },
-                None => {
-                    let joint = &scene.joints[body.at()];
-                    Up { parent: joint.parent, offset: joint.X_PJ.translation, joint: Some(joint) }
-                }
-            }
-        };
-        let mut tree = Self { chains: vec![Chain::default(); scene.joints.len()], ..Self::default() };
-        for body in 0..scene.joints.len() {
-            let body = JointIndex(body as u32);
-            let class = tree.ancestors(body, &up).find(|(body, step)| step.joint.is_some() && !scene.locked[body.at()]);
-            let class = class.map(|(b, _)| b);
-            tree.class.push(class);
-            tree.parents.push(up(body).parent);
+        let mut tree = AttachmentTree::of_table(Arc::clone(&scene.joints));
+        for attachment in rigid_attachments.iter().rev() {
+            tree.hang(attachment.object, attachment.carrier);
         }
+        let bodies = (0..scene.joints.len() as u32).map(JointIndex);
+        let moves = |body: &JointIndex| !tree.is_carried(*body) && !scene.locked[body.at()];
+        let class = bodies.map(|body| tree.line(body).find(moves)).collect();
+        let mut chains = Self { tree, class, chains: vec![Chain::default(); scene.joints.len()], links: Vec::new() };
         for cluster in &scene.clusters {
-            let Some(body) = cluster.body else { continue };
-            let chain = tree.chain(scene, &cluster.solids, body, &up);
-            tree.chains[body.at()] = chain;
+            if let Some(body) = cluster.body {
+                chains.chains[body.at()] = chains.chain(scene, rigid_attachments, &cluster.solids, body);
+            }
         }
-        tree
+        chains
     }
 
-    /// A body and its ancestors. Rigid attachments that form a circle end after as many steps as there are bodies.
-    fn ancestors<'a>(
-        &self,
-        body: JointIndex,
-        up: &'a impl Fn(JointIndex) -> Up<'a>,
-    ) -> impl Iterator<Item = (JointIndex, Up<'a>)> {
-        let first = Some((body, up(body)));
-        std::iter::successors(first, move |(_, step)| step.parent.map(|p| (p, up(p)))).take(self.chains.len())
-    }
-
-    fn chain<'a>(
+    fn chain(
         &mut self,
         scene: &CollisionScene,
+        rigid_attachments: &[RigidAttachment],
         solids: &[u32],
         body: JointIndex,
-        up: &'a impl Fn(JointIndex) -> Up<'a>,
     ) -> Chain {
         let start = self.links.len() as u32;
         let own = |axis: Option<DVec3>| radius_about(scene, solids, axis);
         // How far the body reaches from the origin of the frame below, and where that frame's origin is in this one.
         let mut below: Option<(f64, DVec3, bool)> = None;
-        let steps: Vec<_> = self.ancestors(body, up).collect();
-        for (index, step) in steps {
-            let axis = step.joint.and_then(|j| match j.motion {
+        for index in self.tree.line(body) {
+            let attachment = rigid_attachments.iter().rev().find(|c| c.object == index);
+            let attachment = attachment.filter(|_| self.tree.is_carried(index));
+            // A carried object's own joint does not move it.
+            let joint = attachment.is_none().then(|| self.tree.joint(index));
+            let origin = attachment.map_or(self.tree.joint(index).X_PJ.translation, |c| c.X_CO.translation);
+            let axis = joint.and_then(|j| match j.motion {
                 JointType::Revolute { axis } => Some(axis),
                 JointType::Planar => Some(DVec3::Z),
                 JointType::Prismatic { .. } | JointType::FreeFlyer => None,
@@ -109,14 +88,14 @@ impl AttachmentTree {
                     (across + reach, offset.length() + reach)
                 }
             };
-            if step.joint.is_some() {
+            if joint.is_some() {
                 self.links.push(ChainLink { joint: index.0, reach: about_axis });
             }
-            let stays = step.joint.is_none_or(|j| matches!(j.motion, JointType::Revolute { .. }));
+            let stays = joint.is_none_or(|j| matches!(j.motion, JointType::Revolute { .. }));
             // How an object is attached to its carrier differs from leaf to leaf, and one tree serves them all: beyond it only
             // distances at the sample bound anything.
-            let reach = if step.joint.is_some() { about_origin } else { f64::INFINITY };
-            below = Some((reach, step.offset, stays));
+            let reach = if joint.is_some() { about_origin } else { f64::INFINITY };
+            below = Some((reach, origin, stays));
         }
         Chain { start, end: self.links.len() as u32 }
     }
@@ -129,7 +108,7 @@ impl AttachmentTree {
 
     /// What a body is attached to; none where that is the world.
     pub(crate) fn parent(&self, body: JointIndex) -> Option<JointIndex> {
-        self.parents[body.at()]
+        self.tree.parent(body)
     }
 
     /// The joints above a body.
