@@ -90,8 +90,9 @@ fn long_functions(text: &str) -> Vec<(usize, usize)> {
     let mut long = Vec::new();
     for (number, line) in lines.iter().enumerate() {
         let code = line.trim_start();
-        let words = code.split(['(', '<']).next().unwrap_or_default();
-        if !words.split(' ').any(|word| word == "fn") || code.starts_with("//") || code.ends_with([';', '}']) {
+        let is_visibility = |word: &str| word == "const" || word.starts_with("pub");
+        let is_function = code.split(' ').find(|word| !is_visibility(word)) == Some("fn");
+        if !is_function || code.ends_with([';', '}']) {
             continue;
         }
         let end = format!("{}}}", &line[..line.len() - code.len()]);

@@ -1,4 +1,4 @@
-//! A roadmap node takes at most 200 bytes beside its configuration, and the search knows what nodes and edges take: a budget
+//! A roadmap node takes at most 120 bytes beside its configuration, and the search knows what nodes and edges take: a budget
 //! in bytes must stop it before the machine does.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on says so")]
@@ -78,7 +78,7 @@ fn a_hundred_thousand_nodes_take_what_the_roadmap_says() {
     }
     let new = roadmap_in(world).nodes().len() - nodes;
     let expected = RoadmapStore::NODE_BYTES + RoadmapStore::EDGE_BYTES;
-    const { assert!(RoadmapStore::NODE_BYTES <= 200) };
+    const { assert!(RoadmapStore::NODE_BYTES <= 120 && RoadmapStore::EDGE_BYTES <= 120) };
     let (Some(before), Some(after)) = (before, resident()) else {
         skipped(Needs::System, "nodes_are_small", "this system does not say how much memory is in use");
         return;

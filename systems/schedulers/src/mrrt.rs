@@ -19,7 +19,8 @@ impl Scheduler for Mrrt {
     }
 
     fn schedule(&self, _world: &mut World) -> Schedule {
-        step_systems().schedule()
+        // One by one, so that a host can put systems between them: this is the scheduler to build on.
+        step_systems().expanded(true)
     }
 }
 

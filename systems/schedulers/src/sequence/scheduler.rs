@@ -1,6 +1,6 @@
 //! `sequence`: sequences of transitions first, long motions last.
 
-use crate::mrrt::Mrrt;
+use crate::mrrt;
 use crate::sequence::{connect_iterations, lazy_extension};
 use foliate_systems::goals::systems::draw_more_goals;
 use foliate_systems::heuristic::systems;
@@ -17,7 +17,7 @@ use foliate_systems::step::{commit, conclusion, rendezvous, sampling, selection,
 
 /// Trees are extended lazily, by short motions between leaves, where `mrrt` would first certify how to get there; only the long motions of
 /// sequences that reach from the start to a goal are certified, those estimated to be easiest first. A problem whose only
-/// transitions are loops has no sequences: it is left to [`Mrrt`].
+/// transitions are loops has no sequences: it is left to the systems of [`mrrt`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sequence;
 
@@ -28,7 +28,7 @@ impl Scheduler for Sequence {
 
     fn schedule(&self, world: &mut World) -> Schedule {
         if stays_on_its_leaf(world) {
-            return Mrrt.schedule(world);
+            return mrrt::step_systems().schedule();
         }
         insert_resources(world);
         step_systems().schedule()
