@@ -104,7 +104,7 @@ fn choose_milestones(
     }
     let states: Vec<_> = by_state.into_iter().collect();
     for mut candidate in &mut candidates {
-        let mut rng = stream(settings.seed, Purpose::Select, step.step, candidate.index);
+        let mut rng = stream(settings.seed, Purpose::SELECT, step.step, candidate.index);
         let (state, leaves) = &states[rng.random_range(0..states.len())];
         let leaf = leaves[rng.random_range(0..leaves.len())];
         let near = leaf.nodes[rng.random_range(0..leaf.nodes.len())];

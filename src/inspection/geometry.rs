@@ -68,7 +68,7 @@ fn always_colliding(robot: &Robot, scene: &CollisionScene) -> Vec<(ShapeIndex, S
         if suspects.is_empty() {
             break;
         }
-        robot.space.random(&mut stream(0, Purpose::Sample, 0, sample), &mut q);
+        robot.space.random(&mut stream(0, Purpose::SAMPLE, 0, sample), &mut q);
         kinematics.forward(&q, &mut X_WJ);
         let touches = |pair: &PairId| {
             let clearance = pair_clearance(scene, *pair, &X_WJ, DistanceQuery::exact(0.0), &mut DVec3::ZERO.clone());

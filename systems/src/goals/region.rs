@@ -214,7 +214,7 @@ impl Region {
         let mut q = start.to_vec();
         // The first try in a state changes no more than it has to.
         if round > 0 {
-            let mut rng = stream(settings.seed, Purpose::Goal, goal as u64, number);
+            let mut rng = stream(settings.seed, Purpose::GOAL, goal as u64, number);
             model.problem.robot.space.random(&mut rng, &mut q);
             model.lock(&mut q);
             if rng.random::<f64>() < settings.still_probability {

@@ -60,7 +60,7 @@ pub fn choose_leaves(
     let trees: Vec<_> = explored.roadmap().sides().map(weigh).collect();
     let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive() && c.near.is_none()).collect();
     pool.par_iter_mut().with_min_len(LEAST_SHARED).for_each_init(HeuristicScratch::default, |scratch, candidate| {
-        let mut rng = stream(settings.seed, Purpose::Heuristic, step.step, candidate.index);
+        let mut rng = stream(settings.seed, Purpose::HEURISTIC, step.step, candidate.index);
         if rng.random::<f64>() >= settings.guided_probability {
             return;
         }

@@ -5,24 +5,31 @@ use rand_chacha::rand_core::SeedableRng;
 
 /// What a stream is for; streams of different purposes never overlap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u64)]
-pub enum Purpose {
+pub struct Purpose(u64);
+
+impl Purpose {
     /// Drawing q_rand.
-    Sample = 1,
+    pub const SAMPLE: Self = Self(1);
     /// Choosing node and transition.
-    Select = 2,
+    pub const SELECT: Self = Self(2);
     /// Drawing the leaf to aim at.
-    Rendezvous = 3,
+    pub const RENDEZVOUS: Self = Self(3);
     /// Which idle coordinates keep still.
-    Still = 4,
-    /// Choosing leaves to extend and to aim at.
-    Heuristic = 6,
+    pub const STILL: Self = Self(4);
     /// Configurations for goals that name only object poses.
-    Goal = 5,
+    pub const GOAL: Self = Self(5);
+    /// Choosing leaves to extend and to aim at.
+    pub const HEURISTIC: Self = Self(6);
     /// Where trees grow that are to be joined on a leaf.
-    Join = 7,
+    pub const JOIN: Self = Self(7);
     /// How far from the near node the search for the waypoints of a lazy extension starts.
-    LazyExtension = 8,
+    pub const LAZY_EXTENSION: Self = Self(8);
+
+    /// A purpose of a host's own scheduler.
+    #[must_use]
+    pub const fn of_host(number: u32) -> Self {
+        Self(1 << 32 | number as u64)
+    }
 }
 
 /// The stream of a candidate in a step. ChaCha's streams are provably independent; setting one up costs about 0.2 µs.
@@ -30,7 +37,7 @@ pub enum Purpose {
 pub fn stream(seed: u64, purpose: Purpose, step: u64, candidate: u32) -> ChaCha8Rng {
     let mut key = [0; 32];
     key[..8].copy_from_slice(&seed.to_le_bytes());
-    key[8..16].copy_from_slice(&(purpose as u64).to_le_bytes());
+    key[8..16].copy_from_slice(&purpose.0.to_le_bytes());
     key[16..24].copy_from_slice(&step.to_le_bytes());
     let mut rng = ChaCha8Rng::from_seed(key);
     rng.set_stream(u64::from(candidate));

@@ -46,7 +46,7 @@ pub fn draw_leaves(
             candidate.drawn = Some(target_leaf);
             return;
         }
-        let mut rng = stream(settings.seed, Purpose::Rendezvous, step.step, candidate.index);
+        let mut rng = stream(settings.seed, Purpose::RENDEZVOUS, step.step, candidate.index);
         let choice = Draw {
             model: &model,
             explored: &explored,

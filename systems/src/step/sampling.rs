@@ -25,7 +25,7 @@ pub fn sample_configurations(
 ) {
     let size = arena.configuration_size();
     arena.random.par_chunks_mut(size).enumerate().with_min_len(2 * LEAST_SHARED).for_each(|(candidate, q)| {
-        let mut rng = stream(settings.seed, Purpose::Sample, step.step, candidate as u32);
+        let mut rng = stream(settings.seed, Purpose::SAMPLE, step.step, candidate as u32);
         model.problem.robot.space.random(&mut rng, q);
         model.lock(q);
     });

@@ -55,7 +55,7 @@ pub fn select_nodes(
         if let (Some(leaf), Some(tree)) = (candidate.leaf, candidate.tree) {
             return Some((Region::Leaf(leaf), Some(tree)));
         }
-        let mut rng = stream(settings.seed, Purpose::Select, step.step, candidate.index);
+        let mut rng = stream(settings.seed, Purpose::SELECT, step.step, candidate.index);
         match settings.selection {
             Selection::Nearest => Some((Region::Roadmap, None)),
             Selection::StateFirst => {
@@ -109,7 +109,7 @@ pub fn select_transitions(
         let Some(near) = candidate.near else {
             return candidate.reject(Rejection::NoNode);
         };
-        let mut rng = stream(settings.seed, Purpose::Select, step.step, candidate.index | 1 << 31);
+        let mut rng = stream(settings.seed, Purpose::SELECT, step.step, candidate.index | 1 << 31);
         let row = explored.roadmap().node(near);
         let from = explored.leaves.leaf(row.leaf);
         let target_leaf = candidate.target_leaf.map(|target_leaf| explored.leaves.leaf(target_leaf));

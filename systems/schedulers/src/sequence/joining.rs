@@ -67,7 +67,7 @@ pub fn grow_joins(
         let from = if turn % 2 == 0 { a } else { b };
         let leaf = graph.leaf(join);
         let q = &mut arena.random[candidate.index as usize * size..][..size];
-        let mut rng = stream(settings.seed, Purpose::Join, step.step, candidate.index);
+        let mut rng = stream(settings.seed, Purpose::JOIN, step.step, candidate.index);
         draw_between(&model, (roadmap.configuration(a), roadmap.configuration(b)), q, &mut rng);
         candidate.near = nearest(&model, roadmap, q, roadmap.nodes_on(leaf), roadmap.tree_of(from));
         candidate.tree = candidate.near.map(|near| roadmap.side_of(near));

@@ -93,7 +93,7 @@ pub fn choose_lazy_extensions(
         if CandidateRole::of(&step, arena.complete.len(), &candidate).is_ordinary() {
             continue;
         }
-        let mut rng = stream(settings.seed, Purpose::Select, step.step, candidate.index | 1 << 31);
+        let mut rng = stream(settings.seed, Purpose::SELECT, step.step, candidate.index | 1 << 31);
         let row = explored.roadmap().node(near);
         let from = explored.leaves.leaf(row.leaf);
         let target_leaf = candidate.target_leaf.map(|target_leaf| explored.leaves.leaf(target_leaf));
@@ -141,7 +141,7 @@ pub fn stay_near(
     let size = arena.configuration_size();
     for candidate in candidates.iter().filter(|c| c.is_alive() && c.commit_as == CommitAs::DetachedTrees) {
         let Some(near) = candidate.near else { continue };
-        let mut rng = stream(settings.seed, Purpose::LazyExtension, step.step, candidate.index);
+        let mut rng = stream(settings.seed, Purpose::LAZY_EXTENSION, step.step, candidate.index);
         let away = rng.random::<f64>().powf(AWAY);
         let q = &mut arena.random[candidate.index as usize * size..][..size];
         let far = q.to_vec();

@@ -231,7 +231,7 @@ impl Context<'_> {
             return lane.q.clone();
         }
         let mut seed = lane.random.to_vec();
-        let mut rng = stream(self.settings.seed, Purpose::Still, self.step, lane.candidate.index);
+        let mut rng = stream(self.settings.seed, Purpose::STILL, self.step, lane.candidate.index);
         if rng.random::<f64>() < self.settings.still_probability {
             for &index in &program.idle {
                 seed[index] = lane.q[index];
