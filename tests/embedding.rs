@@ -128,3 +128,15 @@ fn types_of_the_prelude_may_go_to_any_thread_and_can_be_printed() {
     shared::<Error>();
     shared::<Pose>();
 }
+
+#[test]
+fn an_error_of_reading_has_the_error_that_it_was_made_of() {
+    let packages = PackagePath::default();
+    let missing = Scene::from_file("no/such/scene.toml", &packages).err().map(Error::from);
+    let kind = missing.as_ref().and_then(|error| error.source()?.downcast_ref::<std::io::Error>()).map(|io| io.kind());
+    assert_eq!(kind, Some(std::io::ErrorKind::NotFound), "{missing:?}");
+    let malformed = Scene::from_text("text", "name = [", std::path::Path::new("."), &packages).err();
+    let source = malformed.as_ref().and_then(|error| error.source()).map(ToString::to_string);
+    assert!(source.is_some_and(|source| source.contains("TOML")), "{malformed:?}");
+    assert_eq!(malformed, malformed.clone(), "errors can be compared");
+}

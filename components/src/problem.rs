@@ -45,11 +45,11 @@ impl Problem {
     /// As [`Robot::set`].
     pub fn partial_goal<'a>(
         &self,
-        demands: impl IntoIterator<Item = (&'a str, CoordinateValue)>,
+        coordinates: impl IntoIterator<Item = (&'a str, CoordinateValue)>,
     ) -> Result<Goal, CoordinateError> {
         let mut goal = PartialGoal::default();
         let mut q = self.robot.space.neutral();
-        for (name, value) in demands {
+        for (name, value) in coordinates {
             self.robot.set(&mut q, name, value)?;
             let (first, joint) = self.robot.coordinates_of(name)?;
             let is_object = |o: &&ObjectOptions| {

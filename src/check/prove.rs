@@ -134,7 +134,7 @@ impl Proof<'_> {
             let motion = SegmentMotion::new(self.world, segment, index, &self.attachments[index])?;
             check::check(&motion, self.file, self.frames, &self.attachments[index], report, work)?;
             if let Some(contract) = self.contract {
-                contract.demands(self.file, &motion, self.frames, report, work)?;
+                contract.required_constraints(self.file, &motion, self.frames, report, work)?;
             }
             let thresholds = self.pairs.thresholds(self.world, self.file, self.attachments, index);
             tester.check(&motion, &thresholds, &mut moving, report, work);

@@ -130,11 +130,15 @@ pub enum Bound {
 
 /// The entries that express a constraint: one, or two where translation rows and a turned reference have different
 /// axes. Errors stay within `tolerance`, metres and radians.
-pub(crate) fn entries(robot: &Robot, demand: &PathConstraint, tolerance: f64) -> Vec<ConstraintEntry> {
-    let argument = demand.argument.unwrap_or_default();
-    let entry =
-        |kind: &str| ConstraintEntry { kind: kind.into(), name: demand.name.clone(), tolerance, ..Default::default() };
-    match &demand.constraint {
+pub(crate) fn entries(robot: &Robot, requirement: &PathConstraint, tolerance: f64) -> Vec<ConstraintEntry> {
+    let argument = requirement.argument.unwrap_or_default();
+    let entry = |kind: &str| ConstraintEntry {
+        kind: kind.into(),
+        name: requirement.name.clone(),
+        tolerance,
+        ..Default::default()
+    };
+    match &requirement.constraint {
         Constraint::RelativePose(pose) => relative_pose(robot, pose, &argument, &entry("pose")),
         Constraint::Locked(locked) => vec![joint(robot, locked, &argument, entry("joint"))],
         Constraint::CentreOfMass(balance) => vec![centre_of_mass(robot, balance, &argument, entry("centre_of_mass"))],
@@ -335,13 +339,13 @@ mod tests {
             let constraint = RelativePose { a, b, rows, reference };
             let wanted =
                 relative_pose::value(&placement_of(&a), &placement_of(&b), &referred(reference, &argument), &bodies);
-            let demand = PathConstraint {
+            let requirement = PathConstraint {
                 name: "given".into(),
                 constraint: Constraint::RelativePose(constraint),
                 argument: Some(argument),
             };
             let mut found = [None; 6];
-            for entry in entries(&robot, &demand, 1e-4) {
+            for entry in entries(&robot, &requirement, 1e-4) {
                 for (all, row) in found.iter_mut().zip(read(&robot, &entry, &bodies)) {
                     assert!(all.is_none() || row.is_none(), "a row is said twice");
                     *all = all.or(row);

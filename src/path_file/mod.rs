@@ -14,7 +14,6 @@ pub(crate) mod read;
 pub mod save;
 pub(crate) mod write;
 
-pub(crate) use crate::path_file::constraint::entries as constraint_entries;
 pub use crate::path_file::constraint::{Bound, ConstraintEntry, FrameEntry, PlaneEntry, PoseRow};
 pub use crate::path_file::document::{
     AttachmentEntry, CertificateEntry, Documents, FORMAT, GripperEntry, HandleEntry, PairsEntry, PartEntry, PathFile,

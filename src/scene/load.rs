@@ -93,7 +93,7 @@ impl ReadModel {
         let robot = Robot::compose(&[(&self.model, placement)]).map_err(|error| {
             match (&error, self.urdf.as_ref().and_then(follower_limits::again)) {
                 (ComposeError::NoRoom { room, .. }, Some(urdf)) => follower_limits::refusal(&urdf, room),
-                _ => SceneError::new(self.label(), "<robot>", error.to_string()),
+                _ => SceneError::new(self.label(), "<robot>", error.to_string()).because(error),
             }
         })?;
         if !robot.narrowed.is_empty()

@@ -22,7 +22,7 @@ pub use crate::scene::load::{ReadModel, read_model};
 pub use crate::scene::mesh::cache::mesh_cache::MeshCache;
 pub use crate::scene::mesh::formats::triangles::UpAxis;
 pub use crate::scene::reading::cache_folders::model_cache;
-pub use crate::scene::reading::error::{LoadStop, SceneError};
+pub use crate::scene::reading::error::{ErrorSource, LoadStop, SceneError};
 pub use crate::scene::reading::limits::LoadLimits;
 pub use crate::scene::shipped::{ShippedScene, shipped_scenes};
 pub use crate::scene::sources::package::PackagePath;

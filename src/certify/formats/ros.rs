@@ -168,7 +168,7 @@ impl<'de> Deserialize<'de> for Messages {
 
 pub(super) fn read(file: &str, text: &str, robot: &Robot) -> Result<Table, SceneError> {
     let message: Message = serde_json::from_str(text)
-        .map_err(|e| SceneError::new(file, "JSON", e.to_string()).at(u32::try_from(e.line()).ok()))?;
+        .map_err(|e| SceneError::new(file, "JSON", e.to_string()).at(u32::try_from(e.line()).ok()).because(e))?;
     let mut reader = Reader { file, robot, table: Table { element: "points", ..Table::default() } };
     reader.message(message)?;
     if reader.table.points.is_empty() {

@@ -64,7 +64,7 @@ pub(crate) fn links_with(robot: &Robot, link: LinkIndex) -> Vec<LinkIndex> {
 /// The links that are one body with a link or are attached to it: a hand with its fingers.
 pub(crate) fn links_beyond(robot: &Robot, link: LinkIndex) -> Vec<LinkIndex> {
     let Some(body) = robot.links[link.at()].joint else { return vec![link] };
-    let hangs = |&other: &usize| {
+    let is_fixed_to = |&other: &usize| {
         let mut at: Option<JointIndex> = robot.links[other].joint;
         while let Some(joint) = at {
             if joint == body {
@@ -74,7 +74,7 @@ pub(crate) fn links_beyond(robot: &Robot, link: LinkIndex) -> Vec<LinkIndex> {
         }
         false
     };
-    (0..robot.links.len()).filter(hangs).map(|l| LinkIndex(l as u32)).collect()
+    (0..robot.links.len()).filter(is_fixed_to).map(|l| LinkIndex(l as u32)).collect()
 }
 
 /// What the name of a joint in a file means.

@@ -1,6 +1,6 @@
 //! The path begins where the scene says and ends at one of its goals.
 
-use super::demands::all_hold;
+use super::required_constraints::all_hold;
 use crate::check::contract::scene_contract::Contract;
 use crate::check::motion::segment::SegmentMotion;
 use crate::check::report::check_report::{CheckReport, Place};

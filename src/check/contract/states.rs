@@ -1,7 +1,7 @@
 //! In which of the problem's own states each segment lies: those whose constraints it says, one after another as the
 //! problem's transitions allow.
 
-use super::demands::{Said, said};
+use super::required_constraints::{Said, said};
 use crate::check::contract::scene_contract::Contract;
 use crate::path_file::document::PathFile;
 use foliate_components::problem::WrittenTransition;

@@ -21,7 +21,7 @@ const PER_CHANGE: f64 = 4e-6;
 
 /// What an object is attached to, and where it was when that began.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Hung {
+struct Attached {
     carrier: Option<usize>,
     /// The body of the object that is held.
     held: usize,
@@ -31,7 +31,7 @@ struct Hung {
 /// What is known from the segments before.
 pub(crate) struct Drift {
     /// By part: an object's carrier; none while it is held without one.
-    hung: Vec<Option<Hung>>,
+    attached: Vec<Option<Attached>>,
     /// By part: all steps, metres or radians, and what they may be.
     steps: Vec<(f64, f64)>,
     /// By body: where a joint was when it was last held.
@@ -40,26 +40,27 @@ pub(crate) struct Drift {
 
 impl Drift {
     pub(crate) fn new(parts: usize, bodies: usize) -> Self {
-        Self { hung: vec![None; parts], steps: vec![(0.0, BOTH_ENDS); parts], resting: vec![None; bodies] }
+        Self { attached: vec![None; parts], steps: vec![(0.0, BOTH_ENDS); parts], resting: vec![None; bodies] }
     }
 
     /// Adds a segment.
     pub(crate) fn add(&mut self, motion: &SegmentMotion<'_>, file: &PathFile, report: &mut CheckReport) {
         // Written so that a tolerance that is not a number is none.
         let tolerance = TOLERANCE.min(file.certificate.path_tolerance);
-        let mut here = vec![None; self.hung.len()];
+        let mut here = vec![None; self.attached.len()];
         for carry in &motion.carries {
-            let Some((held, carrier)) = tie(motion, carry.part) else { continue };
+            let Some((held, carrier)) = carrier_of(motion, carry.part) else { continue };
             let pose = |knot| motion.written(carrier, knot).inverse() * motion.written(Some(held), knot);
             let (first, last) = (pose(0), pose(motion.last()));
-            let before = self.hung[carry.part].filter(|hung| (hung.carrier, hung.held) == (carrier, held));
-            let origin = before.map_or(first, |hung| hung.carrier_from_held);
+            let before =
+                self.attached[carry.part].filter(|attached| (attached.carrier, attached.held) == (carrier, held));
+            let origin = before.map_or(first, |attached| attached.carrier_from_held);
             let step = off(&first, &last);
             if step > tolerance {
                 continue; // told of the segment itself
             }
             self.step(carry.part, before.is_none(), step);
-            here[carry.part] = Some(Hung { carrier, held, carrier_from_held: origin });
+            here[carry.part] = Some(Attached { carrier, held, carrier_from_held: origin });
             let name = &motion.world.parts[carry.part].name;
             let place = Place::at(motion.index, motion.last() as f64);
             let apart = off(&origin, &last);
@@ -75,7 +76,7 @@ impl Drift {
                 report.violate(place, Kind::Drift, format!("{name}: all its steps together"), sum, most);
             }
         }
-        self.hung = here;
+        self.attached = here;
         self.joints(motion, tolerance, report);
     }
 
@@ -111,7 +112,7 @@ impl Drift {
 }
 
 /// The body of an object that is held in a segment, and what carries it; none for the world and what stands in it.
-fn tie(motion: &SegmentMotion<'_>, part: usize) -> Option<(usize, Option<usize>)> {
+fn carrier_of(motion: &SegmentMotion<'_>, part: usize) -> Option<(usize, Option<usize>)> {
     let (world, own) = (motion.world, motion.world.parts[part].bodies.clone());
     // The attachment may be at a link beyond joints of the object: it is the edge that leaves the part.
     let leaves = |body: &usize| motion.edges[*body].parent.is_none_or(|parent| !own.contains(&parent));

@@ -77,8 +77,8 @@ impl<'a> SegmentMotion<'a> {
         let edges = (0..world.bodies.len()).map(natural).collect();
         let mut motion = Self { world, index, knots: &segment.knots, edges, carries: Vec::new(), attachments };
         // Attachments are read from the written poses, so all of them before the tree changes.
-        let ties: Vec<_> = (0..world.parts.len()).filter_map(|p| motion.tie(p)).collect();
-        for (carry, body, edge) in ties {
+        let attachments: Vec<_> = (0..world.parts.len()).filter_map(|p| motion.attachment_of(p)).collect();
+        for (carry, body, edge) in attachments {
             motion.attach(body, edge);
             motion.carries.push(carry);
         }
@@ -92,7 +92,7 @@ impl<'a> SegmentMotion<'a> {
 
     /// What a floating object is attached to: the body that is held, and its new edge. None for one that is held without a
     /// carrier: it moves as written, and its grasps are proved like any relation.
-    fn tie(&self, part: usize) -> Option<(Carry, usize, Edge)> {
+    fn attachment_of(&self, part: usize) -> Option<(Carry, usize, Edge)> {
         let root = self.world.parts[part].root.filter(|_| self.world.parts[part].floats)?;
         let attachment = self.attachments.iter().position(|a| a.carrier && a.part == part && a.held.is_some());
         if attachment.is_none() && self.attachments.iter().any(|a| a.part == part && a.is_grasp()) {

@@ -51,7 +51,7 @@ pub(crate) fn load(name: &str, text: &str, base: SceneBase, packages: &PackagePa
         let at = parts.iter().find(|p| error.to_string().contains(&format!("`{}`", p.placement.name)));
         match (&error, at.and_then(|part| follower_limits::again(&part.source.urdf))) {
             (ComposeError::NoRoom { room, .. }, Some(urdf)) => follower_limits::refusal(&urdf, room),
-            _ => at.map_or(&part_items, |p| &p.item).error(error.to_string()),
+            _ => at.map_or(&part_items, |p| &p.item).error(error.to_string()).because(error),
         }
     })?;
     loader.warnings.extend(narrowed(&robot, &parts));

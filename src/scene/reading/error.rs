@@ -1,6 +1,7 @@
 //! One error for everything that is read: where, what, and the way out.
 
 use std::fmt;
+use std::sync::Arc;
 
 /// Something in a file that cannot be read, or (as a warning) should be reviewed.
 ///
@@ -19,7 +20,21 @@ pub struct SceneError {
     pub hint: String,
     /// Set where nothing is wrong with the file, but reading was not to take longer, or more memory.
     pub stopped: Option<LoadStop>,
+    /// The error of the system or of a parser that this one was made of; `message` says it in words.
+    pub source: Option<ErrorSource>,
 }
+
+/// An error of another kind, shared, since errors of scenes can be cloned. Two are equal where they say the same.
+#[derive(Clone, Debug)]
+pub struct ErrorSource(Arc<dyn std::error::Error + Send + Sync>);
+
+impl PartialEq for ErrorSource {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.to_string() == other.0.to_string()
+    }
+}
+
+impl Eq for ErrorSource {}
 
 impl SceneError {
     /// An error about an element of a file.
@@ -32,6 +47,13 @@ impl SceneError {
     #[must_use]
     pub fn at(mut self, line: impl Into<Option<u32>>) -> Self {
         self.line = line.into();
+        self
+    }
+
+    /// Adds the error that it was made of.
+    #[must_use]
+    pub fn because(mut self, source: impl std::error::Error + Send + Sync + 'static) -> Self {
+        self.source = Some(ErrorSource(Arc::new(source)));
         self
     }
 
@@ -57,7 +79,11 @@ impl fmt::Display for SceneError {
     }
 }
 
-impl std::error::Error for SceneError {}
+impl std::error::Error for SceneError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        self.source.as_ref().map(|source| &*source.0 as &(dyn std::error::Error + 'static))
+    }
+}
 
 /// Text from a file, made fit for one line of a terminal: control characters escaped, long runs shortened.
 #[must_use]

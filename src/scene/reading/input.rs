@@ -29,7 +29,7 @@ pub(crate) fn bytes(path: &Path, cap: u64) -> Result<Vec<u8>, SceneError> {
 pub(crate) fn bytes_into(path: &Path, cap: u64, content: &mut Vec<u8>) -> Result<(), SceneError> {
     content.clear();
     let fail = |message: String| SceneError::new(path.display().to_string(), "file", message);
-    let metadata = std::fs::metadata(path).map_err(|e| fail(format!("cannot be opened: {e}")))?;
+    let metadata = std::fs::metadata(path).map_err(|e| fail(format!("cannot be opened: {e}")).because(e))?;
     if !metadata.is_file() {
         return Err(fail("is not a regular file".into()));
     }
@@ -40,8 +40,8 @@ pub(crate) fn bytes_into(path: &Path, cap: u64, content: &mut Vec<u8>) -> Result
         return Err(too_large(metadata.len()));
     }
     content.reserve_exact(metadata.len() as usize);
-    let file = File::open(path).map_err(|e| fail(format!("cannot be opened: {e}")))?;
-    file.take(cap + 1).read_to_end(content).map_err(|e| fail(format!("cannot be read: {e}")))?;
+    let file = File::open(path).map_err(|e| fail(format!("cannot be opened: {e}")).because(e))?;
+    file.take(cap + 1).read_to_end(content).map_err(|e| fail(format!("cannot be read: {e}")).because(e))?;
     if content.len() as u64 > cap {
         return Err(too_large(content.len() as u64));
     }

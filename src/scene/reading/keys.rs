@@ -27,7 +27,7 @@ impl<'a> File<'a> {
     pub fn parse(&self, text: &'a str) -> Result<Spanned<DeTable<'a>>, SceneError> {
         DeTable::parse(text).map_err(|e| {
             let line = e.span().map(|s| self.line(s.start));
-            SceneError::new(self.name, "TOML", e.message().trim().replace('\n', ", ")).at(line)
+            SceneError::new(self.name, "TOML", e.message().trim().replace('\n', ", ")).at(line).because(e)
         })
     }
 }

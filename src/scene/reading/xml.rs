@@ -40,7 +40,9 @@ impl<'a> Xml<'a> {
         scan(file, text, stop)?;
         let options = roxmltree::ParsingOptions { allow_dtd: false, nodes_limit: 4_000_000 };
         let document = Document::parse_with_options(text, options).map_err(|error| {
-            SceneError::new(file, "XML", error.to_string()).at(error.pos().row).hint("the file is not well-formed XML")
+            let row = error.pos().row;
+            let told = SceneError::new(file, "XML", error.to_string()).at(row).because(error);
+            told.hint("the file is not well-formed XML")
         })?;
         let line_starts = std::iter::once(0).chain(text.match_indices('\n').map(|(i, _)| i + 1)).collect();
         Ok(Self { file, document, line_starts, stop: stop.clone() })

@@ -38,7 +38,7 @@ impl LegProgram {
         let leg = &model.graph.transition(transition).legs[leg];
         let mut draft = Draft::new(model, leg.state);
         for &target in &leg.target {
-            draft.demand(target, leg.drawn.contains(&target));
+            draft.require(target, leg.drawn.contains(&target));
         }
         draft.compile()
     }
@@ -156,7 +156,7 @@ impl<'a> Draft<'a> {
     }
 
     /// Adds a target constraint, with its parameter rows where it is drawn.
-    fn demand(&mut self, target: ConstraintId, drawn: bool) {
+    fn require(&mut self, target: ConstraintId, drawn: bool) {
         if let Some(constraint) = self.target(target, drawn) {
             self.push(constraint);
         }

@@ -228,7 +228,7 @@ pub(crate) fn parameters_of(model: &Model, state: StateId, q: &[f64], X_WJ: &[Po
 /// The value that a foliating constraint has at `q`, where the bodies are at `X_WJ`.
 #[must_use]
 pub fn parameter_of(model: &Model, constraint: ConstraintId, q: &[f64], X_WJ: &[Pose]) -> Parameter {
-    let hangs = |carrier| {
+    let is_carried_by = |carrier| {
         let root = model.object_of(constraint).and_then(|object| model.objects()[object].root);
         let value = root.map_or_else(Pose::identity, |root| pose_on_carrier(root, carrier, X_WJ));
         Parameter { constraint, carrier, value }
@@ -240,10 +240,10 @@ pub fn parameter_of(model: &Model, constraint: ConstraintId, q: &[f64], X_WJ: &[
                 let held = Constraint::RelativePose(grasp.hold(0));
                 Parameter { constraint, carrier, value: constraints::parameter(&model.problem.robot, &held, q, X_WJ) }
             }
-            grasp => hangs(grasp.and_then(|grasp| grasp.gripper.joint)),
+            grasp => is_carried_by(grasp.and_then(|grasp| grasp.gripper.joint)),
         },
-        ConstraintKind::Placement { on, .. } | ConstraintKind::Preplacement { on, .. } => hangs(on),
-        ConstraintKind::Rest { .. } => hangs(None),
+        ConstraintKind::Placement { on, .. } | ConstraintKind::Preplacement { on, .. } => is_carried_by(on),
+        ConstraintKind::Rest { .. } => is_carried_by(None),
         ConstraintKind::JointRest { .. } | ConstraintKind::Given { .. } => {
             let given = model.constraint(constraint);
             let value = given

@@ -66,7 +66,7 @@ impl AttachmentTree {
     }
 
     /// Attaches the world on a body of a robot that flies freely; its root is then carried. Comes after all objects have been
-    /// hung. Returns the robot's root, or `None`, and changes nothing, where a robot stands already, or the body is no
+    /// attached. Returns the robot's root, or `None`, and changes nothing, where a robot stands already, or the body is no
     /// foot: a root itself, or on nothing that flies freely.
     ///
     /// # Panics

@@ -17,31 +17,37 @@ impl Rooted {
     /// Nodes that are connected to a root by now and were not before, those nearer to it first.
     pub(crate) fn grow(&mut self, roadmap: Roadmap<'_>, roots: &Roots) -> Vec<NodeId> {
         self.ways.resize(roadmap.nodes().len(), None);
-        let mut hung = Vec::new();
+        let mut attached = Vec::new();
         let all: Vec<NodeId> = roots.start.iter().chain(&roots.goals).copied().collect();
         for &root in &all[self.roots..] {
-            self.attach(roadmap, root, (root, None), &mut hung);
+            self.attach(roadmap, root, (root, None), &mut attached);
         }
         self.roots = all.len();
         for edge in (self.edges as u32..roadmap.edges().len() as u32).map(EdgeId) {
             let row = roadmap.edge(edge);
             for (near, far) in [(row.from, row.to), (row.to, row.from)] {
                 if let Some((root, _)) = self.ways[near.at()] {
-                    self.attach(roadmap, far, (root, Some(edge)), &mut hung);
+                    self.attach(roadmap, far, (root, Some(edge)), &mut attached);
                 }
             }
         }
         self.edges = roadmap.edges().len();
-        hung
+        attached
     }
 
     /// Connects a node to a root, and breadth first its neighbours, unless it is connected to one already.
-    fn attach(&mut self, roadmap: Roadmap<'_>, node: NodeId, way: (NodeId, Option<EdgeId>), hung: &mut Vec<NodeId>) {
+    fn attach(
+        &mut self,
+        roadmap: Roadmap<'_>,
+        node: NodeId,
+        way: (NodeId, Option<EdgeId>),
+        attached: &mut Vec<NodeId>,
+    ) {
         let mut waiting = VecDeque::from([(node, way)]);
         while let Some((node, way)) = waiting.pop_front() {
             if self.ways[node.at()].is_none() {
                 self.ways[node.at()] = Some(way);
-                hung.push(node);
+                attached.push(node);
                 let edges = roadmap.edges_at(node);
                 waiting.extend(edges.map(|edge| (other_end(roadmap, edge, node), (way.0, Some(edge)))));
             }

@@ -66,19 +66,19 @@ impl<'a> Chain<'a> {
         true
     }
 
-    /// Attaches objects to the grippers that hold them by their roots, in order, those first that are held rigidly; `hung`
+    /// Attaches objects to the grippers that hold them by their roots, in order, those first that are held rigidly; `attached`
     /// hears the number of the grasp and the object.
     pub fn hold<'g>(
         &mut self,
         grasps: impl Iterator<Item = (usize, &'g Grasp)> + Clone,
-        mut hung: impl FnMut(usize, usize),
+        mut attached: impl FnMut(usize, usize),
     ) {
         for rigid in [true, false] {
             for (number, (object, grasp)) in grasps.clone().enumerate() {
                 let Some(root) = self.roots.get(object).copied().flatten() else { continue };
                 let fits = grasp.handle.joint == Some(root) && is_rigid(grasp, Some(root)) == rigid;
                 if fits && self.attach(object, grasp.gripper.joint) {
-                    hung(number, object);
+                    attached(number, object);
                 }
             }
         }

@@ -16,8 +16,9 @@ use crate::check::report::error::CheckError;
 use crate::check::report::kind::Kind;
 use crate::check::report::work::Work;
 use crate::check::world::documents::Frames;
+use crate::path_file::constraint::entries as constraint_entries;
 use crate::path_file::document::PathFile;
-use crate::path_file::{ConstraintEntry, FrameEntry, constraint_entries};
+use crate::path_file::{ConstraintEntry, FrameEntry};
 use foliate_components::Pose;
 use foliate_components::constraint::{Constraint, Frame, Locked, LockedValue, Reference, RelativePose, Row};
 use foliate_components::path::PathConstraint;
@@ -44,7 +45,7 @@ pub(super) enum Said {
 }
 
 impl Contract<'_> {
-    pub(in crate::check) fn demands(
+    pub(in crate::check) fn required_constraints(
         &self,
         file: &PathFile,
         motion: &SegmentMotion<'_>,
@@ -53,15 +54,15 @@ impl Contract<'_> {
         work: &mut Work,
     ) -> Result<(), CheckError> {
         let options = &self.problem.graph;
-        let mut demands: Vec<NamedConstraint> =
+        let mut required: Vec<NamedConstraint> =
             options.everywhere.iter().map(|&number| options.constraints[number as usize].clone()).collect();
-        demands.extend(self.resting_joints(motion));
-        demands.extend(self.planes(motion));
+        required.extend(self.resting_joints(motion));
+        required.extend(self.planes(motion));
         if !options.states.is_empty() {
             match self.state_of(file, motion.index) {
                 Some(state) => {
                     let numbers = &options.states[state].constraints;
-                    demands.extend(numbers.iter().map(|&number| options.constraints[number as usize].clone()));
+                    required.extend(numbers.iter().map(|&number| options.constraints[number as usize].clone()));
                 }
                 None => {
                     let place = Place { segment: Some(motion.index), t: None };
@@ -70,13 +71,13 @@ impl Contract<'_> {
                 }
             }
         }
-        for named in &demands {
-            self.demand(named, file, motion, frames, report, work)?;
+        for named in &required {
+            self.require(named, file, motion, frames, report, work)?;
         }
         Ok(())
     }
 
-    fn demand(
+    fn require(
         &self,
         named: &NamedConstraint,
         file: &PathFile,
@@ -107,7 +108,7 @@ impl Contract<'_> {
     /// Resting joints, while no gripper holds what is beyond them.
     fn resting_joints(&self, motion: &SegmentMotion<'_>) -> Vec<NamedConstraint> {
         let robot = &self.problem.robot;
-        let demand = |resting: &foliate_components::problem::RestingJoint| {
+        let requirement = |resting: &foliate_components::problem::RestingJoint| {
             let name = &robot.joints[resting.joint.at()].name;
             let body = motion.world.bodies.iter().position(|body| body.name == *name)?;
             let value = match resting.rest {
@@ -118,13 +119,13 @@ impl Contract<'_> {
             let named = NamedConstraint { name: format!("{name} rests"), constraint: Constraint::Locked(locked) };
             (!held_beyond(motion, body)).then_some(named)
         };
-        self.problem.graph.resting_joints.iter().filter_map(demand).collect()
+        self.problem.graph.resting_joints.iter().filter_map(requirement).collect()
     }
 
     /// Objects that no gripper holds stand on their planes.
     fn planes(&self, motion: &SegmentMotion<'_>) -> Vec<NamedConstraint> {
         let robot = &self.problem.robot;
-        let demand = |object: &foliate_components::problem::ObjectOptions| {
+        let requirement = |object: &foliate_components::problem::ObjectOptions| {
             let plane = object.plane.as_ref()?;
             let part = &robot.parts[object.part.at()];
             let held = motion.attachments.iter().any(|a| motion.world.parts[a.part].name == part.name && a.is_grasp());
@@ -138,7 +139,7 @@ impl Contract<'_> {
             let name = format!("{} stands on its plane", part.name);
             (!held).then_some(NamedConstraint { name, constraint: Constraint::RelativePose(stands) })
         };
-        self.problem.graph.objects.iter().filter_map(demand).collect()
+        self.problem.graph.objects.iter().filter_map(requirement).collect()
     }
 }
 
@@ -192,8 +193,8 @@ fn told(
     argument: Option<Pose>,
     tolerance: f64,
 ) -> Vec<ConstraintEntry> {
-    let demand = PathConstraint { name: name.to_owned(), constraint, argument };
-    constraint_entries(robot, &demand, tolerance)
+    let requirement = PathConstraint { name: name.to_owned(), constraint, argument };
+    constraint_entries(robot, &requirement, tolerance)
 }
 
 /// The parameter rows of a centre of mass, and where the first knot has it; none for other constraints.
