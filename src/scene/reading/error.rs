@@ -24,9 +24,10 @@ pub struct SceneError {
     pub source: Option<ErrorSource>,
 }
 
-/// An error of another kind, shared, since errors of scenes can be cloned. Two are equal where they say the same.
+/// An error of another kind, shared, since errors of scenes can be cloned. Two are equal where they say the same. In a box, so
+/// that it takes one pointer in each result.
 #[derive(Clone, Debug)]
-pub struct ErrorSource(Arc<dyn std::error::Error + Send + Sync>);
+pub struct ErrorSource(Arc<Box<dyn std::error::Error + Send + Sync>>);
 
 impl PartialEq for ErrorSource {
     fn eq(&self, other: &Self) -> bool {
@@ -53,7 +54,7 @@ impl SceneError {
     /// Adds the error that it was made of.
     #[must_use]
     pub fn because(mut self, source: impl std::error::Error + Send + Sync + 'static) -> Self {
-        self.source = Some(ErrorSource(Arc::new(source)));
+        self.source = Some(ErrorSource(Arc::new(Box::new(source))));
         self
     }
 
@@ -81,7 +82,7 @@ impl fmt::Display for SceneError {
 
 impl std::error::Error for SceneError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        self.source.as_ref().map(|source| &*source.0 as &(dyn std::error::Error + 'static))
+        self.source.as_ref().map(|source| &**source.0 as &(dyn std::error::Error + 'static))
     }
 }
 
