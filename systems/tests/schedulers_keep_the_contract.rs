@@ -5,7 +5,7 @@
 
 mod common;
 
-use bevy_ecs::prelude::{Schedule, World};
+use bevy_ecs::prelude::{Commands, Component, Entity, IntoScheduleConfigs, Query, Schedule, With, Without, World};
 use bevy_ecs::schedule::{LogLevel, ScheduleBuildError, ScheduleBuildSettings, ScheduleBuildWarning};
 use common::{model, search, seeded, stop_within};
 use foliate_components::candidate::Candidate;
@@ -13,15 +13,16 @@ use foliate_components::graph::leaf::LeafIndex;
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::path::ManipulationPath;
 use foliate_components::problem::{Goal, Problem};
-use foliate_components::roadmap::TreeId;
+use foliate_components::roadmap::{RoadmapLeaf, RoadmapNode, TreeId};
 use foliate_components::samples::{boxes_on_a_table, move_one_box, swap_two_boxes, swap_with_crossed_foliations};
 use foliate_schedulers::{Scheduler, mrrt, sequence, shipped};
 use foliate_systems::events::{EventSink, SearchEvent, StopSignal};
 use foliate_systems::exploration::edges::UnvalidatedByEnd;
 use foliate_systems::exploration::reached_leaves::ReachedLeaves;
 use foliate_systems::planning_model::PlanningModel;
-use foliate_systems::schedule::StepSystems;
+use foliate_systems::schedule::{SearchSet, StepSystems};
 use foliate_systems::search::Search;
+use std::marker::PhantomData;
 
 fn small_problems() -> Vec<Problem> {
     vec![
@@ -235,4 +236,52 @@ fn a_host_that_does_not_read_its_events_does_not_block_the_search() {
         assert!(heard.iter().any(|e| matches!(e, SearchEvent::Rejected { .. })));
         assert!(matches!(heard.last(), Some(SearchEvent::Solved { .. })));
     }
+}
+
+/// A host's mark on an entity.
+#[derive(Component)]
+struct Mark;
+
+/// `mrrt`, with a system that marks the first entity of a kind and so moves it to another archetype.
+struct Marking<C: Component>(PhantomData<fn() -> C>);
+
+impl<C: Component> Scheduler for Marking<C> {
+    fn name(&self) -> &'static str {
+        "marking"
+    }
+
+    fn schedule(&self, world: &mut World) -> Schedule {
+        let mut schedule = mrrt::Mrrt.schedule(world);
+        let mark = |kind: Query<'_, '_, Entity, (With<C>, Without<Mark>)>, mut commands: Commands<'_, '_>| {
+            if let Some(first) = kind.iter().next() {
+                commands.entity(first).insert(Mark);
+            }
+        };
+        schedule.add_systems(mark.after(SearchSet::Commit).before(SearchSet::Connect));
+        schedule
+    }
+}
+
+fn search_with_marks<C: Component>() {
+    let model = model(boxes_on_a_table(&[(0.6, 0.1)], &[(1.45, 0.75)]).unwrap());
+    let settings = seeded(1).with(|s| s.max_steps = 3);
+    search(&model, &Marking::<C>(PhantomData), settings, 1);
+}
+
+#[test]
+#[should_panic(expected = "nodes, edges and leaves keep their archetype")]
+fn a_node_that_changes_its_archetype_is_noticed() {
+    search_with_marks::<RoadmapNode>();
+}
+
+#[test]
+#[should_panic(expected = "nodes, edges and leaves keep their archetype")]
+fn a_leaf_that_changes_its_archetype_is_noticed() {
+    search_with_marks::<RoadmapLeaf>();
+}
+
+#[test]
+#[should_panic(expected = "candidates keep their archetype")]
+fn a_candidate_that_changes_its_archetype_is_noticed() {
+    search_with_marks::<Candidate>();
 }

@@ -21,7 +21,7 @@ impl<'w> Roadmap<'w> {
     /// A view of these components, each in order of id.
     ///
     /// # Panics
-    /// If there are other nodes or edges than the store has numbers for: then the entity of one has changed its archetype.
+    /// If there are other nodes or edges than the store has numbers for.
     #[must_use]
     pub fn new(
         store: &'w RoadmapStore,
@@ -30,7 +30,11 @@ impl<'w> Roadmap<'w> {
         leaves: &'w [RoadmapLeaf],
     ) -> Self {
         let expected = (store.nodes(), store.edges());
-        assert_eq!((nodes.len(), edges.len()), expected, "the entities of nodes and edges keep their archetype");
+        assert_eq!(
+            (nodes.len(), edges.len()),
+            expected,
+            "the entities of nodes and edges are those that the store knows"
+        );
         Self { store, nodes, edges, leaves }
     }
 

@@ -27,17 +27,25 @@ impl RoadmapQuery<'_, '_> {
 }
 
 /// Each kind of entity has one archetype, so that its rows are one slice in the order in which they were spawned.
+///
+/// # Panics
+/// If the entities of a kind are in two archetypes: then row n has not id n.
 fn view<'w>(store: &'w RoadmapStore, tables: Option<QueryContiguousIter<'w, '_, Rows, ()>>) -> Roadmap<'w> {
     let (mut nodes, mut edges, mut leaves): (&[_], &[_], &[_]) = (&[], &[], &[]);
     for table in tables.into_iter().flatten() {
         match table {
-            (Some(rows), _, _) if !rows.is_empty() => nodes = rows,
-            (_, Some(rows), _) if !rows.is_empty() => edges = rows,
-            (_, _, Some(rows)) if !rows.is_empty() => leaves = rows,
+            (Some(rows), _, _) if !rows.is_empty() => take(&mut nodes, rows),
+            (_, Some(rows), _) if !rows.is_empty() => take(&mut edges, rows),
+            (_, _, Some(rows)) if !rows.is_empty() => take(&mut leaves, rows),
             _ => {}
         }
     }
     Roadmap::new(store, nodes, edges, leaves)
+}
+
+fn take<'w, T>(kind: &mut &'w [T], rows: &'w [T]) {
+    assert!(kind.is_empty(), "the entities of nodes, edges and leaves keep their archetype");
+    *kind = rows;
 }
 
 /// The query of [`roadmap_in`], kept since making one takes longer than adding a node.

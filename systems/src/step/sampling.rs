@@ -10,8 +10,15 @@ use foliate_components::candidate::{Candidate, CandidateArena};
 use rayon::prelude::*;
 
 /// Makes every candidate ready for a new step.
+///
+/// # Panics
+/// If the candidates are not in the order of their indices, by which systems pair them with their numbers: then the entity of
+/// one has changed its archetype.
 pub fn reset_candidates(mut candidates: Query<'_, '_, &mut Candidate>, mut arena: ResMut<'_, CandidateArena>) {
-    candidates.iter_mut().for_each(|mut c| c.reset());
+    for (place, mut candidate) in candidates.iter_mut().enumerate() {
+        assert_eq!(candidate.index as usize, place, "the entities of candidates keep their archetype");
+        candidate.reset();
+    }
     arena.legs.iter_mut().for_each(Vec::clear);
     arena.complete.fill(false);
 }
