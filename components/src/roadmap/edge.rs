@@ -2,6 +2,7 @@
 
 use crate::graph::TransitionId;
 use crate::graph::leaf::LeafId;
+use crate::roadmap::entity_bytes::{ENTITY_BYTES, TICK_BYTES};
 use crate::roadmap::ids::NodeId;
 
 /// A validated edge: its motions are certified. It can be travelled both ways.
@@ -63,9 +64,10 @@ impl UnvalidatedEdge {
     #[must_use]
     pub fn bytes(&self) -> u64 {
         let knots = self.motions.iter().map(|motion| size_of_val(&*motion.knots)).sum::<usize>();
-        (Self::ENTITY_BYTES + size_of::<Self>() + size_of_val(&*self.motions) + knots) as u64
+        let entity = ENTITY_BYTES + TICK_BYTES + Self::INDEX_BYTES;
+        (entity + size_of::<Self>() + size_of_val(&*self.motions) + knots) as u64
     }
 
-    /// What its entity, its component's ticks and its place in the index take.
-    const ENTITY_BYTES: usize = 104;
+    /// Its place in the index by end: a node's id and an entity, in a tree whose nodes are two thirds full.
+    const INDEX_BYTES: usize = (size_of::<NodeId>() + size_of::<u64>()) * 3 / 2;
 }

@@ -1,12 +1,13 @@
 //! What a search has reached: nodes, edges, motions, and which of them are joined.
 //!
 //! The entities of nodes, edges and leaves are the source. `node`, `edge` and `leaf` define their components, `ids` the dense
-//! ids of their rows. `store` holds the numbers of configurations and motions, and what is derived from the components: the
+//! ids of their rows, `entity_bytes` what an entity costs. `store` holds the numbers of configurations and motions, and what is derived from the components: the
 //! edges at a node and the trees that are joined. [`Roadmap`] in `view` reads all of them together.
 //!
 //! Only `foliate_systems::exploration::writer` writes here.
 
 pub mod edge;
+mod entity_bytes;
 pub mod ids;
 pub mod leaf;
 pub mod node;

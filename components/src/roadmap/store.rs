@@ -2,6 +2,7 @@
 
 use crate::graph::TransitionId;
 use crate::roadmap::edge::{Motion, RoadmapEdge};
+use crate::roadmap::entity_bytes::{ENTITY_BYTES, TICK_BYTES};
 use crate::roadmap::ids::{EdgeId, NodeId, TreeId};
 use crate::roadmap::node::RoadmapNode;
 
@@ -113,18 +114,10 @@ impl RoadmapStore {
     /// What a node takes beside its configuration, bytes: its entity with its component, its list of edges, its place on its
     /// leaf (`systems/tests/nodes_are_small.rs` measures what it really is).
     pub const NODE_BYTES: usize =
-        Self::ENTITY_BYTES + size_of::<RoadmapNode>() + Self::TICK_BYTES + size_of::<EdgeList>() + size_of::<NodeId>();
+        ENTITY_BYTES + size_of::<RoadmapNode>() + TICK_BYTES + size_of::<EdgeList>() + size_of::<NodeId>();
 
     /// The same of an edge, beside its motions.
-    pub const EDGE_BYTES: usize =
-        Self::ENTITY_BYTES + size_of::<RoadmapEdge>() + Self::TICK_BYTES + size_of::<[EdgeEnd; 2]>();
-
-    /// An entity's id in its table, its entries in the lists of its archetype and of the world, and its share of what these
-    /// leave unused: as measured.
-    const ENTITY_BYTES: usize = 76;
-
-    /// When a component was added and when it last changed.
-    const TICK_BYTES: usize = 8;
+    pub const EDGE_BYTES: usize = ENTITY_BYTES + size_of::<RoadmapEdge>() + TICK_BYTES + size_of::<[EdgeEnd; 2]>();
 }
 
 /// An end of an edge, `2 · edge + end`, or [`EdgeEnd::NONE`].
