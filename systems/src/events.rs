@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::Resource;
 use crossbeam_channel::{Receiver, Sender, TrySendError, bounded};
 use foliate_components::graph::{StateId, TransitionId};
-use foliate_components::outcome::{BlockingParts, Rejection, StateStatistics};
+use foliate_components::outcome::{BlockingParts, Rejection, SearchOutcome, StateStatistics};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -173,6 +173,21 @@ impl StopSignal {
     #[must_use]
     pub fn is_raised(&self) -> bool {
         self.token.is_cancelled() || self.deadline.is_some_and(|d| Instant::now() >= d) || self.is_out_of_memory()
+    }
+
+    /// How a search ends now that it is to stop; `None` while it may go on. What a step found after the signal was raised is no
+    /// answer, even if it solves the problem: another run would have found another.
+    #[must_use]
+    pub fn outcome(&self) -> Option<SearchOutcome> {
+        if self.token.is_cancelled() {
+            Some(SearchOutcome::Cancelled)
+        } else if self.is_out_of_memory() {
+            Some(SearchOutcome::MemoryLimit)
+        } else if self.is_raised() {
+            Some(SearchOutcome::Timeout)
+        } else {
+            None
+        }
     }
 
     /// Whether the host's watch over memory says so.

@@ -36,14 +36,8 @@ pub fn conclude(
 ) {
     let roadmap = roadmap.view();
     let solved = roots.reached_goal(roadmap).is_some();
-    // A signal raised during the step has cut some of its candidates short: what the step found is no answer then, even
-    // if it solves the problem, because another run would have found another.
-    ending.0 = if stop.token.is_cancelled() {
-        Some(SearchOutcome::Cancelled)
-    } else if stop.is_out_of_memory() {
-        Some(SearchOutcome::MemoryLimit)
-    } else if stop.is_raised() {
-        Some(SearchOutcome::Timeout)
+    ending.0 = if let Some(stopped) = stop.outcome() {
+        Some(stopped)
     } else if solved {
         Some(SearchOutcome::Solved)
     } else if roadmap.nodes().len() >= settings.max_nodes

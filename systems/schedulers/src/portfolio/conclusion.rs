@@ -23,12 +23,8 @@ pub fn conclude(
     let nodes: usize = portfolio_members.searches().map(|search| search.roadmap().nodes().len()).sum();
     let bytes: u64 = portfolio_members.searches().map(Search::bytes).sum();
     // A member that was stopped in the middle of a step might have been the one to answer.
-    ending.0 = if stop.token.is_cancelled() {
-        Some(SearchOutcome::Cancelled)
-    } else if stop.is_out_of_memory() {
-        Some(SearchOutcome::MemoryLimit)
-    } else if stop.is_raised() {
-        Some(SearchOutcome::Timeout)
+    ending.0 = if let Some(stopped) = stop.outcome() {
+        Some(stopped)
     } else if portfolio_members.winner().is_some() {
         Some(SearchOutcome::Solved)
     } else if nodes >= settings.max_nodes || bytes >= settings.max_bytes {
