@@ -29,3 +29,8 @@ pub use {
     foliate_components as components, foliate_kernels as kernels, foliate_schedulers as schedulers,
     foliate_systems as systems,
 };
+
+/// The code of the guide compiles.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/own-scheduler.md")]
+struct OwnSchedulerGuide;

@@ -4,17 +4,14 @@
 
 mod common;
 
-use bevy_ecs::prelude::{Schedule, World};
-use bevy_ecs::schedule::ScheduleCleanupPolicy;
-use common::{model, search, seeded};
+use common::{Unconnected, model, search, seeded};
 use foliate_components::graph::TransitionId;
 use foliate_components::roadmap::{NodeId, Roadmap, TreeId};
 use foliate_components::samples::boxes_on_a_table;
-use foliate_schedulers::{Scheduler, mrrt::Mrrt, sequence::Sequence};
+use foliate_schedulers::{Scheduler, sequence::Sequence};
 use foliate_systems::exploration::neighbours::{Neighbours, Question, Region};
 use foliate_systems::exploration::writer;
 use foliate_systems::planning_model::PlanningModel;
-use foliate_systems::schedule::SearchSet;
 use foliate_systems::settings::Selection;
 
 fn all(roadmap: Roadmap<'_>) -> impl Iterator<Item = NodeId> + Clone {
@@ -73,28 +70,12 @@ fn busiest_leaf(roadmap: Roadmap<'_>) -> Vec<NodeId> {
     leaves.max_by_key(|nodes| nodes.len()).unwrap_or_default().to_vec()
 }
 
-/// Trees that never meet, so that several crowd one leaf.
-struct Apart;
-
-impl Scheduler for Apart {
-    fn name(&self) -> &'static str {
-        "apart"
-    }
-
-    fn schedule(&self, world: &mut World) -> Schedule {
-        let mut schedule = Mrrt.schedule(world);
-        let cleanup = ScheduleCleanupPolicy::RemoveSystemsOnly;
-        schedule.remove_systems_in_set(SearchSet::Connect, world, cleanup).unwrap();
-        schedule
-    }
-}
-
 #[test]
 fn nodes_found_in_lanes_are_those_found_one_by_one() {
     let model = model(boxes_on_a_table(&[(0.6, 0.1)], &[(0.6, 0.1)]).unwrap());
     // Of a problem that has no solution: many trees of the lazy extension on one leaf.
     let unsolvable = self::model(boxes_on_a_table(&[(0.6, 0.1)], &[(1.45, 0.75)]).unwrap());
-    let apart = [Selection::Guided, Selection::StateFirst, Selection::Nearest].map(|s| (&model, &Apart as _, s));
+    let apart = [Selection::Guided, Selection::StateFirst, Selection::Nearest].map(|s| (&model, &Unconnected as _, s));
     let lazy: [(_, &dyn Scheduler, _); 1] = [(&unsolvable, &Sequence, Selection::Guided)];
     for (model, scheduler, selection) in apart.into_iter().chain(lazy) {
         let settings = seeded(7).with(|s| (s.max_steps, s.selection) = (40, selection));

@@ -5,8 +5,7 @@
 mod common;
 
 use bevy_ecs::prelude::*;
-use bevy_ecs::schedule::ScheduleCleanupPolicy;
-use common::{model, search, seeded, stop_within};
+use common::{Unconnected, model, search, seeded, stop_within};
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::samples::{boxes_on_a_table, eight_arms_and_ten_boxes, swap_two_boxes};
 use foliate_schedulers::portfolio::{Member, MemberCounts};
@@ -74,33 +73,17 @@ impl Scheduler for Listener {
     }
 }
 
-/// `mrrt` that never joins two trees, and so never solves anything.
-struct Grower;
-
-impl Scheduler for Grower {
-    fn name(&self) -> &'static str {
-        "grower"
-    }
-
-    fn schedule(&self, world: &mut World) -> Schedule {
-        let mut schedule = Mrrt.schedule(world);
-        let cleanup = ScheduleCleanupPolicy::RemoveSystemsOnly;
-        schedule.remove_systems_in_set(SearchSet::Connect, world, cleanup).unwrap();
-        schedule
-    }
-}
-
 #[test]
 fn what_one_member_reaches_the_others_can_use() {
     let problem = swap_two_boxes().unwrap();
     let model = model(problem.clone());
-    let members = vec![Member::new(Listener), Member::new(Grower), Member::new(Grower)];
+    let members = vec![Member::new(Listener), Member::new(Unconnected), Member::new(Unconnected)];
     let portfolio = Portfolio { members, quantum: 32 };
     for seed in 1..=3 {
         let (outcome, search) = search(&model, &portfolio, seeded(seed), 1);
         assert_eq!(outcome, SearchOutcome::Solved);
         let answers: Vec<_> = counts(&search).0.iter().map(|world| (world.scheduler, world.answers)).collect();
-        assert_eq!(answers, [("listener", true), ("grower", false), ("grower", false)]);
+        assert_eq!(answers, [("listener", true), ("unconnected", false), ("unconnected", false)]);
         assert_eq!(search.counter().candidates, 0);
         let path = search.path().unwrap();
         assert!(path.segments.len() > 4 && path.segments[0].knots[0] == problem.start);

@@ -2,15 +2,34 @@
 #![allow(dead_code, reason = "every test file uses some of it")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on says so")]
 
+use bevy_ecs::prelude::{Schedule, World};
+use bevy_ecs::schedule::ScheduleCleanupPolicy;
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::problem::Problem;
-use foliate_schedulers::Scheduler;
+use foliate_schedulers::{Scheduler, mrrt::Mrrt};
 use foliate_systems::events::{EventSink, StopSignal};
 use foliate_systems::planning_model::{Model, PlanningModel};
+use foliate_systems::schedule::SearchSet;
 use foliate_systems::search::Search;
 use foliate_systems::settings::SearchSettings;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+
+/// `mrrt` that never joins two trees, and so never solves anything.
+pub struct Unconnected;
+
+impl Scheduler for Unconnected {
+    fn name(&self) -> &'static str {
+        "unconnected"
+    }
+
+    fn schedule(&self, world: &mut World) -> Schedule {
+        let mut schedule = Mrrt.schedule(world);
+        let cleanup = ScheduleCleanupPolicy::RemoveSystemsOnly;
+        schedule.remove_systems_in_set(SearchSet::Connect, world, cleanup).unwrap();
+        schedule
+    }
+}
 
 /// A deadline that no small problem should need.
 pub fn stop_within(seconds: u64) -> StopSignal {
