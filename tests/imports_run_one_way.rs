@@ -1,4 +1,4 @@
-//! Promise: no two files of a crate use each other, directly or through others; rooms and files stay small.
+//! Promise: no two files of a crate use each other, directly or through others; folders, files and functions stay small.
 
 #![allow(clippy::expect_used, reason = "a test that cannot go on says so")]
 
@@ -53,7 +53,7 @@ fn circles_are_found() {
 }
 
 #[test]
-fn rooms_and_files_stay_small() {
+fn folders_files_and_functions_stay_small() {
     let mut large = Vec::new();
     for folder in CRATES {
         measure(&root().join(folder), &mut large);

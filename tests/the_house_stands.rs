@@ -92,8 +92,8 @@ fn only_the_lanes_know_instruction_sets() {
     for folder in ["components/src", "systems/src", "systems/schedulers/src", "src", "benches", "examples"] {
         assert_absent(folder, &sets, &[]);
     }
-    for room in ["collision", "constrained_motion", "constraints", "kinematics", "linear", "nearest"] {
-        assert_absent(&format!("systems/kernels/src/{room}"), &sets, &[]);
+    for folder in ["collision", "constrained_motion", "constraints", "kinematics", "linear", "nearest"] {
+        assert_absent(&format!("systems/kernels/src/{folder}"), &sets, &[]);
     }
 }
 
@@ -148,15 +148,15 @@ fn features_bring_only_what_they_need() {
     }
 }
 
-/// A room that ARCHITECTURE.md does not mention is hard to find: every folder, and every file at the top of a crate.
+/// A folder that ARCHITECTURE.md does not mention is hard to find: every folder, and every file at the top of a crate.
 #[test]
-fn the_architecture_page_names_every_room() {
+fn the_architecture_page_names_every_folder() {
     let page = std::fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap();
     let is_part_of_word = |c: char| c.is_alphanumeric() || c == '_';
     let words: HashSet<&str> = page.split(|c: char| !is_part_of_word(c)).collect();
     let mut missing = Vec::new();
     for folder in ["components/src", "systems/src", "systems/kernels/src", "systems/schedulers/src", "src"] {
-        name_rooms(&root().join(folder), true, &mut |path, name| {
+        name_folders(&root().join(folder), true, &mut |path, name| {
             if !["lib", "main", "mod"].contains(&name) && !words.contains(name) {
                 missing.push(path.to_owned());
             }
@@ -166,14 +166,14 @@ fn the_architecture_page_names_every_room() {
 }
 
 /// Calls `named` with each folder below, and each file at the top.
-fn name_rooms(folder: &Path, at_top: bool, named: &mut dyn FnMut(&Path, &str)) {
+fn name_folders(folder: &Path, at_top: bool, named: &mut dyn FnMut(&Path, &str)) {
     for entry in std::fs::read_dir(folder).unwrap().map(Result::unwrap) {
         let path = entry.path();
         if path.is_dir() || at_top {
             named(&path, &path.file_stem().unwrap().to_string_lossy());
         }
         if path.is_dir() {
-            name_rooms(&path, false, named);
+            name_folders(&path, false, named);
         }
     }
 }

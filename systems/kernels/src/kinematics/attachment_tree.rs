@@ -51,7 +51,7 @@ impl AttachmentTree {
         tree
     }
 
-    /// Attaches an object on a carrier. Returns false, and changes nothing, where the object is carried already or would
+    /// Attaches an object to a carrier. Returns false, and changes nothing, where the object is carried already or would
     /// carry itself.
     ///
     /// # Panics
@@ -65,7 +65,7 @@ impl AttachmentTree {
         true
     }
 
-    /// Attaches the world on a body of a robot that flies freely; its root is then carried. Comes after all objects have been
+    /// Attaches the world to a body of a robot that flies freely; its root is then carried. Comes after all objects have been
     /// attached. Returns the robot's root, or `None`, and changes nothing, where a robot stands already, or the body is no
     /// foot: a root itself, or on nothing that flies freely.
     ///

@@ -1,6 +1,6 @@
 //! The same arithmetic on several numbers at once: eight `f64` or sixteen `f32` a vector, one source for every processor.
 //!
-//! Nothing outside this room names an instruction set. A kernel is a value with the data it works on, written once and
+//! Nothing outside this folder names an instruction set. A kernel is a value with the data it works on, written once and
 //! compiled for each [`Level`]; the level is chosen at run time.
 //!
 //! ```

@@ -2,7 +2,7 @@
 //!
 //! `settings` says what a certificate has to prove. `pair_at_sample` decides one pair at one sample, from its hulls, then its
 //! solids. `rigid_pairs` decides pairs whose relative pose a constraint keeps, by one query per motion. `scratch` holds the
-//! buffers of all collision queries, among them the hints that `pair_at_sample` keeps per pair. The rooms `discrete` and
+//! buffers of all collision queries, among them the hints that `pair_at_sample` keeps per pair. The folders `discrete` and
 //! `continuous` drive these queries.
 
 pub(crate) mod pair_at_sample;

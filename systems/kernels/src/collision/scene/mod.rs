@@ -6,7 +6,7 @@
 //! * `collision_scene` puts solids, joints and pairs together. It is immutable and holds for every leaf.
 //! * `body_chains` finds the joints above each body on one leaf, from the scene and its rigid attachments. `pair_set` uses them to select
 //!   the pairs that matter on that leaf.
-//! * `pair_query` computes clearance and containment of one pair. It builds on `collision_scene` and on the room `distance`;
+//! * `pair_query` computes clearance and containment of one pair. It builds on `collision_scene` and on the folder `distance`;
 //!   `adjacent` and `coverage` build on it.
 
 pub(crate) mod adjacent;

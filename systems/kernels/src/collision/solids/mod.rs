@@ -4,7 +4,7 @@
 //! bounding volumes. `mesh_building` builds it from the triangles or from a record: `triangle_order` sorts the triangles,
 //! `boxes` computes their boxes, `support_points` finds extreme points, `hull` makes the convex hull of them, `volumes` defines
 //! ball and capsule. `mesh_record` stores the costly findings and proves that a stored one holds. `mesh_inside` tests whether a
-//! closed mesh contains a point. Distances are not here; they are in the room `distance`.
+//! closed mesh contains a point. Distances are not here; they are in the folder `distance`.
 
 pub(crate) mod boxes;
 pub(crate) mod hull;

@@ -57,7 +57,7 @@ impl Kernel for Single<'_> {
 /// The jobs in single precision: what comes near enough is to be done in double precision, what fails has failed.
 struct First<'a, 'd, 'j> {
     jobs: &'a mut LaneJobs<'d, 'j>,
-    /// First job that nobody has looked at.
+    /// First job that was not taken yet.
     next: usize,
     /// Jobs with the steps that they have taken.
     todo: &'a mut Vec<(usize, u32)>,

@@ -4,7 +4,7 @@
 //! `Compiler` of `elimination`, which eliminates the objects and joints that they determine. `assembly` makes the program of
 //! what remains: blocks of rows, columns, moves and bounds, with the numbers that `numbering` gives to variables and rows.
 //! `constraint_program` defines the result, which is immutable; it reads arguments and checks configurations with the buffers of
-//! `scratch`. The room `newton` solves programs.
+//! `scratch`. The folder `newton` solves programs.
 
 pub(crate) mod assembly;
 pub(crate) mod checking;
