@@ -11,7 +11,7 @@ use foliate_components::constraint::{Constraint, Frame, Grasp, Reference, Relati
 use foliate_components::outcome::{Rejection, SearchOutcome, TransitionStatistics};
 use foliate_components::path::{Attachment, ManipulationPath};
 use foliate_components::pose::log_so3;
-use foliate_components::problem::{Goal, GraphOptions, ObjectOptions, Problem, Rule};
+use foliate_components::problem::{CostOptions, Goal, GraphOptions, ObjectOptions, Problem, Rule, TimingOptions};
 use foliate_components::roadmap::NodeId;
 use foliate_components::robot::{DisabledPair, GripperIndex, HandleIndex, PartIndex, Robot};
 use foliate_components::samples::models::{block, environment, fixed_robot, movable_object, seven_axis_arm, table};
@@ -127,6 +127,8 @@ impl Cell {
             margins: Vec::new(),
             start,
             goals: vec![Goal::Configuration(goal)],
+            timing: TimingOptions::default(),
+            cost: CostOptions::default(),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::Pose;
 use crate::pose::pose_to_array;
-use crate::problem::{Goal, GraphOptions, ObjectOptions, Problem, RestingPlane};
+use crate::problem::{CostOptions, Goal, GraphOptions, ObjectOptions, Problem, RestingPlane, TimingOptions};
 use crate::robot::JoinedLinks;
 use crate::robot::error::ComposeError;
 use crate::robot::hybrid_robot::{DisabledPair, Robot};
@@ -88,6 +88,8 @@ pub fn boxes_on_a_table(starts: &[(f64, f64)], goals: &[(f64, f64)]) -> Result<P
         margins: Vec::new(),
         start,
         goals: vec![Goal::Configuration(goal)],
+        timing: TimingOptions::default(),
+        cost: CostOptions::default(),
     })
 }
 

@@ -1,7 +1,7 @@
 //! Many arms and many boxes: graphs that are too large to list.
 
 use crate::Pose;
-use crate::problem::{Goal, GraphOptions, ObjectOptions, Problem};
+use crate::problem::{CostOptions, Goal, GraphOptions, ObjectOptions, Problem, TimingOptions};
 use crate::robot::error::ComposeError;
 use crate::robot::hybrid_robot::Robot;
 use crate::samples::boxes::{SIDE, neighbours, standing};
@@ -67,6 +67,8 @@ pub fn crowd(arms: u32, boxes: u32) -> Result<Problem, ComposeError> {
         margins: Vec::new(),
         start,
         goals: vec![Goal::Configuration(goal)],
+        timing: TimingOptions::default(),
+        cost: CostOptions::default(),
     })
 }
 

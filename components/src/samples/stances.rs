@@ -3,7 +3,10 @@
 use crate::Pose;
 use crate::constraint::kind::Constraint;
 use crate::constraint::{Frame, Reference, RelativePose, Row};
-use crate::problem::{Goal, GraphOptions, NamedConstraint, Problem, WrittenLeg, WrittenState, WrittenTransition};
+use crate::problem::{
+    CostOptions, Goal, GraphOptions, NamedConstraint, Problem, TimingOptions, WrittenLeg, WrittenState,
+    WrittenTransition,
+};
 use crate::robot::error::ComposeError;
 use crate::robot::hybrid_robot::Robot;
 use crate::robot::joint::JointType;
@@ -106,5 +109,15 @@ pub fn make_a_step() -> Result<Problem, ComposeError> {
         ..GraphOptions::default()
     };
     let (name, ignored_pairs, goals) = ("make a step".into(), neighbours(&robot), vec![Goal::Configuration(goal)]);
-    Ok(Problem { name, robot, graph, ignored_pairs, margins: Vec::new(), start, goals })
+    Ok(Problem {
+        name,
+        robot,
+        graph,
+        ignored_pairs,
+        margins: Vec::new(),
+        start,
+        goals,
+        timing: TimingOptions::default(),
+        cost: CostOptions::default(),
+    })
 }

@@ -10,7 +10,7 @@ use crate::scene::reading::keys::{File, Keys};
 use crate::scene::sources::follower_limits;
 use crate::scene::sources::package::PackagePath;
 use crate::scene::sources::source::{Place, SceneBase, folder_of, locate, sha256};
-use foliate_components::problem::Problem;
+use foliate_components::problem::{CostOptions, Problem, TimingOptions};
 use foliate_components::robot::{ComposeError, PartIndex, Robot};
 use std::collections::HashMap;
 use std::path::Path;
@@ -69,7 +69,17 @@ pub(crate) fn load(name: &str, text: &str, base: SceneBase, packages: &PackagePa
     let reader = configuration::Reader { locked: &graph.locked, ..reader };
     let goals = goal::read(&keys.required("goal")?, &reader, &start, &graph.constraints)?;
     keys.finish()?;
-    let problem = Problem { name: scene_name, robot, graph, ignored_pairs, margins, start, goals };
+    let problem = Problem {
+        name: scene_name,
+        robot,
+        graph,
+        ignored_pairs,
+        margins,
+        start,
+        goals,
+        timing: TimingOptions::default(),
+        cost: CostOptions::default(),
+    };
     let parts = parts.into_iter().map(|p| p.source).collect();
     loader.warnings.extend(loader.meshes.finish());
     Ok(Scene { problem, description, parts, warnings: loader.warnings, file: None })

@@ -101,7 +101,7 @@ fn segment(model: &PlanningModel, leaves: &LeafIndex, motion: &Motion, forward: 
     let leaf = leaves.leaf(motion.leaf);
     let transition = in_direction(model, motion.transition, forward);
     let (attachments, constraints) = (model.attachments(leaf, leaves), model.path_constraints(leaf, leaves));
-    Segment { transition, state: leaf.state, attachments, constraints, knots }
+    Segment { transition, state: leaf.state, attachments, constraints, knots, timing: None }
 }
 
 /// A node's own state, where no motion beside it lies in it: what is grasped on arrival and released at once is grasped, and
@@ -122,6 +122,7 @@ fn passed_through(
         attachments: model.attachments(leaf, leaves),
         constraints: model.path_constraints(leaf, leaves),
         knots: vec![knot.clone(), knot.clone()],
+        timing: None,
     })
 }
 

@@ -2,6 +2,8 @@
 
 use crate::Pose;
 use crate::constraint::kind::Constraint;
+use crate::problem::cost::CostOptions;
+use crate::problem::timing::TimingOptions;
 use crate::robot::error::CoordinateError;
 use crate::robot::hybrid_robot::{DisabledPair, Robot};
 use crate::robot::indices::{GripperIndex, HandleIndex, JointIndex, LinkIndex, PartIndex, SurfaceIndex};
@@ -25,6 +27,10 @@ pub struct Problem {
     pub start: Vec<f64>,
     /// At least one goal; reaching any of them solves the problem.
     pub goals: Vec<Goal>,
+    /// How fast joints may move, and how long hands take.
+    pub timing: TimingOptions,
+    /// What a path costs.
+    pub cost: CostOptions,
 }
 
 impl Problem {

@@ -1,4 +1,4 @@
-//! What a search answers: a manipulation path, leg by leg, with what holds along each and what was proven.
+//! A path and its segments: configurations, what holds along them, and what was proven.
 
 use crate::Pose;
 use crate::constraint::kind::Constraint;
@@ -28,6 +28,20 @@ pub struct Segment {
     pub constraints: Vec<PathConstraint>,
     /// Whole configurations, one row per knot, at least two.
     pub knots: Vec<Vec<f64>>,
+    /// When the knots are passed and how fast; `None` in a path without times. All segments of a path have it or none.
+    pub timing: Option<SegmentTiming>,
+}
+
+/// Makes a segment a curve over time. From knot k to the next every coordinate is the cubic Hermite polynomial through
+/// both positions and both velocities; the quaternion of a free-flyer is scaled to length 1 after that. Objects with a carrier
+/// follow it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SegmentTiming {
+    /// Seconds from the start of the path, one per knot, increasing. A segment begins when the one before ends.
+    pub times: Vec<f64>,
+    /// Derivatives of the coordinates by time, one row per knot and one number per coordinate (not per velocity coordinate: a
+    /// quaternion has four). Those of objects with a carrier are 0 and have no meaning.
+    pub velocities: Vec<Vec<f64>>,
 }
 
 /// A constraint that holds along a segment besides its attachments.

@@ -1,0 +1,11 @@
+//! What a planner answers: a manipulation path, segment by segment.
+//!
+//! `manipulation_path` holds configurations, times and what was proven. `events` finds where hands and objects meet and part.
+
+pub mod events;
+pub mod manipulation_path;
+
+pub use crate::path::events::{Event, EventKind, events};
+pub use crate::path::manipulation_path::{
+    Attachment, Certificate, ManipulationPath, PathConstraint, Segment, SegmentTiming,
+};

@@ -1,0 +1,15 @@
+//! A problem: what is to be moved where (`definition`), how fast joints may move and how long hands take (`timing`, `rate_limits`), and
+//! what a path costs (`cost`).
+
+pub mod cost;
+pub mod definition;
+pub mod rate_limits;
+pub mod timing;
+
+pub use crate::problem::cost::CostOptions;
+pub use crate::problem::definition::{
+    Goal, GraphOptions, JointRest, Margin, NamedConstraint, ObjectOptions, PartialGoal, Problem, RestingJoint,
+    RestingPlane, Rule, WrittenLeg, WrittenState, WrittenTransition,
+};
+pub use crate::problem::rate_limits::RateLimits;
+pub use crate::problem::timing::TimingOptions;
