@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "each test uses its part")]
 
 pub mod skip;
+pub mod timed;
 
 use foliate::scene::PackagePath;
 use skip::{Needs, skipped};
