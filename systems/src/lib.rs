@@ -14,6 +14,7 @@ pub mod events;
 pub mod exploration;
 pub mod goals;
 pub mod heuristic;
+pub mod improvement;
 pub mod planning_model;
 pub mod runtime;
 pub mod schedule;

@@ -1,0 +1,162 @@
+//! The segments of a path in a form that can be changed: each a motion on one leaf, with what the leaf requires.
+
+use crate::planning_model::model::Model;
+use crate::planning_model::state_classification::parameters_of;
+use foliate_components::Pose;
+use foliate_components::candidate::LegParameter;
+use foliate_components::graph::leaf::{Leaf, LeafIndex, Parameter};
+use foliate_components::graph::{StateId, TransitionId, TransitionKind};
+use foliate_components::path::{ManipulationPath, Segment};
+use foliate_components::pose::log_so3;
+use foliate_kernels::kinematics::RigidAttachment;
+
+/// Values of foliating constraints that differ by less are of one leaf: metres and radians.
+const SAME_LEAF: f64 = 1e-6;
+
+/// A motion on one leaf.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeafMotion {
+    /// The transition that is travelled, in the direction of travel.
+    pub transition: TransitionId,
+    /// The state in which the motion lies.
+    pub state: StateId,
+    /// The values of the state's foliating constraints.
+    pub parameters: Vec<Parameter>,
+    /// What carries each object.
+    pub rigid_attachments: Vec<RigidAttachment>,
+    /// Right-hand sides of the implicit rows; empty where there are none.
+    pub arguments: Vec<Pose>,
+    /// Whether implicit rows keep the motion on its leaf. Its knots are dense then.
+    pub is_implicit: bool,
+    /// Whole configurations, end to end.
+    pub knots: Vec<f64>,
+    /// Proven bound of the residual of implicit rows, metres and radians.
+    pub residual: f64,
+    /// Whether its first knot is a waypoint of its transition, such as a pregrasp. The path has to pass waypoints.
+    pub starts_at_waypoint: bool,
+}
+
+impl LeafMotion {
+    /// The motions of a path. Motions that follow one another on one leaf become one, except at waypoints. `None` where a
+    /// constraint of a state does not compile.
+    #[must_use]
+    pub fn of_path(model: &Model, path: &ManipulationPath) -> Option<Vec<Self>> {
+        let mut before = None;
+        let motion = |segment: &Segment| {
+            let is_loop = model.graph.transition(segment.transition).kind == TransitionKind::Loop;
+            let starts_at_waypoint = !is_loop && before == Some(segment.transition);
+            before = Some(segment.transition);
+            let residual = path.certificate.max_residual;
+            Some(Self { starts_at_waypoint, residual, ..Self::of_segment(model, segment)? })
+        };
+        path.segments.iter().map(motion).collect::<Option<Vec<_>>>().map(|motions| merged(model, motions))
+    }
+
+    fn of_segment(model: &Model, segment: &Segment) -> Option<Self> {
+        let (q, state) = (segment.knots.first()?, segment.state);
+        let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
+        model.kinematics.forward(q, &mut X_WJ);
+        let parameters = parameters_of(model, state, q, &X_WJ);
+        let value = |constraint| parameters.iter().find(|p| p.constraint == constraint);
+        let rigid_attachments = model.rigid_attachments(state, value);
+        let interior = model.interior_program(state).ok()?;
+        let is_implicit = interior.program.rows() > 0;
+        let fresh: Vec<_> = parameters.iter().map(|p| LegParameter::Fresh(*p)).collect();
+        let arguments = match is_implicit {
+            true => interior.arguments(model, &LeafIndex::default(), state, &fresh, None),
+            false => Vec::new(),
+        };
+        Some(Self {
+            transition: segment.transition,
+            state,
+            parameters,
+            rigid_attachments,
+            arguments,
+            is_implicit,
+            knots: segment.knots.concat(),
+            residual: 0.0,
+            starts_at_waypoint: false,
+        })
+    }
+
+    /// Whether another motion lies on the same leaf.
+    #[must_use]
+    pub fn is_on_leaf_of(&self, other: &Self) -> bool {
+        let near = |(a, b): (&Parameter, &Parameter)| {
+            let turn = log_so3(a.value.rotation.conjugate() * b.value.rotation).length();
+            a.constraint == b.constraint
+                && a.carrier == b.carrier
+                && a.value.translation.distance(b.value.translation) <= SAME_LEAF
+                && turn <= SAME_LEAF
+        };
+        self.state == other.state && self.parameters.iter().zip(&other.parameters).all(near)
+    }
+
+    /// The first configuration.
+    #[must_use]
+    pub fn start(&self, size: usize) -> &[f64] {
+        &self.knots[..size]
+    }
+
+    /// The last configuration.
+    #[must_use]
+    pub fn end(&self, size: usize) -> &[f64] {
+        &self.knots[self.knots.len() - size..]
+    }
+
+    /// The motion that stands still at a configuration of the same leaf.
+    #[must_use]
+    pub fn standing_still(&self, q: &[f64]) -> Self {
+        Self { knots: [q, q].concat(), residual: 0.0, ..self.clone() }
+    }
+
+    /// The leaf, in an index of its own.
+    #[must_use]
+    pub fn leaf(&self) -> (Leaf, LeafIndex) {
+        let mut leaves = LeafIndex::default();
+        let parameters = self.parameters.iter().map(|p| leaves.add_parameter(*p)).collect();
+        (Leaf { state: self.state, parameters }, leaves)
+    }
+
+    /// The segment of a path.
+    #[must_use]
+    pub fn segment(&self, model: &Model) -> Segment {
+        let (leaf, leaves) = self.leaf();
+        Segment {
+            transition: self.transition,
+            state: self.state,
+            attachments: model.attachments(&leaf, &leaves),
+            constraints: model.path_constraints(&leaf, &leaves),
+            knots: self.knots.chunks_exact(model.problem.robot.space.size()).map(<[f64]>::to_vec).collect(),
+            timing: None,
+        }
+    }
+}
+
+/// Motions that follow one another on one leaf become one, except at waypoints.
+#[must_use]
+pub fn merged(model: &Model, motions: Vec<LeafMotion>) -> Vec<LeafMotion> {
+    // Margins depend on the transition: where there are any, motions of two transitions stay apart.
+    let has_margins = !model.problem.margins.is_empty();
+    let size = model.problem.robot.space.size();
+    let mut all: Vec<LeafMotion> = Vec::with_capacity(motions.len());
+    for motion in motions {
+        let is_loop = model.graph.transition(motion.transition).kind == TransitionKind::Loop;
+        match all.last_mut() {
+            Some(last) if !has_margins && !motion.starts_at_waypoint && last.is_on_leaf_of(&motion) => {
+                last.transition = if is_loop { last.transition } else { motion.transition };
+                last.residual = last.residual.max(motion.residual);
+                last.knots.extend_from_slice(&motion.knots[size..]);
+            }
+            _ => all.push(motion),
+        }
+    }
+    all
+}
+
+/// How many grasps and releases there are between two motions: at each of them the robot stands still.
+#[must_use]
+pub fn grasp_changes(model: &Model, before: &LeafMotion, after: &LeafMotion) -> usize {
+    let (had, has) = (&model.graph.state(before.state).grasps, &model.graph.state(after.state).grasps);
+    had.iter().filter(|grasp| !has.contains(grasp)).count() + has.iter().filter(|grasp| !had.contains(grasp)).count()
+}
