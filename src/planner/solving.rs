@@ -227,9 +227,14 @@ impl Planner {
         let deadline = self.time_limit.and_then(|limit| Instant::now().checked_add(limit));
         let memory = self.memory_limit.map(MemoryLimit::guard);
         let stop = StopSignal { deadline, token: self.token.clone(), memory };
-        let mut settings = self.settings.clone();
-        settings.max_bytes = self.memory_limit.map_or(u64::MAX, |limit| limit.counted(1)).min(settings.max_bytes);
-        Search::new(&self.model, self.scheduler.as_ref(), settings, stop, self.events.of_solve(solve))
+        let events = self.events.of_solve(solve);
+        Search::new(&self.model, self.scheduler.as_ref(), self.search_settings(), stop, events)
+    }
+
+    /// The settings of a search, within the limit of memory.
+    fn search_settings(&self) -> SearchSettings {
+        let most = self.memory_limit.map_or(u64::MAX, |limit| limit.counted(1));
+        self.settings.clone().with(|s| s.max_bytes = s.max_bytes.min(most))
     }
 
     /// Solves on the rayon pool in which it is called (the global one outside of any).
@@ -277,7 +282,7 @@ impl Planner {
         let memory = self.memory_limit.map(MemoryLimit::guard);
         let stop = StopSignal { deadline, token: self.token.clone(), memory };
         let (model, path, improvement) =
-            self.refinement.improve((model, path), &self.scheduler, &self.settings, report.steps, stop);
+            self.refinement.improve((model, path), &self.scheduler, &self.search_settings(), report.steps, stop);
         report.improvement = improvement;
         (model, path)
     }

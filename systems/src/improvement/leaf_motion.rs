@@ -1,11 +1,11 @@
 //! The segments of a path in a form that can be changed: each a motion on one leaf, with what the leaf requires.
 
 use crate::planning_model::model::Model;
-use crate::planning_model::state_classification::parameters_of;
+use crate::planning_model::state_classification::{parameters_of, residual};
 use foliate_components::Pose;
 use foliate_components::candidate::LegParameter;
 use foliate_components::graph::leaf::{Leaf, LeafIndex, Parameter};
-use foliate_components::graph::{StateId, TransitionId, TransitionKind};
+use foliate_components::graph::{ConstraintId, StateId, TransitionId, TransitionKind};
 use foliate_components::path::{ManipulationPath, Segment};
 use foliate_components::pose::log_so3;
 use foliate_kernels::kinematics::RigidAttachment;
@@ -32,7 +32,8 @@ pub struct LeafMotion {
     pub knots: Vec<f64>,
     /// Proven bound of the residual of implicit rows, metres and radians.
     pub residual: f64,
-    /// Whether its first knot is a waypoint of its transition, such as a pregrasp. The path has to pass waypoints.
+    /// Whether its first knot is a waypoint of its transition on the leaf of the motion before, such as a pregrasp. The path has to
+    /// pass waypoints.
     pub starts_at_waypoint: bool,
 }
 
@@ -41,15 +42,17 @@ impl LeafMotion {
     /// constraint of a state does not compile.
     #[must_use]
     pub fn of_path(model: &Model, path: &ManipulationPath) -> Option<Vec<Self>> {
-        let mut before = None;
-        let motion = |segment: &Segment| {
-            let is_loop = model.graph.transition(segment.transition).kind == TransitionKind::Loop;
-            let starts_at_waypoint = !is_loop && before == Some(segment.transition);
-            before = Some(segment.transition);
-            let residual = path.certificate.max_residual;
-            Some(Self { starts_at_waypoint, residual, ..Self::of_segment(model, segment)? })
-        };
-        path.segments.iter().map(motion).collect::<Option<Vec<_>>>().map(|motions| merged(model, motions))
+        let mut motions: Vec<Self> = Vec::with_capacity(path.segments.len());
+        for segment in &path.segments {
+            let motion = Self { residual: path.certificate.max_residual, ..Self::of_segment(model, segment)? };
+            let is_waypoint = |last: &Self| {
+                last.is_on_leaf_of(&motion)
+                    && is_waypoint(model, &segment.knots[0], [last.transition, motion.transition])
+            };
+            let starts_at_waypoint = motions.last().is_some_and(is_waypoint);
+            motions.push(Self { starts_at_waypoint, ..motion });
+        }
+        Some(merged(model, motions))
     }
 
     fn of_segment(model: &Model, segment: &Segment) -> Option<Self> {
@@ -132,6 +135,24 @@ impl LeafMotion {
         }
     }
 }
+
+/// Whether a configuration is a waypoint of some transitions, travelled in either direction. A path does not say of which leg its
+/// motions are, and the first leg may be a motion that was planned by itself.
+fn is_waypoint(model: &Model, q: &[f64], transitions: [TransitionId; 2]) -> bool {
+    let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
+    model.kinematics.forward(q, &mut X_WJ);
+    let both_directions = |id: TransitionId| [Some(id), model.graph.transition(id).reverse];
+    transitions.into_iter().flat_map(both_directions).flatten().any(|id| {
+        let legs = &model.graph.transition(id).legs;
+        legs[..legs.len().saturating_sub(1)].iter().any(|leg| {
+            let holds = |&target: &ConstraintId| residual(model, target, q, &X_WJ) <= AT_WAYPOINT;
+            !leg.target.is_empty() && leg.target.iter().all(holds)
+        })
+    })
+}
+
+/// Residual at which a waypoint's constraints hold, metres and radians.
+const AT_WAYPOINT: f64 = 1e-5;
 
 /// Motions that follow one another on one leaf become one, except at waypoints.
 #[must_use]
