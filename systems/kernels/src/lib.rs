@@ -9,6 +9,7 @@
 pub mod collision;
 pub mod constrained_motion;
 pub mod constraints;
+pub mod curve;
 pub mod kinematics;
 pub mod lanes;
 pub mod linear;
