@@ -14,6 +14,7 @@ use foliate_systems::improvement::{ImprovementSettings, PathCost};
 use foliate_systems::planning_model::{Model, ModelError, PlanningModel, ProblemTables};
 use foliate_systems::search::Search;
 use foliate_systems::settings::SearchSettings;
+use foliate_systems::trajectory::timed_path;
 use std::any::Any;
 use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -284,7 +285,16 @@ impl Planner {
         let (model, path, improvement) =
             self.refinement.improve((model, path), &self.scheduler, &self.search_settings(), report.steps, stop);
         report.improvement = improvement;
-        (model, path)
+        let started = Instant::now();
+        let timed = timed_path(&model, &self.settings, &path);
+        report.timing_time = started.elapsed();
+        match timed {
+            Ok(timed) => (model, timed),
+            Err(error) => {
+                report.untimed = Some(error);
+                (model, path)
+            }
+        }
     }
 
     /// The answer of a solve that has no search to report on.

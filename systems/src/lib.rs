@@ -21,3 +21,4 @@ pub mod schedule;
 pub mod search;
 pub mod settings;
 pub mod step;
+pub mod trajectory;

@@ -8,7 +8,7 @@ use crate::search::path_extraction::unwrap_coordinates;
 use crate::settings::SearchSettings;
 use foliate_components::Pose;
 use foliate_kernels::collision::CollisionScratch;
-use foliate_kernels::constrained_motion::MotionScratch;
+use foliate_kernels::constrained_motion::{MotionScratch, Scratch};
 use foliate_kernels::kinematics::RigidAttachment;
 
 /// What every change reads.
@@ -25,6 +25,7 @@ pub(crate) struct Context<'a> {
 pub struct ImprovementScratch {
     pub(crate) collision: CollisionScratch,
     pub(crate) motion: MotionScratch,
+    pub(crate) solve: Scratch,
 }
 
 impl Context<'_> {

@@ -55,7 +55,7 @@ impl LeafMotion {
         Some(merged(model, motions))
     }
 
-    fn of_segment(model: &Model, segment: &Segment) -> Option<Self> {
+    pub(crate) fn of_segment(model: &Model, segment: &Segment) -> Option<Self> {
         let (q, state) = (segment.knots.first()?, segment.state);
         let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
         model.kinematics.forward(q, &mut X_WJ);
@@ -85,6 +85,12 @@ impl LeafMotion {
     /// Whether another motion lies on the same leaf.
     #[must_use]
     pub fn is_on_leaf_of(&self, other: &Self) -> bool {
+        self.state == other.state && self.has_parameters(&other.parameters)
+    }
+
+    /// Whether the leaf has these values of the state's foliating constraints.
+    #[must_use]
+    pub fn has_parameters(&self, parameters: &[Parameter]) -> bool {
         let near = |(a, b): (&Parameter, &Parameter)| {
             let turn = log_so3(a.value.rotation.conjugate() * b.value.rotation).length();
             a.constraint == b.constraint
@@ -92,7 +98,7 @@ impl LeafMotion {
                 && a.value.translation.distance(b.value.translation) <= SAME_LEAF
                 && turn <= SAME_LEAF
         };
-        self.state == other.state && self.parameters.iter().zip(&other.parameters).all(near)
+        self.parameters.iter().zip(parameters).all(near)
     }
 
     /// The first configuration.

@@ -2,7 +2,7 @@
 //!
 //! A path is a list of motions on leaves (`leaf_motion`) with a `cost`. Every round draws proposals (`proposal`), evaluates them in
 //! parallel and commits those that make the path cheaper (`systems`). A proposal is a `shortcut` of a motion, a `limb_shortcut` of
-//! some coordinates (`limbs`), or a stretch that is planned again (`replan`). `session` is what a host embeds, with its `settings`
+//! some coordinates (`limbs`), a `waypoint_move` of a grasp, or a stretch that is planned again (`replan`). `session` is what a host embeds, with its `settings`
 //! and `progress`.
 
 pub(crate) mod context;
@@ -17,6 +17,7 @@ pub mod session;
 pub mod settings;
 pub(crate) mod shortcut;
 pub mod systems;
+pub(crate) mod waypoint_move;
 
 pub use crate::improvement::cost::PathCost;
 pub use crate::improvement::progress::{ImprovementEnding, Progress};

@@ -38,6 +38,8 @@ pub struct Changes {
     pub shortcuts: u64,
     /// Shortcuts of some coordinates.
     pub limb_shortcuts: u64,
+    /// Grasp changes whose waypoints were moved.
+    pub waypoint_moves: u64,
     /// Stretches that were planned again.
     pub replanned: u64,
 }
@@ -85,6 +87,7 @@ impl Changes {
         match attempt {
             Some(Attempt::Shortcut(_)) => self.shortcuts += 1,
             Some(Attempt::LimbShortcut) => self.limb_shortcuts += 1,
+            Some(Attempt::WaypointMove) => self.waypoint_moves += 1,
             Some(Attempt::Replan { .. }) => self.replanned += 1,
             None => {}
         }

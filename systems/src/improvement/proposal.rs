@@ -49,6 +49,8 @@ pub enum Attempt {
     Shortcut(usize),
     /// A straight line of some coordinates, whatever the others do.
     LimbShortcut,
+    /// Other configurations for the waypoints of a grasp change.
+    WaypointMove,
     /// Another search between the ends of these motions, of at most so many steps.
     Replan {
         /// The motions that it replaces.

@@ -13,15 +13,24 @@ pub struct ImprovementSettings {
     pub proposals: usize,
     /// The share of the work that goes into planning stretches again.
     pub replanning_share: f64,
-    /// Of shortcuts: how often some coordinates alone are shortened.
+    /// How often some coordinates alone are shortened, of all that is not planned again.
     pub limb_probability: f64,
+    /// How often the waypoints of a grasp change are moved, of all that is not planned again. The rest are shortcuts of all coordinates.
+    pub waypoint_probability: f64,
     /// Steps of the first search, by which the length of the others is measured.
     pub first_steps: u64,
 }
 
 impl Default for ImprovementSettings {
     fn default() -> Self {
-        Self { max_work: 3000, proposals: 8, replanning_share: 0.5, limb_probability: 0.5, first_steps: 16 }
+        Self {
+            max_work: 3000,
+            proposals: 8,
+            replanning_share: 0.5,
+            limb_probability: 0.3,
+            waypoint_probability: 0.4,
+            first_steps: 16,
+        }
     }
 }
 

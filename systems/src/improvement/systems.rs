@@ -10,7 +10,7 @@ use crate::improvement::progress::{ImprovementEnding, Milestone, Progress};
 use crate::improvement::proposal::{Attempt, Change, Incumbent, Proposal};
 use crate::improvement::replan::{Replanning, replan};
 use crate::improvement::settings::ImprovementSettings;
-use crate::improvement::shortcut;
+use crate::improvement::{shortcut, waypoint_move};
 use crate::planning_model::model::PlanningModel;
 use crate::runtime::parallel::each;
 use crate::runtime::random::{Purpose, stream};
@@ -54,8 +54,16 @@ pub fn propose(
                 planned_work += max_steps * search.candidates as u64;
                 Attempt::Replan { range, max_steps }
             }
-            None if rng.random_bool(settings.limb_probability) => Attempt::LimbShortcut,
-            None => Attempt::Shortcut(draw_motion(&incumbent.motions, &mut rng)),
+            None => {
+                let drawn: f64 = rng.random_range(0.0..1.0);
+                if drawn < settings.limb_probability {
+                    Attempt::LimbShortcut
+                } else if drawn < settings.limb_probability + settings.waypoint_probability {
+                    Attempt::WaypointMove
+                } else {
+                    Attempt::Shortcut(draw_motion(&incumbent.motions, &mut rng))
+                }
+            }
         });
     }
 }
@@ -155,6 +163,11 @@ fn evaluate_one(
         Some(Attempt::LimbShortcut) => {
             proposal.work = 1;
             let changed = limb_shortcut::attempt(context, motions, incumbent.cost, rng, scratch);
+            (changed.map(|changed| (changed.range, changed.motions)), None)
+        }
+        Some(Attempt::WaypointMove) => {
+            proposal.work = 1;
+            let changed = waypoint_move::attempt(context, motions, incumbent.cost, rng, scratch);
             (changed.map(|changed| (changed.range, changed.motions)), None)
         }
         Some(Attempt::Replan { range, max_steps }) => {

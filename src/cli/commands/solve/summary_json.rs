@@ -4,7 +4,7 @@ use crate::cli::commands::solve::answer::Answer;
 use crate::cli::commands::solve::arguments::SearchArguments;
 use crate::cli::commands::solve::coverage;
 use crate::cli::commands::solve::summary::{Loaded, name};
-use foliate::components::path::events;
+use foliate::components::path::{ManipulationPath, events};
 use foliate::planner::{CostRow, ImprovementReport};
 use foliate::schedulers::portfolio::MemberCount;
 use foliate::{FunnelRow, GoalReport, NoSolutionReason, StateRow};
@@ -61,6 +61,9 @@ pub(crate) fn json(loaded: &Loaded<'_>, search: &SearchArguments, answer: &Answe
         "segments": answer.path().map(|p| p.segments.len()),
         "path_length": report.path_length,
         "grasp_changes": answer.path().map(|path| events(path).len()),
+        "duration": answer.path().and_then(ManipulationPath::duration),
+        "timing_ms": report.timing_time.as_secs_f64() * 1e3,
+        "untimed": report.untimed.as_ref().map(ToString::to_string),
         "improvement": report.improvement.as_ref().map(improvement_json),
         "roadmap": format!("{:016x}", report.fingerprint),
         "funnel": funnel,
@@ -82,6 +85,7 @@ fn improvement_json(report: &ImprovementReport) -> Value {
         "ms": report.time.as_secs_f64() * 1e3,
         "shortcuts": report.changes.shortcuts,
         "limb_shortcuts": report.changes.limb_shortcuts,
+        "waypoint_moves": report.changes.waypoint_moves,
         "replanned": report.changes.replanned,
         "stopped": report.stopped,
         "history": report.history.iter().map(row).collect::<Vec<_>>(),
