@@ -14,4 +14,3 @@ pub mod kinematics;
 pub mod lanes;
 pub mod linear;
 pub mod nearest;
-pub mod trajectory;

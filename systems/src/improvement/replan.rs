@@ -3,8 +3,10 @@
 
 use crate::events::{EventSink, StopSignal};
 use crate::improvement::context::{Context, ImprovementScratch};
+use crate::improvement::cost::path_cost;
 use crate::improvement::leaf_motion::LeafMotion;
-use crate::improvement::shortcut;
+use crate::improvement::limb_shortcut::{self, Changed};
+use crate::improvement::{shortcut, waypoint_move};
 use crate::planning_model::model::PlanningModel;
 use crate::planning_model::state_classification::Feasible;
 use crate::search::Search;
@@ -31,8 +33,14 @@ pub(crate) struct Replanned {
     pub work: u64,
 }
 
-/// Shortcuts tried per motion of a new path.
-const SHORTCUTS: usize = 12;
+/// Changes that are tried per motion of a new path in one round.
+const CHANGES: usize = 12;
+
+/// Rounds of a new path that comes close to the one that it is to replace.
+const ROUNDS: usize = 4;
+
+/// How much more it may cost to come close.
+const CLOSE: f64 = 1.3;
 
 /// Plans the motions of a range again.
 pub(crate) fn replan(
@@ -72,17 +80,47 @@ pub(crate) fn replan(
         stay_on_leaves_of_ends(context.size(), &motions[range.clone()], &mut found);
     }
     let context = Context { model: &replanned.model, ..*context };
-    let attempts = SHORTCUTS * found.len();
-    for _ in 0..attempts {
-        let index = rng.random_range(0..found.len());
-        if let Some(shorter) = shortcut::attempt(&context, &found[index], rng, scratch) {
-            found[index] = shorter;
-        }
-    }
-    replanned.work += attempts as u64;
+    let stretch = path_cost(context.cost, context.model, &motions[range.clone()]);
+    replanned.work += polish(&context, &mut found, (stretch, how.stop), rng, scratch);
     found[0].starts_at_waypoint = motions[range.start].starts_at_waypoint;
     replanned.motions = Some(found);
     replanned
+}
+
+/// Makes a new path shorter, so that it can be compared with one that has been made shorter for long: a round of changes, and further
+/// ones while it comes close to `cost`. Returns how many changes were tried.
+fn polish(
+    context: &Context<'_>,
+    motions: &mut Vec<LeafMotion>,
+    (cost, stop): (f64, &StopSignal),
+    rng: &mut impl Rng,
+    scratch: &mut ImprovementScratch,
+) -> u64 {
+    let mut work = 0;
+    let mut own = path_cost(context.cost, context.model, motions);
+    for round in 0..ROUNDS {
+        if stop.is_raised() || (round > 0 && (own > CLOSE * cost || own < cost)) {
+            break;
+        }
+        for _ in 0..CHANGES * motions.len() {
+            work += 1;
+            let change = match rng.random_range(0..3) {
+                0 => {
+                    let index = rng.random_range(0..motions.len());
+                    let shorter = shortcut::attempt(context, &motions[index], rng, scratch);
+                    shorter.map(|shorter| Changed { range: index..index + 1, motions: vec![shorter] })
+                }
+                1 => limb_shortcut::attempt(context, motions, own, rng, scratch),
+                _ => waypoint_move::attempt(context, motions, own, rng, scratch),
+            };
+            if let Some(Changed { range, motions: changed }) = change {
+                motions.splice(range, changed);
+                context.unwrap(motions);
+                own = path_cost(context.cost, context.model, motions);
+            }
+        }
+    }
+    work
 }
 
 /// A path may leave the leaf of its first configuration at once, or reach that of its last one on arrival. The stretch keeps both, by

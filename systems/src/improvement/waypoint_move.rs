@@ -102,7 +102,58 @@ fn draw_steps(motion: &LeafMotion, size: usize, rng: &mut impl Rng) -> usize {
     if rng.random_bool(0.5) { 1 } else { rng.random_range(1..knots.max(2)) }
 }
 
-/// The knots of a chain, moved towards its neighbours and projected again.
+/// Where the waypoints of a chain are wanted.
+enum Wish {
+    /// Every one of them is moved by this.
+    All(Vec<f64>),
+    /// One coordinate goes by this share of the way to a value.
+    One { coordinate: usize, value: f64, share: f64 },
+}
+
+impl Wish {
+    fn of(&self, was: &[f64]) -> Vec<f64> {
+        let mut q = was.to_vec();
+        match self {
+            Self::All(by) => q.iter_mut().zip(by).for_each(|(q, by)| *q += by),
+            Self::One { coordinate, value, share } => q[*coordinate] += share * (value - was[*coordinate]),
+        }
+        q
+    }
+
+    /// A projection moves all coordinates. What one of them is to be is asked for again so often.
+    fn rounds(&self) -> usize {
+        if matches!(self, Self::All(_)) { 1 } else { 3 }
+    }
+}
+
+/// Half of the time all coordinates are drawn towards the neighbours, else the coordinate that takes longest on one of the ways.
+fn draw_wish(context: &Context<'_>, stops: &[&[f64]], rng: &mut impl Rng) -> Wish {
+    let (before, behind) = (stops[0], stops[stops.len() - 1]);
+    let (first, last) = (stops[1], stops[stops.len() - 2]);
+    if rng.random_bool(0.5) {
+        let shares = [(); 2].map(|()| rng.random_range(0.0..0.7));
+        let by = |i: usize| shares[0] * (before[i] - first[i]) + shares[1] * (behind[i] - last[i]);
+        let mut by: Vec<f64> = (0..context.size()).map(by).collect();
+        keep_rotations(context, &mut by);
+        return Wish::All(by);
+    }
+    let piece = rng.random_range(0..stops.len() - 1);
+    let coordinate = slowest(context, stops[piece], stops[piece + 1]).unwrap_or(0);
+    let value = [before, first, last, behind][rng.random_range(0..4)][coordinate];
+    Wish::One { coordinate, value, share: rng.random_range(0.3..1.0) }
+}
+
+/// The joint whose way alone is the longest.
+fn slowest(context: &Context<'_>, a: &[f64], b: &[f64]) -> Option<usize> {
+    let way = |&i: &usize| {
+        let mut moved = a.to_vec();
+        moved[i] = b[i];
+        context.way(&[a, &moved])
+    };
+    context.limbs.joints.iter().copied().max_by(|x, y| way(x).total_cmp(&way(y)))
+}
+
+/// The knots of a chain, moved as is wished and projected again.
 fn moved_knots(
     context: &Context<'_>,
     motions: &[LeafMotion],
@@ -112,21 +163,21 @@ fn moved_knots(
     scratch: &mut ImprovementScratch,
 ) -> Option<Vec<Vec<f64>>> {
     let size = context.size();
-    let (first, last) = (motions[*chain.start()].start(size), motions[*chain.end()].start(size));
-    let shares = [(); 2].map(|()| rng.random_range(0.0..0.7));
-    let mut by: Vec<f64> =
-        (0..size).map(|i| shares[0] * (before[i] - first[i]) + shares[1] * (behind[i] - last[i])).collect();
-    keep_rotations(context, &mut by);
+    let knots = chain.clone().map(|index| motions[index].start(size));
+    let stops: Vec<&[f64]> = [before].into_iter().chain(knots).chain([behind]).collect();
+    let wish = draw_wish(context, &stops, rng);
     let mut moved: Vec<Vec<f64>> = Vec::new();
     for index in chain {
-        let was = motions[index].start(size);
         // A motion that stands still begins and ends at one configuration.
         if let Some(known) = moved.last().filter(|_| is_still(&motions[index - 1])) {
             moved.push(known.clone());
             continue;
         }
-        let target: Vec<f64> = was.iter().zip(&by).map(|(q, by)| q + by).collect();
-        moved.push(projected(context, motions, index, &target, scratch)?);
+        let mut q = motions[index].start(size).to_vec();
+        for _ in 0..wish.rounds() {
+            q = projected(context, motions, index, &wish.of(&q), scratch)?;
+        }
+        moved.push(q);
     }
     Some(moved)
 }
