@@ -183,7 +183,11 @@ fn one_line_is_a_trapezoid() {
         let (v, a) = (least(&given.velocity), least(&given.acceleration));
         let known = if v * v >= a { 2.0 / a.sqrt() } else { 1.0 / v + v / a };
         let curve = timed(&line(&by), &given).unwrap().curve;
-        assert!((curve.extent() / known - 1.0).abs() < 1e-9, "{} {known}", curve.extent());
+        // A phase of full speed that is shorter than 2 ms or 1 % is drawn out: rates of shorter pieces are uncertain.
+        let full_speed = if v * v >= a { 0.0 } else { 1.0 / v - v / a };
+        let drawn_out = full_speed > 0.0 && full_speed < f64::min(2e-3, 0.01 / v);
+        let most = if drawn_out { 1e-4 } else { 1e-9 };
+        assert!((curve.extent() / known - 1.0).abs() < most, "{} {known}", curve.extent());
         assert!(curve.len() <= 4);
         shapes[usize::from(v * v >= a)] += 1;
     }
@@ -216,7 +220,8 @@ fn larger_limits_take_no_longer() {
         let mut faster = given.clone();
         faster.velocity.iter_mut().for_each(|v| *v *= 2.0);
         faster.acceleration.iter_mut().for_each(|a| *a *= 4.0);
-        assert!((duration(&faster) - 0.5 * first).abs() < 1e-9 * first);
+        // Phases that would be shorter than 2 ms are other ones.
+        assert!((duration(&faster) - 0.5 * first).abs() < 1e-4 * first, "{} {first}", duration(&faster));
         // Another grid may lose what its intervals lose.
         let mut larger = given.clone();
         let one = random.random_range(0..size);

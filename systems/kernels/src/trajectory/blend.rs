@@ -63,7 +63,7 @@ pub fn blend_corner(corner: [&[f64]; 3], radius: f64, velocity: &[f64], out: &mu
         if !(length > 0.0 && length.is_finite()) {
             return Err(BlendError::NoLength { knot: edge });
         }
-        if !(radius <= length) {
+        if radius.is_nan() || radius < 0.0 || radius > length {
             return Err(BlendError::Overlap { edge, radii: radius, length });
         }
     }
@@ -102,8 +102,9 @@ pub fn blend_polyline(knots: &[f64], radii: &[f64], velocity: &[f64], out: &mut 
         return Err(BlendError::Lengths);
     }
     let knot = |k: usize| &knots[k * size..][..size];
-    for k in 0..count {
-        if knot(k).iter().any(|x| !x.is_finite()) || !(radii[k] >= 0.0) || velocity.iter().any(|v| !(*v >= 0.0)) {
+    let no_limit = |limit: &f64| limit.is_nan() || *limit < 0.0;
+    for (k, radius) in radii.iter().enumerate() {
+        if knot(k).iter().any(|x| !x.is_finite()) || no_limit(radius) || velocity.iter().any(no_limit) {
             return Err(BlendError::NotFinite { knot: k });
         }
     }

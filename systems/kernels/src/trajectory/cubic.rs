@@ -114,7 +114,7 @@ impl Cubic {
         let (a, b, c) = (0.5 * (a1 - a0), a0, self.velocities[0] / self.width);
         let square = b * b - 4.0 * a * c;
         // Not a number counts as none: positions that are not finite have no range.
-        if !(square >= 0.0) {
+        if square.is_nan() || square < 0.0 {
             return [None, None];
         }
         let twice = -(b + square.sqrt().copysign(b));

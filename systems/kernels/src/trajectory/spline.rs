@@ -178,8 +178,7 @@ impl Spline {
         let inner = &self.parameters[1..self.len() - 1];
         let piece = inner.partition_point(|p| *p <= parameter);
         let u = (parameter - self.parameters[piece]) / self.width(piece);
-        // Not a number means the start.
-        (piece, u.max(0.0).min(1.0))
+        (piece, if u.is_nan() { 0.0 } else { u.clamp(0.0, 1.0) })
     }
 
     /// Writes the configuration at `u` in [0, 1] of a piece.

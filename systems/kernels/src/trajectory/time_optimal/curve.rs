@@ -5,6 +5,7 @@ use crate::trajectory::time_optimal::counted::Counted;
 use crate::trajectory::time_optimal::grid::Grid;
 use crate::trajectory::time_optimal::layout::Interval;
 use crate::trajectory::time_optimal::passes::Profile;
+use crate::trajectory::time_optimal::straight::Straight;
 
 /// A curve over time, and where its knots lie on the path.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -15,14 +16,12 @@ pub struct TimedPath {
     pub parameters: Vec<f64>,
 }
 
-/// Seconds below which a phase of a straight interval is not worth two knots. Rates of shorter pieces are uncertain by rounding.
-const SHORTEST: f64 = 2e-3;
-
 /// Writes curves.
 pub(super) struct Writer<'a> {
     pub path: &'a Spline,
     pub out: &'a mut TimedPath,
     pub now: f64,
+    pub shortest: f64,
 }
 
 impl Writer<'_> {
@@ -41,33 +40,13 @@ impl Writer<'_> {
     }
 
     /// Writes a straight interval without its start: up to three phases of constant acceleration.
-    pub fn straight(&mut self, interval: &Interval, [x, y]: [f64; 2], top: f64, most: f64) {
+    pub fn straight(&mut self, interval: &Interval, straight: &Straight) {
         let [from, to] = interval.ends;
-        let width = interval.width();
-        let mut highest = (0.5 * (x + y) + most * width).min(top).max(x.max(y));
-        let mut most = most;
-        let ramp = |highest: f64, most: f64, end: f64| (highest.sqrt() - end.sqrt()) / most;
-        let cruise = |highest: f64, most: f64| (width - (2.0 * highest - x - y) / (2.0 * most)) / highest.sqrt();
-        if cruise(highest, most) < SHORTEST && 2.0 * highest > x + y {
-            // A little less acceleration, and the two ramps meet.
-            most = (highest - 0.5 * (x + y)) / width;
-        }
-        let is_short = |end: f64| highest > end && ramp(highest, most, end) < SHORTEST;
-        if x.max(y) > 0.0 && (is_short(x) || is_short(y)) {
-            highest = x.max(y);
-            if cruise(highest, most) < SHORTEST || ramp(highest, most, x.min(y)) < SHORTEST {
-                most = 0.5 * (y - x).abs() / width;
-            }
-        }
-        let first = (highest - x) / (2.0 * most);
-        let last = (highest - y) / (2.0 * most);
-        let mut points = [(from + first, highest), (to - last, highest), (to, y)];
-        if most == 0.0 {
-            points = [(from, highest), (to, y), (to, y)];
-        }
-        let (mut at, mut square) = (from, x);
-        for (parameter, next) in points {
+        let (mut at, mut square) = (from, straight.ends[0]);
+        let [first, last, highest] = straight.phases(self.shortest);
+        for (parameter, next) in [(from + first, highest), (to - last, highest), (to, straight.ends[1])] {
             let width = parameter - at;
+            // Where two phases meet there is one knot.
             if width <= 1e-12 * interval.width() {
                 continue;
             }
@@ -82,17 +61,32 @@ impl Writer<'_> {
 pub(super) fn write(path: &Spline, intervals: &[Interval], grid: &Grid, profile: &Profile, out: &mut TimedPath) {
     out.curve.clear(path.size());
     out.parameters.clear();
-    let mut writer = Writer { path, out, now: 0.0 };
+    let straight = |k: usize, most: f64| Straight {
+        ends: [profile.squares[k], profile.squares[k + 1]],
+        width: grid.widths[k],
+        top: grid.top[k].min(grid.top[k + 1]),
+        most,
+    };
+    let time = |k: usize| match grid.straight[k] {
+        Some(most) => grid.widths[k] / straight(k, most).free().min(straight(k, most).top).sqrt(),
+        None => 2.0 * grid.widths[k] / (profile.squares[k].sqrt() + profile.squares[k + 1].sqrt()),
+    };
+    let shortest = SHORTEST.min(SHORTEST_SHARE * (0..intervals.len()).map(time).sum::<f64>());
+    let mut writer = Writer { path, out, now: 0.0, shortest };
     let Some(first) = intervals.first() else { return };
     writer.point(first.piece, first.ends[0], 0.0);
     for (k, interval) in intervals.iter().enumerate() {
-        let ends = [profile.squares[k], profile.squares[k + 1]];
         match grid.straight[k] {
-            Some(most) => writer.straight(interval, ends, grid.top[k].min(grid.top[k + 1]), most),
-            None => writer.curved(interval, ends, profile.slower[k]),
+            Some(most) => writer.straight(interval, &straight(k, most)),
+            None => writer.curved(interval, [profile.squares[k], profile.squares[k + 1]], profile.slower[k]),
         }
     }
 }
+
+/// Seconds below which a phase of a straight interval is not worth two knots: rates of shorter pieces are uncertain by rounding.
+const SHORTEST: f64 = 2e-3;
+/// The same as a share of the time of the whole path, for paths that take very little.
+const SHORTEST_SHARE: f64 = 0.01;
 
 /// Slows the whole curve down until its exact rates keep their limits. Returns the factor.
 ///

@@ -3,7 +3,7 @@
 //! `counted` finds the coordinates that count. `layout` lays a grid over the path, finer where it is curved and next to the rests at its
 //! ends. `grid` evaluates the path there and writes the limits as linear programs, `reach` solves them, `passes` goes backward and
 //! forward over the grid (TOPP-RA). `correction` looks at the curve between grid points and tightens limits where it exceeds them. `curve`
-//! writes it and slows it down by what is left.
+//! writes it (`straight` for straight pieces) and slows it down by what is left.
 
 pub(crate) mod correction;
 pub(crate) mod counted;
@@ -14,6 +14,7 @@ pub(crate) mod layout;
 pub(crate) mod passes;
 pub(crate) mod reach;
 pub(crate) mod settings;
+pub(crate) mod straight;
 pub(crate) mod timing;
 
 pub use crate::trajectory::time_optimal::curve::TimedPath;
