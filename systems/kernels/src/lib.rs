@@ -14,3 +14,4 @@ pub mod kinematics;
 pub mod lanes;
 pub mod linear;
 pub mod nearest;
+pub mod trajectory;
