@@ -113,10 +113,13 @@ fn polish(
                 1 => limb_shortcut::attempt(context, motions, own, rng, scratch),
                 _ => waypoint_move::attempt(context, motions, own, rng, scratch),
             };
-            if let Some(Changed { range, motions: changed }) = change {
-                motions.splice(range, changed);
-                context.unwrap(motions);
-                own = path_cost(context.cost, context.model, motions);
+            let Some(Changed { range, motions: changed }) = change else { continue };
+            let mut better = motions.clone();
+            better.splice(range, changed);
+            context.unwrap(&mut better);
+            let cost = path_cost(context.cost, context.model, &better);
+            if cost < own {
+                (*motions, own) = (better, cost);
             }
         }
     }

@@ -27,6 +27,9 @@ const SHARES: [f64; 4] = [0.48, 0.24, 0.1, 0.03];
 /// At a waypoint, such as a pregrasp, the arc takes less: the straight approach is there for a reason.
 const AT_WAYPOINT: f64 = 0.3;
 
+/// A stretch that is not longer has no smooth path, in seconds at full speed.
+const STILL: f64 = 1e-9;
+
 /// Buffers of one thread.
 #[derive(Debug, Default)]
 pub(crate) struct SmoothingScratch {
@@ -59,13 +62,16 @@ impl Smoothing<'_> {
         &self.stretch.knots[number * self.size()..][..self.size()]
     }
 
-    /// The stretch as smooth paths between stops: one, or more where a corner leaves no room for an arc.
+    /// The stretch as smooth paths between stops: one, or more where a corner leaves no room for an arc; none where it hardly moves.
     ///
     /// # Errors
     /// Numbers that make no spline.
     pub(crate) fn paths(&self, scratch: &mut SmoothingScratch) -> Result<Vec<SmoothPath>, BlendError> {
         let last = self.knots() - 1;
         if last == 0 {
+            return Ok(Vec::new());
+        }
+        if last == 1 && self.edge(0) <= STILL {
             return Ok(Vec::new());
         }
         if self.motions[self.stretch.motions.start].is_implicit {

@@ -4,6 +4,7 @@ use crate::improvement::leaf_motion::{LeafMotion, grasp_changes};
 use crate::planning_model::model::Model;
 use foliate_components::problem::RateLimits;
 use foliate_components::robot::Source;
+use foliate_kernels::trajectory::time_at_full_speed;
 use std::ops::Range;
 
 /// Motions of one leaf, one after the other.
@@ -56,7 +57,6 @@ impl Stretch {
         };
         let [velocity, acceleration, jerk] =
             [&limits.velocity, &limits.acceleration, &limits.jerk].map(|all| counted(all));
-        let moves = |a: &[f64], b: &[f64]| a.iter().zip(b).zip(&carried).any(|((a, b), carried)| !carried && a != b);
         let mut knots: Vec<f64> = Vec::new();
         let mut joints = Vec::new();
         for index in range.clone() {
@@ -64,15 +64,37 @@ impl Stretch {
                 joints.push(knots.len() / size - 1);
             }
             for q in motions[index].knots.chunks_exact(size) {
-                let is_new = knots.len().checked_sub(size).is_none_or(|last| moves(&knots[last..], q));
-                if is_new {
-                    knots.extend_from_slice(q);
-                }
+                push_apart(&mut knots, q, &velocity);
             }
         }
+        end_exactly(&mut knots, motions[range.end - 1].end(size), &velocity);
         let before = range.start.checked_sub(1).map(|index| &motions[index]);
         let changes = before.map_or(0, |before| grasp_changes(model, before, &motions[range.start]));
         let begins_with_grasp_change = changes > 0;
         Self { motions: range, knots, joints, velocity, acceleration, jerk, carried, begins_with_grasp_change }
+    }
+}
+
+/// Knots that are closer than this are one, in seconds at full speed.
+pub(crate) const APART: f64 = 1e-6;
+
+/// Adds a knot that is far enough from the last one.
+fn push_apart(knots: &mut Vec<f64>, q: &[f64], velocity: &[f64]) {
+    let is_apart = |last: usize| time_at_full_speed(&knots[last..], q, velocity) > APART;
+    if knots.len().checked_sub(q.len()).is_none_or(is_apart) {
+        knots.extend_from_slice(q);
+    }
+}
+
+/// Makes the last knot the end of the stretch. Where that is too close to the last knot it takes its place, unless it is the only one.
+fn end_exactly(knots: &mut Vec<f64>, end: &[f64], velocity: &[f64]) {
+    let last = knots.len() - end.len();
+    if knots[last..] == *end {
+        return;
+    }
+    if last == 0 && time_at_full_speed(&knots[last..], end, velocity) > 0.0 {
+        knots.extend_from_slice(end);
+    } else {
+        knots[last..].copy_from_slice(end);
     }
 }

@@ -8,6 +8,9 @@ use crate::trajectory::stretch::Stretch;
 use foliate_components::path::{Segment, SegmentTiming};
 use foliate_kernels::trajectory::{Limits, TimedPath, TimingError, TimingScratch, TimingSettings, time_optimal};
 
+/// How long a motion takes that is as short as rounding, seconds.
+const HARDLY_MOVING: f64 = 1e-3;
+
 /// The segments of a stretch, from `now` on; `now` becomes the time at which the last one ends.
 ///
 /// # Errors
@@ -41,6 +44,11 @@ pub(crate) fn segments(
             }
         }
         *now += curve.extent();
+    }
+    if paths.is_empty() && stretch.knots.len() > size {
+        // Rounding is all that moves.
+        *now += HARDLY_MOVING;
+        rows.push(*now, &stretch.knots[size..], None);
     }
     rows.end_at(&stretch.knots[stretch.knots.len() - size..]);
     Ok(rows.segments())
