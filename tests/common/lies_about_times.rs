@@ -98,8 +98,8 @@ fn times(told: &mut Told<'_>) {
             path["segments"][segment]["times"].as_array_mut().unwrap().push(json!(1e5));
         });
         let knots = told.knots(segment);
-        for knot in (1..knots).filter(|k| told.moving(segment, k - 1).is_some()) {
-            if knot % 3 == 1 {
+        for knot in (1..knots).step_by(3) {
+            if told.moving(segment, knot - 1).is_some() {
                 told.tell("knot passed earlier", |path| {
                     let times = &mut path["segments"][segment]["times"];
                     let (before, here) = (times[knot - 1].as_f64().unwrap(), times[knot].as_f64().unwrap());
@@ -201,9 +201,8 @@ fn events(told: &mut Told<'_>) {
     let grippers: Vec<String> = told.honest["documents"]["grippers"].as_object().unwrap().keys().cloned().collect();
     for number in 0..told.events() {
         let event = told.honest["events"][number].clone();
-        let mut set = |kind: &'static str, key: &str, value: Value| {
-            told.tell(kind, |path| path["events"][number][key] = value);
-        };
+        let mut changes: Vec<(&'static str, &str, Value)> = Vec::new();
+        let mut set = |kind: &'static str, key: &'static str, value: Value| changes.push((kind, key, value));
         let time = event["time"].as_f64().unwrap();
         set("event earlier", "time", json!(time - 1e-3));
         set("event later", "time", json!(time + 1e-6));
@@ -219,6 +218,9 @@ fn events(told: &mut Told<'_>) {
         set("event of another segment", "segment", json!(event["segment"].as_u64().unwrap() + 1));
         set("event of no segment", "segment", json!(0));
         set("finger invented", "fingers", json!({ "robot/finger": 0.1 }));
+        for (kind, key, value) in changes {
+            told.tell(kind, |path| path["events"][number][key] = value);
+        }
         for gripper in &grippers {
             told.tell("event of another gripper", |path| path["events"][number]["gripper"] = json!(gripper));
         }
