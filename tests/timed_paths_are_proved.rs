@@ -154,11 +154,11 @@ fn random_curves_are_judged_as_fine_samples_judge_them() {
         (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     };
     let (mut refused, mut proved) = (0, 0);
-    for _ in 0..60 {
-        let knots: Vec<[f64; 2]> = (0..6).map(|_| [2.2 * next(), 2.2 * next()]).collect();
-        let mut velocities: Vec<[f64; 2]> = (0..6).map(|_| [3.0 * next(), 3.0 * next()]).collect();
+    for _ in 0..80 {
+        let knots: Vec<[f64; 2]> = (0..6).map(|_| [1.4 * next(), 2.0 * next()]).collect();
+        let mut velocities: Vec<[f64; 2]> = (0..6).map(|_| [2.0 * next(), 3.0 * next()]).collect();
         (velocities[0], velocities[5]) = ([0.0; 2], [0.0; 2]);
-        let plate = about_z(0.75, 0.5 * next(), 0.5, next());
+        let plate = about_z(0.92, 0.5 * next(), 0.5, next());
         let path = arm_alone(&knots, &velocities, Some(plate));
         let kinds = folder.kinds(&path);
         // Every fine sample as a knot of a path without velocities, straight in between.
@@ -183,7 +183,7 @@ fn random_curves_are_judged_as_fine_samples_judge_them() {
         assert_eq!(kinds, folder.kinds(&fine), "{path}");
         if kinds.is_empty() { proved += 1 } else { refused += 1 }
     }
-    assert!(refused > 10 && proved > 5, "{refused} {proved}");
+    assert!(refused > 15 && proved > 5, "{refused} {proved}");
 }
 
 #[test]
@@ -353,6 +353,44 @@ fn prove(file: &PathFile, base: &std::path::Path, packages: &PackagePath) -> (Ch
     (report, started.elapsed().as_secs_f64())
 }
 
+/// Cuts every piece of a segment in so many, all on the same curve; segments whose objects move stay as they are.
+fn cut(file: &mut PathFile, pieces: usize) {
+    let is_object = |name: &String| {
+        let part = file.parts.iter().find(|part| name.split('/').next() == Some(&part.name));
+        part.is_some_and(|part| part.kind == "object")
+    };
+    let objects: Vec<bool> = file.coordinates.iter().map(is_object).collect();
+    for segment in &mut file.segments {
+        let (knots, times) = (segment.knots.clone(), segment.times.clone().unwrap());
+        let velocities = segment.velocities.clone().unwrap();
+        let moves =
+            |(column, is_object): (usize, &bool)| *is_object && knots.iter().any(|row| row[column] != knots[0][column]);
+        if objects.iter().enumerate().any(moves) {
+            continue;
+        }
+        let mut cut = (vec![knots[0].clone()], vec![times[0]], vec![velocities[0].clone()]);
+        for knot in 0..knots.len() - 1 {
+            let h = times[knot + 1] - times[knot];
+            // A move of the last bit takes no time that could be divided.
+            let pieces = if h > 1e-3 { pieces } else { 1 };
+            for piece in 1..=pieces {
+                let s = piece as f64 / pieces as f64;
+                let (mut position, mut velocity) = (knots[knot + 1].clone(), velocities[knot + 1].clone());
+                for column in (0..position.len()).filter(|_| piece < pieces) {
+                    let (p, q) = (knots[knot][column], knots[knot + 1][column]);
+                    let (d, a, b) = (q - p, h * velocities[knot][column], h * velocities[knot + 1][column]);
+                    position[column] = p + s * (a + s * (3.0 * d - 2.0 * a - b + s * (a + b - 2.0 * d)));
+                    velocity[column] = (a + s * (2.0 * (3.0 * d - 2.0 * a - b) + 3.0 * s * (a + b - 2.0 * d))) / h;
+                }
+                cut.0.push(position);
+                cut.1.push(if piece < pieces { times[knot] + s * h } else { times[knot + 1] });
+                cut.2.push(velocity);
+            }
+        }
+        (segment.knots, segment.times, segment.velocities) = (cut.0, Some(cut.1), Some(cut.2));
+    }
+}
+
 #[test]
 fn solved_scenes_with_times_are_proved() {
     let packages = common::published_models("solved_scenes_with_times_are_proved (published scenes)");
@@ -401,5 +439,13 @@ fn solved_scenes_with_times_are_proved() {
         assert_eq!(report.verdict(), Verdict::Proved, "{name}: {:#?}", report.violations);
         println!("{name}: {} knots, {before:.3} s without times, {with:.3} s with", report.counts.knots);
         assert!(read.certificate.max_velocity.unwrap() <= 1.0 + 1e-9);
+        if !["demo", "drawer", "panda-shelf", "baxter-case1"].contains(&name) {
+            continue; // roots with quaternions, and closed chains, are not cut by their numbers
+        }
+        let mut fine = read;
+        cut(&mut fine, 60);
+        let (report, with) = prove(&fine, &folder.path, &packages);
+        assert_eq!(report.verdict(), Verdict::Proved, "{name} in short pieces: {:#?}", report.violations);
+        println!("{name}: {} knots, {with:.3} s", report.counts.knots);
     }
 }

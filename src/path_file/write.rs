@@ -76,7 +76,6 @@ pub fn write_path(context: &PathContext<'_>, path: &ManipulationPath) -> PathFil
         .iter()
         .zip(files)
         .flat_map(|(part, files)| files.joint_values.iter().map(|(joint, _)| format!("{}/{joint}", part.name)));
-    let constraints = |s: &Segment| s.constraints.iter().flat_map(|c| entries(robot, c, tolerance)).collect();
     let shares = timing::shares(problem, path);
     PathFile {
         format: FORMAT.into(),
@@ -100,18 +99,7 @@ pub fn write_path(context: &PathContext<'_>, path: &ManipulationPath) -> PathFil
         segments: path
             .segments
             .iter()
-            .map(|s| SegmentEntry {
-                transition: context.graph.transition(s.transition).name.clone(),
-                state: context.graph.state(s.state).name.clone(),
-                attachments: s.attachments.iter().filter_map(|a| attachment_entry(robot, a)).collect(),
-                constraints: constraints(s),
-                knots: s.knots.iter().map(|knot| [knot.as_slice(), &still_values].concat()).collect(),
-                times: s.timing.as_ref().map(|timing| timing.times.clone()),
-                velocities: s.timing.as_ref().map(|timing| {
-                    let still = vec![0.0; still_values.len()];
-                    timing.velocities.iter().map(|row| [row.as_slice(), &still].concat()).collect()
-                }),
-            })
+            .map(|segment| segment_entry(context, segment, tolerance, &still_values))
             .collect(),
         events: Some(timing::events(robot, path)),
         certificate: CertificateEntry {
@@ -124,6 +112,22 @@ pub fn write_path(context: &PathContext<'_>, path: &ManipulationPath) -> PathFil
             max_acceleration: shares.map(|shares| shares.acceleration),
             continuity: shares.map(|shares| shares.continuity),
         },
+    }
+}
+
+/// A segment; `still` are the numbers of joints that stand still throughout.
+fn segment_entry(context: &PathContext<'_>, segment: &Segment, tolerance: f64, still: &[f64]) -> SegmentEntry {
+    let robot = &context.problem.robot;
+    let at_rest = vec![0.0; still.len()];
+    let rows = |rows: &[Vec<f64>], more: &[f64]| rows.iter().map(|row| [row.as_slice(), more].concat()).collect();
+    SegmentEntry {
+        transition: context.graph.transition(segment.transition).name.clone(),
+        state: context.graph.state(segment.state).name.clone(),
+        attachments: segment.attachments.iter().filter_map(|a| attachment_entry(robot, a)).collect(),
+        constraints: segment.constraints.iter().flat_map(|c| entries(robot, c, tolerance)).collect(),
+        knots: rows(&segment.knots, still),
+        times: segment.timing.as_ref().map(|timing| timing.times.clone()),
+        velocities: segment.timing.as_ref().map(|timing| rows(&timing.velocities, &at_rest)),
     }
 }
 

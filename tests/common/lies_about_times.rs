@@ -134,7 +134,7 @@ fn velocities(told: &mut Told<'_>) {
     let set = |path: &mut Value, (segment, knot, column): (usize, usize, usize), value: f64| {
         path["segments"][segment]["velocities"][knot][column] = json!(value);
     };
-    for column in 0..columns {
+    for column in (0..columns).step_by(3) {
         let segment = column % segments;
         let last = told.knots(segment) - 1;
         told.tell("velocity at the start", |path| set(path, (0, 0, column), 1e-3));
@@ -172,7 +172,7 @@ fn velocities(told: &mut Told<'_>) {
 
 fn limits(told: &mut Told<'_>) {
     let names: Vec<String> = told.honest["rate_limits"].as_object().unwrap().keys().cloned().collect();
-    for name in names {
+    for name in names.into_iter().step_by(4) {
         for key in ["velocity", "acceleration"] {
             let limit = told.honest["rate_limits"][&name][key].as_f64().unwrap();
             for factor in [1.000_01, 100.0] {

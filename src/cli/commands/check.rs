@@ -179,7 +179,6 @@ fn concluded(report: &CheckReport) -> String {
 /// What a section checked, and the worst value that it found.
 fn proven(section: Section, file: &PathFile, report: &CheckReport) -> String {
     let c = &report.counts;
-    let events = file.events.as_ref().map_or(0, Vec::len);
     let worst = |what: &str, extreme: &Option<Extreme>| match extreme {
         Some(e) => format!("; {what} {:.3e} at segment {} t={:.3}, {}", e.value, e.segment, e.t, e.subject),
         None => String::new(),
@@ -199,15 +198,16 @@ fn proven(section: Section, file: &PathFile, report: &CheckReport) -> String {
             format!("joints and roots along the whole motion, objects where they rest{nearest}")
         }
         Section::Knots => "joint knots bit for bit, unit quaternions, times".to_owned(),
-        Section::Timing => match report.duration {
-            Some(duration) => {
-                let velocity = worst("largest share of a velocity limit", &report.max_velocity);
-                let acceleration = worst("of an acceleration limit", &report.max_acceleration);
-                let jerk = worst("of a jerk limit", &report.max_jerk);
-                format!("{duration:.3} s, {events} events{velocity}{acceleration}{jerk}")
-            }
-            None => format!("no times, {events} events"),
-        },
+        Section::Timing => {
+            let shares = [
+                worst("largest share of a velocity limit", &report.max_velocity),
+                worst("of an acceleration limit", &report.max_acceleration),
+                worst("of a jerk limit", &report.max_jerk),
+            ];
+            let events = file.events.as_ref().map_or(0, Vec::len);
+            let duration = report.duration.map_or("no times".to_owned(), |duration| format!("{duration:.3} s"));
+            format!("{duration}, {events} events{}", shares.concat())
+        }
         Section::Carriers => {
             let off = worst("farthest", &report.max_off_carrier);
             format!("objects are written where their carriers take them{off}")
