@@ -1,8 +1,9 @@
-//! Path files of our own: knots as a polyline, objects on what carries them.
+//! Path files of our own: knots as a polyline, or with velocities as a curve, and objects on what carries them.
 
 use crate::certify::formats::table::Table;
 use crate::certify::motion::piecewise::{Attachment, POINTS, Point};
-use crate::path_file::document::{AttachmentEntry, FORMAT, PathFile, SegmentEntry};
+use crate::path_file::document::{AttachmentEntry, FORMAT, FORMAT_1, PathFile, SegmentEntry};
+use crate::path_file::version;
 use crate::scene::reading::error::SceneError;
 use std::collections::BTreeMap;
 
@@ -12,10 +13,14 @@ const SAME: f64 = 1e-3;
 pub(super) fn read(file: &str, text: &str) -> Result<Table, SceneError> {
     let path: PathFile = serde_json::from_str(text)
         .map_err(|e| SceneError::new(file, "path", format!("cannot be read: {e}")).at(u32::try_from(e.line()).ok()))?;
-    if path.format != FORMAT {
-        return Err(SceneError::new(file, "format", format!("is not `{FORMAT}`")));
+    if !version::is_known(&path.format) {
+        return Err(SceneError::new(file, "format", format!("is neither `{FORMAT}` nor `{FORMAT_1}`")));
     }
-    let mut table = Table { element: "knots", shortest: false, ..Table::default() };
+    if let Some(key) = version::later_key(&path) {
+        return Err(SceneError::new(file, key, format!("belongs to `{FORMAT}`, the file is of `{FORMAT_1}`")));
+    }
+    let is_curve = path.segments.iter().all(|s| s.velocities.is_some());
+    let mut table = Table { element: "knots", shortest: false, scaled: is_curve, ..Table::default() };
     let mut carriers: BTreeMap<String, Option<String>> = BTreeMap::new();
     let timed = path.segments.iter().all(|s| s.times.is_some());
     for (index, segment) in path.segments.iter().enumerate() {
@@ -24,10 +29,16 @@ pub(super) fn read(file: &str, text: &str) -> Result<Table, SceneError> {
         }
         let times = segment.times.as_ref().filter(|_| timed);
         for (number, knot) in segment.knots.iter().enumerate() {
-            let joins = number == 0 && index > 0 && table.points.last().is_some_and(|last| same(&last.positions, knot));
+            let time = times.and_then(|times| times.get(number).copied());
+            let row = |rows: &Vec<Vec<f64>>| rows.get(number).cloned();
+            let velocities = segment.velocities.as_ref().filter(|_| is_curve).and_then(row);
+            // Segments share their joint knot; knots of one time are one, where nothing moves.
+            let joins = table.points.last().is_some_and(|last| {
+                let is_joint = number == 0 && index > 0;
+                (is_joint || (is_curve && last.time == time)) && same(&last.positions, knot)
+            });
             if !joins {
-                let time = times.and_then(|times| times.get(number).copied());
-                table.points.push(Point { time, positions: knot.clone(), ..Point::default() });
+                table.points.push(Point { time, positions: knot.clone(), velocities, accelerations: None });
             }
             if number == 0 {
                 let at = table.points.last().and_then(|p| p.time).unwrap_or(table.points.len() as f64 - 1.0);
