@@ -20,7 +20,10 @@ pub mod prelude;
 pub mod scene;
 
 pub use crate::error::Error;
-pub use crate::planner::{FunnelRow, GoalReport, NoSolution, NoSolutionReason, Planner, Report, Solution, StateRow};
+pub use crate::planner::{
+    FunnelRow, GoalReport, NoSolution, NoSolutionReason, Planner, Report, Solution, StateRow, Trajectory,
+    TrajectoryError, trajectory,
+};
 // Crates whose types stand in the signatures of this one: a host that uses these needs no versions of its own.
 #[cfg(feature = "urdf-rs")]
 pub use urdf_rs;
