@@ -20,6 +20,8 @@ pub mod prelude;
 pub mod scene;
 
 pub use crate::error::Error;
+#[cfg(feature = "export")]
+pub use crate::path_file::export;
 pub use crate::planner::{
     FunnelRow, GoalReport, NoSolution, NoSolutionReason, Planner, Report, Solution, StateRow, Trajectory,
     TrajectoryError, trajectory,

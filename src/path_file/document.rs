@@ -7,6 +7,8 @@ use std::collections::BTreeMap;
 
 /// The value of `format`.
 pub const FORMAT: &str = "foliate.path/1";
+/// The value of `format` of a path with times and velocities.
+pub const FORMAT_2: &str = "foliate.path/2";
 
 /// A path file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -151,6 +153,9 @@ pub struct SegmentEntry {
     /// Seconds, one per knot, once the path has been timed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub times: Option<Vec<f64>>,
+    /// Derivatives of the coordinates by time, one row per knot.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub velocities: Option<Vec<Vec<f64>>>,
 }
 
 /// What an object is attached to: a gripper by a handle, a support by a surface, a link that it rests on, or nothing but its place.

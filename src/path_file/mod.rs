@@ -4,11 +4,15 @@
 //! they read back bit for bit; a file holds neither clock times nor thread counts, so that it does not depend on them.
 //!
 //! `document` is the form of a file, with the constraints of `constraint`. `write` makes one of a path, `read` reads one
-//! (`place` says where a JSON error is), `save` puts one on disk with the models that it names.
+//! (`place` says where a JSON error is), `save` puts one on disk with the models that it names. `loaded_path` makes a path of one again,
+//! on the robot of its models; `export` writes it for other programs.
 
 pub mod constraint;
 pub mod document;
 pub mod error;
+#[cfg(feature = "export")]
+pub mod export;
+pub mod loaded_path;
 pub(crate) mod place;
 pub(crate) mod read;
 pub mod save;
@@ -20,4 +24,5 @@ pub use crate::path_file::document::{
     SceneFileEntry, SegmentEntry, SurfaceEntry,
 };
 pub use crate::path_file::error::PathFileError;
+pub use crate::path_file::loaded_path::{LoadPathError, LoadedPath, PartModel};
 pub use crate::path_file::write::{FileNames, PartFiles, PathContext, write_path};

@@ -1,7 +1,7 @@
 //! Reading path files, which may be hostile: regular files only, never more than a cap, and no more memory than a small
 //! multiple of the text.
 
-use crate::path_file::document::PathFile;
+use crate::path_file::document::{FORMAT, FORMAT_2, PathFile};
 use crate::path_file::error::PathFileError;
 use std::fs::File;
 use std::io::Read;
@@ -26,17 +26,21 @@ pub fn read(path: &Path) -> Result<PathFile, PathFileError> {
         .map_err(|source| {
             // A file of another format is refused by its name and not by a missing field.
             if let Ok(Format { format }) = serde_json::from_str(&text)
-                && format != crate::path_file::document::FORMAT
+                && !is_known(&format)
             {
                 return PathFileError::Format { path: path.to_owned(), found: format };
             }
             let place = super::place::json_path(&text, source.line(), source.column());
             PathFileError::Json { path: path.to_owned(), place, source }
         })
-        .and_then(|file| match file.format == crate::path_file::document::FORMAT {
+        .and_then(|file| match is_known(&file.format) {
             true => Ok(file),
             false => Err(PathFileError::Format { path: path.to_owned(), found: file.format }),
         })
+}
+
+fn is_known(format: &str) -> bool {
+    [FORMAT, FORMAT_2].contains(&format)
 }
 
 /// The text of a regular file; a pipe would block, and a device has no end.

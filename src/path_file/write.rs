@@ -3,8 +3,8 @@
 use super::constraint::entries;
 use crate::path_file::constraint::PoseRow;
 use crate::path_file::document::{
-    AttachmentEntry, CertificateEntry, Documents, FORMAT, GripperEntry, HandleEntry, PairsEntry, PartEntry, PathFile,
-    SceneFileEntry, SegmentEntry, SurfaceEntry,
+    AttachmentEntry, CertificateEntry, Documents, FORMAT, FORMAT_2, GripperEntry, HandleEntry, PairsEntry, PartEntry,
+    PathFile, SceneFileEntry, SegmentEntry, SurfaceEntry,
 };
 use crate::scene::assemble::names::configuration::coordinate_names;
 use crate::scene::mesh::formats::triangles::UpAxis;
@@ -76,7 +76,7 @@ pub fn write_path(context: &PathContext<'_>, path: &ManipulationPath) -> PathFil
         .flat_map(|(part, files)| files.joint_values.iter().map(|(joint, _)| format!("{}/{joint}", part.name)));
     let constraints = |s: &Segment| s.constraints.iter().flat_map(|c| entries(robot, c, tolerance)).collect();
     PathFile {
-        format: FORMAT.into(),
+        format: if path.segments.iter().any(|s| s.timing.is_some()) { FORMAT_2 } else { FORMAT }.into(),
         scene: problem.name.clone(),
         scene_file: context.models.scene_file.clone(),
         seed: context.seed,
@@ -102,7 +102,11 @@ pub fn write_path(context: &PathContext<'_>, path: &ManipulationPath) -> PathFil
                 attachments: s.attachments.iter().filter_map(|a| attachment_entry(robot, a)).collect(),
                 constraints: constraints(s),
                 knots: s.knots.iter().map(|knot| [knot.as_slice(), &still_values].concat()).collect(),
-                times: None,
+                times: s.timing.as_ref().map(|timing| timing.times.clone()),
+                velocities: s.timing.as_ref().map(|timing| {
+                    let rates = timing.velocities.iter();
+                    rates.map(|row| row.iter().copied().chain(still_values.iter().map(|_| 0.0)).collect()).collect()
+                }),
             })
             .collect(),
         certificate: CertificateEntry {

@@ -1,8 +1,8 @@
-//! Path files of our own: knots as a polyline, objects on what carries them.
+//! Path files of our own: knots as a polyline, or as a curve where they have velocities; objects on what carries them.
 
 use crate::certify::formats::table::Table;
 use crate::certify::motion::piecewise::{Attachment, POINTS, Point};
-use crate::path_file::document::{AttachmentEntry, FORMAT, PathFile, SegmentEntry};
+use crate::path_file::document::{AttachmentEntry, FORMAT, FORMAT_2, PathFile, SegmentEntry};
 use crate::scene::reading::error::SceneError;
 use std::collections::BTreeMap;
 
@@ -12,8 +12,8 @@ const SAME: f64 = 1e-3;
 pub(super) fn read(file: &str, text: &str) -> Result<Table, SceneError> {
     let path: PathFile = serde_json::from_str(text)
         .map_err(|e| SceneError::new(file, "path", format!("cannot be read: {e}")).at(u32::try_from(e.line()).ok()))?;
-    if path.format != FORMAT {
-        return Err(SceneError::new(file, "format", format!("is not `{FORMAT}`")));
+    if ![FORMAT, FORMAT_2].contains(&path.format.as_str()) {
+        return Err(SceneError::new(file, "format", format!("is not `{FORMAT}` or `{FORMAT_2}`")));
     }
     let mut table = Table { element: "knots", shortest: false, ..Table::default() };
     let mut carriers: BTreeMap<String, Option<String>> = BTreeMap::new();
@@ -24,10 +24,14 @@ pub(super) fn read(file: &str, text: &str) -> Result<Table, SceneError> {
         }
         let times = segment.times.as_ref().filter(|_| timed);
         for (number, knot) in segment.knots.iter().enumerate() {
-            let joins = number == 0 && index > 0 && table.points.last().is_some_and(|last| same(&last.positions, knot));
-            if !joins {
-                let time = times.and_then(|times| times.get(number).copied());
-                table.points.push(Point { time, positions: knot.clone(), ..Point::default() });
+            let time = times.and_then(|times| times.get(number).copied());
+            let is_same = |last: &Point| same(&last.positions, knot);
+            let joins =
+                (number == 0 && index > 0) || (time.is_some() && table.points.last().map(|p| p.time) == Some(time));
+            if !(joins && table.points.last().is_some_and(is_same)) {
+                let velocities =
+                    segment.velocities.as_ref().filter(|_| timed).and_then(|rows| rows.get(number).cloned());
+                table.points.push(Point { time, positions: knot.clone(), velocities, accelerations: None });
             }
             if number == 0 {
                 let at = table.points.last().and_then(|p| p.time).unwrap_or(table.points.len() as f64 - 1.0);

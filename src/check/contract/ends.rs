@@ -125,6 +125,7 @@ impl Contract<'_> {
             constraints: Vec::new(),
             knots: vec![motion.knots[motion.last()].clone()],
             times: None,
+            velocities: None,
         };
         let at_end = SegmentMotion::new(motion.world, &end, motion.index, motion.attachments)?;
         for named in &goal.constraints {

@@ -48,7 +48,7 @@ impl std::error::Error for TrajectoryError {}
 
 impl TrajectoryError {
     /// That nothing has a name, with the names that there are.
-    pub(super) fn unknown<'a>(what: &'static str, name: &str, known: impl Iterator<Item = &'a str>) -> Self {
+    pub(crate) fn unknown<'a>(what: &'static str, name: &str, known: impl Iterator<Item = &'a str>) -> Self {
         const SHOWN: usize = 12;
         let known: Vec<&str> = known.take(SHOWN + 1).collect();
         let more = if known.len() > SHOWN { ", …" } else { "" };

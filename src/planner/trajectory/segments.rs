@@ -16,6 +16,17 @@ pub struct TrajectorySegment<'a> {
     pub state: &'a str,
     /// What grippers hold along all of it.
     pub held: Vec<Held<'a>>,
+    /// What objects follow along all of it. An object that is held and not listed moves on its own, as its handle lets it.
+    pub carried: Vec<Carry<'a>>,
+}
+
+/// An object follows a link rigidly.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Carry<'a> {
+    /// The part.
+    pub object: &'a str,
+    /// `part/link`: of a gripper, or of what the object lies on. None where it just stays where it is.
+    pub link: Option<&'a str>,
 }
 
 /// A gripper holds an object by a handle.
@@ -54,7 +65,11 @@ impl<'a> Trajectory<'a> {
             object: robot.parts[robot.links[robot.handles[handle.at()].link.at()].part.at()].name.as_str(),
             handle: robot.handles[handle.at()].name.as_str(),
         });
+        let carried = self.carried[index].iter().map(|carried| Carry {
+            object: robot.parts[robot.joints[carried.object.at()].part.at()].name.as_str(),
+            link: carried.link.map(|link| robot.links[link.at()].name.as_str()),
+        });
         let (start, end, state) = (times[0], times[times.len() - 1], self.states[index]);
-        TrajectorySegment { index, start, end, state, held: held.collect() }
+        TrajectorySegment { index, start, end, state, held: held.collect(), carried: carried.collect() }
     }
 }

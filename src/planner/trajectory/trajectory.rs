@@ -7,7 +7,7 @@ use crate::planner::trajectory::sample_times::SampleTimes;
 use foliate_components::Pose;
 use foliate_components::path::{Attachment, ManipulationPath, Segment, SegmentTiming};
 use foliate_components::robot::configuration::Group;
-use foliate_components::robot::{JointIndex, JointType, PartKind, Robot};
+use foliate_components::robot::{JointIndex, JointType, LinkIndex, PartKind, Robot, Source};
 use foliate_kernels::kinematics::Kinematics;
 
 /// An object that follows a body during a segment.
@@ -19,6 +19,8 @@ pub(super) struct Carried {
     pub held: JointIndex,
     /// The body that carries; none for the world.
     pub carrier: Option<JointIndex>,
+    /// The link that carries; none where nothing is named.
+    pub link: Option<LinkIndex>,
     /// Constant along the segment.
     pub carrier_from_held: Pose,
 }
@@ -199,8 +201,8 @@ impl<'a> Trajectory<'a> {
 
     fn first_coordinate(&self, joint: JointIndex) -> Option<usize> {
         match self.robot.joints[joint.at()].source {
-            foliate_components::robot::Source::Coordinates { q, .. } => Some(q),
-            foliate_components::robot::Source::Follows { .. } => None,
+            Source::Coordinates { q, .. } => Some(q),
+            Source::Follows { .. } => None,
         }
     }
 }
@@ -242,15 +244,16 @@ fn carried(robot: &Robot, kinematics: &Kinematics, segment: &Segment) -> Vec<Car
             continue;
         };
         let is_of_part = |joint: JointIndex| part.joints.contains(&joint.at());
-        let mut holds = segment.attachments.iter().filter_map(|a| holder(robot, a)).filter(|h| is_of_part(h.object));
+        let mut holds = segment.attachments.iter().map(|a| holder(robot, a)).filter(|h| is_of_part(h.object));
         let carrier = holds.clone().find(|hold| hold.carries);
-        let (held, carrier) = match carrier {
+        let (held, link) = match carrier {
             Some(hold) => (hold.held, hold.by),
             None if holds.next().is_some() => continue,
             None => (object, None),
         };
+        let carrier = link.and_then(|link| robot.links[link.at()].joint);
         let X_WC = carrier.map_or(Pose::identity(), |body| X_WJ[body.at()]);
-        carried.push(Carried { object, held, carrier, carrier_from_held: X_WC.inverse() * X_WJ[held.at()] });
+        carried.push(Carried { object, held, carrier, link, carrier_from_held: X_WC.inverse() * X_WJ[held.at()] });
     }
     carried
 }
@@ -262,27 +265,22 @@ struct Hold {
     object: JointIndex,
     /// The body of it that is held.
     held: JointIndex,
-    /// The body that holds; none for the world.
-    by: Option<JointIndex>,
+    /// The link that holds; none where none is named.
+    by: Option<LinkIndex>,
     carries: bool,
 }
 
-/// None of what lies where it is without touching anything that is named.
-fn holder(robot: &Robot, attachment: &Attachment) -> Option<Hold> {
+fn holder(robot: &Robot, attachment: &Attachment) -> Hold {
+    let body = |link: LinkIndex| robot.links[link.at()].joint;
     match *attachment {
         Attachment::Grasp { object, gripper, handle, carrier } => {
-            let held = robot.links[robot.handles[handle.at()].link.at()].joint.unwrap_or(object);
-            let by = robot.links[robot.grippers[gripper.at()].link.at()].joint;
-            Some(Hold { object, held, by, carries: carrier })
+            let held = body(robot.handles[handle.at()].link).unwrap_or(object);
+            Hold { object, held, by: Some(robot.grippers[gripper.at()].link), carries: carrier }
         }
         Attachment::Contact { object, surface, support } => {
-            let held = robot.links[robot.surfaces[surface.0.at()].link.at()].joint.unwrap_or(object);
-            let by = robot.links[robot.surfaces[support.0.at()].link.at()].joint;
-            Some(Hold { object, held, by, carries: true })
+            let held = body(robot.surfaces[surface.0.at()].link).unwrap_or(object);
+            Hold { object, held, by: Some(robot.surfaces[support.0.at()].link), carries: true }
         }
-        Attachment::Rest { object, on: Some(link) } => {
-            Some(Hold { object, held: object, by: robot.links[link.at()].joint, carries: true })
-        }
-        Attachment::Rest { object, on: None } => Some(Hold { object, held: object, by: None, carries: true }),
+        Attachment::Rest { object, on } => Hold { object, held: object, by: on, carries: true },
     }
 }
