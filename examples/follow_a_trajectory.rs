@@ -24,7 +24,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         while let Some(event) = events.next_if(|event| event.time <= sample.time) {
             let place = trajectory.pose(event.object, event.time)?.translation;
             let (kind, object, gripper) = (event.kind, event.object, event.gripper);
-            println!("{:6.3} s: {kind:?} {object} by {gripper} at {place:.3}, then {:.2} s still", event.time, event.dwell);
+            println!(
+                "{:6.3} s: {kind:?} {object} by {gripper} at {place:.3}, then {:.2} s still",
+                event.time, event.dwell
+            );
         }
         send(&sample.positions, &sample.velocities);
         fastest.iter_mut().zip(&sample.velocities).for_each(|(fastest, v)| *fastest = fastest.max(v.abs()));

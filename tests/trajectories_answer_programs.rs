@@ -40,10 +40,14 @@ fn joints_are_where_the_curve_has_them_and_the_last_sample_is_the_end() {
     let knots = (&solution.path.segments[0].knots[0], solution.path.segments.last().unwrap().knots.last().unwrap());
     let of = |knot: &Vec<f64>| -> Vec<f64> {
         let robot = trajectory.robot();
-        joints.indices().iter().map(|j| match robot.joints[j.at()].source {
-            foliate::components::robot::Source::Coordinates { q, .. } => knot[q],
-            foliate::components::robot::Source::Follows { .. } => panic!("nothing follows here"),
-        }).collect()
+        joints
+            .indices()
+            .iter()
+            .map(|j| match robot.joints[j.at()].source {
+                foliate::components::robot::Source::Coordinates { q, .. } => knot[q],
+                foliate::components::robot::Source::Follows { .. } => panic!("nothing follows here"),
+            })
+            .collect()
     };
     // Bit for bit at the ends.
     assert_eq!((first.positions.clone(), last.positions.clone()), (of(knots.0), of(knots.1)));
@@ -97,7 +101,8 @@ fn a_held_object_keeps_its_pose_in_the_hand_and_others_stay() {
         for object in trajectory.objects() {
             let link = trajectory.link(object).unwrap();
             let holder = segment.held.iter().find(|held| held.object == object);
-            let hand = holder.map(|held| problem.robot.grippers[problem.robot.gripper(held.gripper).unwrap().at()].link);
+            let hand =
+                holder.map(|held| problem.robot.grippers[problem.robot.gripper(held.gripper).unwrap().at()].link);
             let mut first = None;
             for step in 0..=20 {
                 let time = segment.start + (segment.end - segment.start) * f64::from(step) / 20.0 * 0.999_999;
