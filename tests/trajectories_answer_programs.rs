@@ -7,7 +7,8 @@ use common::timed::rest_to_rest;
 use foliate::components::path::{EventKind, ManipulationPath, Segment, SegmentTiming};
 use foliate::components::problem::Problem;
 use foliate::components::robot::{JointIndex, PartKind, PartPlacement, Robot, RootJoint};
-use foliate::components::samples::{swap_two_boxes, two_finger_hand};
+use foliate::components::samples::models::two_finger_hand;
+use foliate::components::samples::swap_two_boxes;
 use foliate::prelude::*;
 use foliate::trajectory::Interpolation;
 

@@ -49,6 +49,8 @@ class Curve:
         self.names = self.file["coordinates"]
         self.column = {name: index for index, name in enumerate(self.names)}
         self.segments = self.file["segments"]
+        self.arrays = [[np.array(segment[key]) for key in ("times", "knots", "velocities")] for segment in self.segments]
+        self.last = (None, None)
         self.start, self.end = self.segments[0]["times"][0], self.segments[-1]["times"][-1]
         folders = search_directories()
         self.parts = {}
@@ -64,8 +66,12 @@ class Curve:
 
     def at(self, time: float) -> np.ndarray:
         """Values, rates and accelerations (3, coordinates) of the cubic Hermite polynomials."""
-        segment = self.segments[self.segment_at(time)]
-        times, knots, rates = (np.array(segment[key]) for key in ("times", "knots", "velocities"))
+        if self.last[0] != time:
+            self.last = (time, self.evaluated(time))
+        return self.last[1]
+
+    def evaluated(self, time: float) -> np.ndarray:
+        times, knots, rates = self.arrays[self.segment_at(time)]
         k = int(np.clip(np.searchsorted(times, time, side="right") - 1, 0, len(times) - 2))
         h = times[k + 1] - times[k]
         if h == 0.0:
@@ -105,7 +111,7 @@ class Curve:
     def roots(self, time: float) -> dict[str, Poses]:
         """World poses of all root links, objects on what carries them."""
         segment = self.segments[self.segment_at(time)]
-        row, first = self.at(time)[0], np.array(segment["knots"][0])
+        row, first = self.at(time)[0], self.arrays[self.segment_at(time)][1][0]
         before = {name: self.written_root(name, first) for name in self.parts}
         now = {name: self.written_root(name, row) for name in self.parts}
         waiting = []

@@ -30,13 +30,15 @@ struct Message {
         alias = "motion_plan_response"
     )]
     trajectory: Option<Messages>,
-    /// Of our own export: robots that move at the same time, and what carries each object from when on.
+    /// Of our own export: robots, and objects with joints, that move at the same time; what carries each object from when on.
     robots: Option<Vec<RobotMotion>>,
+    objects: Option<Vec<RobotMotion>>,
     carriers: Option<Vec<Carrier>>,
 }
 
 #[derive(Deserialize)]
 struct RobotMotion {
+    #[serde(alias = "object")]
     robot: String,
     joint_trajectory: Joints,
     #[serde(default)]
@@ -187,7 +189,8 @@ impl Reader<'_> {
             (joints, roots) => self.trajectory(joints.unwrap_or_default(), roots.unwrap_or_default())?,
         }
         if let Some(robots) = message.robots {
-            let (joints, roots) = self.side_by_side(robots)?;
+            let all = robots.into_iter().chain(message.objects.into_iter().flatten());
+            let (joints, roots) = self.side_by_side(all)?;
             self.trajectory(joints, roots)?;
         }
         self.table.attachments.extend(message.carriers.into_iter().flatten().map(|carrier| {
@@ -201,7 +204,7 @@ impl Reader<'_> {
     }
 
     /// The joints of all robots as if they were one's; their points are at the same times.
-    fn side_by_side(&self, robots: Vec<RobotMotion>) -> Result<(Joints, Roots), SceneError> {
+    fn side_by_side(&self, robots: impl Iterator<Item = RobotMotion>) -> Result<(Joints, Roots), SceneError> {
         let (mut joints, mut roots) = (Joints::default(), Roots::default());
         for RobotMotion { robot, joint_trajectory: own, multi_dof_joint_trajectory: root } in robots {
             joints.joint_names.extend(own.joint_names.iter().map(|joint| format!("{robot}/{joint}")));

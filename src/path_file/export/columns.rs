@@ -1,4 +1,4 @@
-//! Which numbers of the robots are exported: joints, those that follow others, and roots that move.
+//! Which numbers are exported: joints of robots, those that follow others, and roots of robots; joints of objects, such as drawers.
 
 use crate::path_file::export::options::ExportOptions;
 use crate::planner::trajectory::curve::Derivatives;
@@ -7,12 +7,12 @@ use crate::planner::trajectory::trajectory::{Moment, Trajectory};
 use crate::scene::assemble::names::configuration::coordinate_names;
 use foliate_components::robot::{PartIndex, PartKind, Source};
 
-/// A number of a robot.
+/// A number of a robot or an object.
 #[derive(Clone, Debug)]
 pub(super) struct Column {
     /// `part/joint`, or `part/x` and so on of a root.
     pub name: String,
-    /// The robot.
+    /// The robot or object.
     pub part: PartIndex,
     /// The coordinate that it is, or that it follows.
     pub coordinate: usize,
@@ -38,14 +38,15 @@ impl Column {
     }
 }
 
-/// The numbers of the robots that are asked for, in the order of the robot's joints, or of the names that are given.
+/// The numbers that are asked for, those of robots first, or in the order of the names that are given.
 pub(super) fn columns(trajectory: &Trajectory<'_>, options: &ExportOptions) -> Result<Vec<Column>, TrajectoryError> {
     if let Some(robot) = &options.robot {
         // Says which robots there are.
         trajectory.joint_names(robot)?;
     }
-    let all: Vec<Column> = of_robots(trajectory)
+    let all: Vec<Column> = of_kind(trajectory, PartKind::Robot)
         .into_iter()
+        .chain(of_kind(trajectory, PartKind::Object))
         .filter(|column| {
             let name = &trajectory.robot().parts[column.part.at()].name;
             options.robot.as_ref().is_none_or(|robot| robot == name)
@@ -58,7 +59,7 @@ pub(super) fn columns(trajectory: &Trajectory<'_>, options: &ExportOptions) -> R
         match (meant.next(), meant.next()) {
             (Some(column), None) => Ok(column.clone()),
             (Some(one), Some(other)) => {
-                let hint = format!("several robots have it: {}, {}", one.name, other.name);
+                let hint = format!("several parts have it: {}, {}", one.name, other.name);
                 Err(TrajectoryError::Unknown { what: "one joint", name: name.clone(), hint })
             }
             (None, _) => Err(TrajectoryError::unknown("joint", name, all.iter().map(|c| c.name.as_str()))),
@@ -67,12 +68,15 @@ pub(super) fn columns(trajectory: &Trajectory<'_>, options: &ExportOptions) -> R
     names.iter().map(find).collect()
 }
 
-fn of_robots(trajectory: &Trajectory<'_>) -> Vec<Column> {
+/// The numbers of all robots, or the joints of all objects without their roots.
+fn of_kind(trajectory: &Trajectory<'_>, kind: PartKind) -> Vec<Column> {
     let robot = trajectory.robot();
     let names = coordinate_names(robot);
     let mut columns = Vec::new();
-    for joint in &robot.joints {
-        if robot.parts[joint.part.at()].kind != PartKind::Robot {
+    for (index, joint) in robot.joints.iter().enumerate() {
+        let part = &robot.parts[joint.part.at()];
+        let is_objects_root = kind == PartKind::Object && part.root_joint.is_some_and(|root| root.at() == index);
+        if part.kind != kind || is_objects_root {
             continue;
         }
         let size = joint.motion.configuration_size();

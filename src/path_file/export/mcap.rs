@@ -1,6 +1,6 @@
 //! Recordings in the form MCAP, with messages in JSON: joint states, transforms, events.
 //!
-//! `/NAME/joint_states` has the fields of sensor_msgs/JointState for robot NAME, with the joints' names as its URDF has them. `/tf` has
+//! `/NAME/joint_states` has the fields of sensor_msgs/JointState for a robot or an object with joints, called as its URDF has them. `/tf` has
 //! foxglove.FrameTransforms: every link of robots and objects in the world, called `part/link`; `/tf_static` has those of environments, once.
 //! `/events` has grasps and releases.
 

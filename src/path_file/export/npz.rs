@@ -18,7 +18,7 @@ const NUMBERS: usize = 1 << 28;
 /// | array | shape | |
 /// |---|---|---|
 /// | `time` | samples | seconds |
-/// | `joint_names` | joints | of the robots' numbers: `part/joint`, roots as `part/x` … |
+/// | `joint_names` | joints | of robots `part/joint`, their roots as `part/x` …; then joints of objects |
 /// | `positions`, `velocities`, `accelerations` | samples × joints | rad, m; per second; per second squared |
 /// | `link_names`, `link_poses` | links; samples × links × 7 | links of robots |
 /// | `object_names`, `object_poses` | links; samples × links × 7 | links of objects: `part` for the root link |

@@ -9,7 +9,7 @@ use crate::planner::trajectory::events::TrajectoryEvent;
 use crate::planner::trajectory::segments::Held;
 use crate::planner::trajectory::trajectory::Trajectory;
 use foliate_components::path::EventKind;
-use foliate_components::robot::{JointIndex, JointType, LinkIndex, PartIndex, Robot, Source};
+use foliate_components::robot::{JointIndex, JointType, LinkIndex, Part, PartIndex, PartKind, Robot, Source};
 use glam::{DQuat, DVec3};
 
 /// A trajectory as JSON: see [`ros_yaml`].
@@ -25,7 +25,7 @@ pub fn ros_json(trajectory: &Trajectory<'_>, options: &ExportOptions) -> Result<
 /// `robots` has for each robot its name and a `joint_trajectory` with the fields of trajectory_msgs/JointTrajectory: a point for each
 /// knot, with positions and velocities and without accelerations, so that the cubic interpolation of ROS 2's `joint_trajectory_controller`
 /// is the path's own curve. Joints are called as in the robot's URDF; those that mimic others are left out. A robot whose root moves
-/// also has a `multi_dof_joint_trajectory`. `events` attach and detach objects, with the fields of moveit_msgs/AttachedCollisionObject;
+/// also has a `multi_dof_joint_trajectory`. `objects` has the joints of drawers and doors, which hands move. `events` attach and detach objects, with the fields of moveit_msgs/AttachedCollisionObject;
 /// `carriers` says what each object follows, from when on. Times are rounded to nanoseconds.
 ///
 /// # Errors
@@ -35,30 +35,34 @@ pub fn ros_yaml(trajectory: &Trajectory<'_>, options: &ExportOptions) -> Result<
 }
 
 fn document(trajectory: &Trajectory<'_>, options: &ExportOptions) -> Result<Node, ExportError> {
-    let columns = columns(trajectory, options)?;
-    let own: Vec<&Column> = columns.iter().filter(|column| column.is_joint && column.follows.is_none()).collect();
-    let knots = knots(trajectory);
-    let robots = trajectory.robot().parts.iter().enumerate().filter_map(|(part, entry)| {
-        let part = PartIndex(part as u32);
-        let joints: Vec<&Column> = own.iter().copied().filter(|column| column.part == part).collect();
-        let root = moving_root(trajectory, &columns, part);
-        if joints.is_empty() && root.is_none() {
-            return None;
-        }
-        let mut fields = vec![
-            ("robot".to_owned(), Node::text(&entry.name)),
-            ("joint_trajectory".to_owned(), joint_trajectory(&joints, &knots)),
-        ];
-        if let Some(root) = root {
-            fields.push(("multi_dof_joint_trajectory".to_owned(), root_trajectory(trajectory.robot(), root, &knots)));
-        }
-        Some(Node::Map(fields))
-    });
+    let (columns, knots) = (columns(trajectory, options)?, knots(trajectory));
     Ok(Node::map([
-        ("robots", Node::List(robots.collect())),
+        ("robots", Node::List(trajectories(trajectory, PartKind::Robot, &columns, &knots))),
+        ("objects", Node::List(trajectories(trajectory, PartKind::Object, &columns, &knots))),
         ("events", Node::List(events(trajectory))),
         ("carriers", Node::List(carriers(trajectory))),
     ]))
+}
+
+/// An entry for each part of a kind that has something to move.
+fn trajectories(trajectory: &Trajectory<'_>, kind: PartKind, columns: &[Column], knots: &[Knot<'_>]) -> Vec<Node> {
+    let key = if kind == PartKind::Robot { "robot" } else { "object" };
+    let of_part = |(part, entry): (usize, &Part)| {
+        let part = PartIndex(part as u32);
+        let is_own = |column: &&Column| column.part == part && column.is_joint && column.follows.is_none();
+        let joints: Vec<&Column> = columns.iter().filter(is_own).collect();
+        let root = moving_root(trajectory, columns, part);
+        let mut fields = vec![
+            (key.to_owned(), Node::text(&entry.name)),
+            ("joint_trajectory".to_owned(), joint_trajectory(&joints, knots)),
+        ];
+        if let Some(root) = root {
+            fields.push(("multi_dof_joint_trajectory".to_owned(), root_trajectory(trajectory.robot(), root, knots)));
+        }
+        (!joints.is_empty() || root.is_some()).then_some(Node::Map(fields))
+    };
+    let parts = trajectory.robot().parts.iter().enumerate().filter(|(_, part)| part.kind == kind);
+    parts.filter_map(of_part).collect()
 }
 
 /// A knot and its time: of knots within a nanosecond the first.
