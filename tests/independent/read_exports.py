@@ -163,12 +163,16 @@ class Curve:
                 return follower.multiplier * leader + np.array([follower.offset, 0.0, 0.0])
         return self.at(time)[:, self.column[name]]
 
+    def held(self, segment: dict) -> list[tuple]:
+        """Object, gripper, handle of every grasp."""
+        grasps = [item for item in segment["attachments"] if "gripper" in item]
+        return [(item["object"].split("/")[0], item["gripper"], item["handle"]) for item in grasps]
+
     def events(self) -> list[tuple]:
         """Time, kind, object, gripper, handle of every grasp and release."""
-        held = lambda segment: [(i["object"].split("/")[0], i["gripper"], i["handle"]) for i in segment["attachments"] if "gripper" in i]
         found = []
         for before, after in zip(self.segments, self.segments[1:]):
-            had, has, time = held(before), held(after), after["times"][0]
+            had, has, time = self.held(before), self.held(after), after["times"][0]
             found += [(time, "release", *item) for item in had if item not in has]
             found += [(time, "grasp", *item) for item in has if item not in had]
         return found
@@ -219,11 +223,11 @@ def check_npz(curve: Curve, file: Path, rate: float) -> dict[str, float]:
     off["npz link poses"] = off["npz object poses"] = 0.0
     for index in some(times):
         wanted = curve.links(times[index])
-        for column, name in enumerate(arrays["link_names"]):
-            off["npz link poses"] = max(off["npz link poses"], pose_apart(arrays["link_poses"][index, column], wanted[name]))
-        for column, name in enumerate(arrays["object_names"]):
-            link = name if "/" in name else f"{name}/{curve.parts[name][1].root_link}"
-            off["npz object poses"] = max(off["npz object poses"], pose_apart(arrays["object_poses"][index, column], wanted[link]))
+        root = lambda name: name if "/" in name else f"{name}/{curve.parts[name][1].root_link}"
+        for kind in ("link", "object"):
+            for name, row in zip(arrays[f"{kind}_names"], arrays[f"{kind}_poses"][index]):
+                what = f"npz {kind} poses"
+                off[what] = max(off[what], pose_apart(row, wanted[root(name)]))
     told = list(zip(*(arrays[f"event_{key}"] for key in ("times", "kinds", "objects", "grippers", "handles"))))
     expect([tuple(event) for event in told] == curve.events(), f"events {told} instead of {curve.events()}")
     expect(list(arrays["segment_states"]) == [segment["state"] for segment in curve.segments], "states are others")
@@ -292,7 +296,7 @@ def check_ros(curve: Curve, folder: Path) -> dict[str, float]:
         expect(link == curve.file["documents"]["grippers"][event["gripper"]]["link"], f"{link} is no gripper's link")
         expect(attached["link_name"] in attached["touch_links"], "a gripper does not touch what it holds")
         told.append((seconds(event["time_from_start"]), kind, attached["object"]["id"], event["gripper"], event["handle"]))
-    wanted = curve.events()
+    wanted = [(curve.start, "grasp", *item) for item in curve.held(curve.segments[0])] + curve.events()
     expect([event[1:] for event in told] == [event[1:] for event in wanted], f"events {told} instead of {wanted}")
     expect(apart([t[0] for t in told], [t[0] - curve.start for t in wanted]) < 1e-9, "events are at other times")
     return off
