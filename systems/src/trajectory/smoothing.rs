@@ -77,6 +77,7 @@ impl Smoothing<'_> {
         if self.motions[self.stretch.motions.start].is_implicit {
             let mut path = Spline::new(self.size());
             spline_through(&self.stretch.knots, &self.stretch.velocity, &mut scratch.through, &mut path)?;
+            self.keep_bounds(&mut path);
             let joints = self.stretch.joints.iter().map(|&joint| path.parameters()[joint]).collect();
             return Ok(vec![SmoothPath { path, joints }]);
         }
@@ -90,6 +91,34 @@ impl Smoothing<'_> {
             start = end;
         }
         Ok(paths)
+    }
+
+    /// Where a spline leaves the bounds of a coordinate between two knots, its derivatives there become those of a monotone piece
+    /// (Fritsch and Carlson, "Monotone piecewise cubic interpolation", SIAM J. Numer. Anal. 1980): zero where the knot is an extreme, else
+    /// at most three times the smaller slope.
+    fn keep_bounds(&self, path: &mut Spline) {
+        let space = &self.model.problem.robot.space;
+        for i in (0..self.size()).filter(|&i| !self.stretch.carried[i]) {
+            let leaves = |path: &Spline, piece: usize| {
+                let [low, high] = path.position_range(piece, i);
+                low < space.lower[i] || high > space.upper[i]
+            };
+            // What becomes monotone on one piece may leave the bounds on the next one. Derivatives only become smaller, so this ends.
+            for _ in 0..path.len() {
+                let pieces: Vec<usize> = (0..path.pieces()).filter(|&piece| leaves(path, piece)).collect();
+                if pieces.is_empty() {
+                    break;
+                }
+                for knot in pieces.iter().flat_map(|&piece| [piece, piece + 1]) {
+                    let slope = |piece: usize| (path.knot(piece + 1)[i] - path.knot(piece)[i]) / path.width(piece);
+                    let before = if knot == 0 { slope(0) } else { slope(knot - 1) };
+                    let behind = if knot == path.pieces() { before } else { slope(knot) };
+                    let most = if before * behind > 0.0 { 3.0 * before.abs().min(behind.abs()) } else { 0.0 };
+                    let derivative = &mut path.velocity_mut(knot)[i];
+                    *derivative = derivative.clamp(-most, most);
+                }
+            }
+        }
     }
 
     /// The path from a knot to the next stop: the end of the stretch, or a corner without an arc.

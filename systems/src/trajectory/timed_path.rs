@@ -4,6 +4,7 @@ use crate::improvement::leaf_motion::LeafMotion;
 use crate::planning_model::model::Model;
 use crate::search::curve_certificate::{CurveRefusal, certify_path};
 use crate::settings::SearchSettings;
+use crate::trajectory::rows::{follow_signs, share_joint_knots};
 use crate::trajectory::smoothing::{Smoothing, SmoothingScratch};
 use crate::trajectory::stretch::Stretch;
 use crate::trajectory::timing;
@@ -80,6 +81,8 @@ pub fn timed_path(
             timed.segments.extend(made.segments.iter().map(|segment| later(segment, now)));
             now += made.duration;
         }
+        share_joint_knots(&mut timed.segments);
+        follow_signs(model, &mut timed.segments);
         let refusal = match certify_path(model, settings, &timed) {
             Ok(certificate) => return Ok(ManipulationPath { certificate, ..timed }),
             Err(refusal) => refusal,
@@ -115,8 +118,7 @@ impl Maker<'_> {
         let smoothing = Smoothing { model, settings, motions, stretch, refusals };
         let paths =
             smoothing.paths(&mut self.scratch).map_err(|error| TrajectoryError::Smoothing { segment, error })?;
-        let mut duration = 0.0;
-        let segments = timing::segments(model, motions, (stretch, &paths), &mut duration, &mut self.timing)
+        let (segments, duration) = timing::segments(model, motions, (stretch, &paths), &mut self.timing)
             .map_err(|error| TrajectoryError::Timing { segment, error })?;
         Ok(Made { segments, duration })
     }

@@ -3,15 +3,22 @@
 
 use crate::improvement::leaf_motion::LeafMotion;
 use crate::planning_model::model::Model;
-use crate::trajectory::smoothing::{SmoothPath, write_carried};
+use crate::trajectory::rows::Rows;
+use crate::trajectory::smoothing::SmoothPath;
 use crate::trajectory::stretch::Stretch;
-use foliate_components::path::{Segment, SegmentTiming};
-use foliate_kernels::trajectory::{Limits, TimedPath, TimingError, TimingScratch, TimingSettings, time_optimal};
+use foliate_components::path::Segment;
+use foliate_components::robot::configuration::Group;
+use foliate_kernels::trajectory::{
+    Limits, Spline, TimedPath, TimingError, TimingScratch, TimingSettings, peak_rates, time_optimal,
+};
 
 /// How long a motion takes that is as short as rounding, seconds.
 const HARDLY_MOVING: f64 = 1e-3;
 
-/// The segments of a stretch, from `now` on; `now` becomes the time at which the last one ends.
+/// Knots that are closer than this are one, seconds.
+const APART: f64 = 1e-5;
+
+/// The segments of a stretch, from time 0, and how long it takes.
 ///
 /// # Errors
 /// Limits that allow no motion.
@@ -19,15 +26,15 @@ pub(crate) fn segments(
     model: &Model,
     motions: &[LeafMotion],
     (stretch, paths): (&Stretch, &[SmoothPath]),
-    now: &mut f64,
     scratch: &mut TimingScratch,
-) -> Result<Vec<Segment>, TimingError> {
+) -> Result<(Vec<Segment>, f64), TimingError> {
     let size = model.problem.robot.space.size();
-    let mut rows = Rows::new(model, &motions[stretch.motions.clone()], stretch);
-    rows.push(*now, &stretch.knots[..size], None);
+    let motions = &motions[stretch.motions.clone()];
+    let mut now = 0.0;
+    let mut rows = Rows::beginning_at(model, motions, stretch, motions[0].start(size));
     if stretch.begins_with_grasp_change && model.problem.timing.dwell > 0.0 {
-        *now += model.problem.timing.dwell;
-        rows.push(*now, &stretch.knots[..size], None);
+        now += model.problem.timing.dwell;
+        rows.stand_still_until(now);
     }
     // Motions that stand still where the stretch begins.
     stretch.joints.iter().filter(|joint| **joint == 0).for_each(|_| rows.next_motion());
@@ -36,32 +43,30 @@ pub(crate) fn segments(
     for path in paths {
         time_optimal(&path.path, limits, TimingSettings::default(), scratch, &mut timed)?;
         let joints: Vec<usize> = path.joints.iter().map(|&joint| cut_at(&mut timed, joint)).collect();
-        let curve = &timed.curve;
+        let curve = &mut timed.curve;
+        normalise(model, &stretch.carried, curve);
+        let slower = slow_down(curve, limits);
         for knot in 1..curve.len() {
-            rows.push(*now + curve.parameters()[knot], curve.knot(knot), Some(curve.velocity(knot)));
-            if joints.contains(&knot) {
-                rows.next_motion();
-            }
+            rows.push(now + slower * curve.parameters()[knot], curve.knot(knot), curve.velocity(knot));
+            joints.iter().filter(|joint| **joint == knot).for_each(|_| rows.next_motion());
         }
-        *now += curve.extent();
+        now += slower * curve.extent();
     }
     if paths.is_empty() && stretch.knots.len() > size {
-        // Rounding is all that moves.
-        *now += HARDLY_MOVING;
-        rows.push(*now, &stretch.knots[size..], None);
+        now += HARDLY_MOVING;
+        rows.push(now, &stretch.knots[size..], &vec![0.0; size]);
     }
-    rows.end_at(&stretch.knots[stretch.knots.len() - size..]);
-    Ok(rows.segments())
+    Ok((rows.segments(motions[motions.len() - 1].end(size)), now))
 }
 
-/// Cuts a curve where it passes a parameter of its path, and returns the knot there.
+/// Cuts a curve where it passes a parameter of its path, and returns the knot there. A knot that is close is taken.
 fn cut_at(timed: &mut TimedPath, parameter: f64) -> usize {
     let piece = timed.parameters.partition_point(|p| *p <= parameter).saturating_sub(1);
     let last = timed.curve.pieces();
-    if piece >= last || timed.parameters[piece] == parameter {
-        return piece.min(last);
+    if piece >= last {
+        return last;
     }
-    // On a piece the share of the way is that of the coordinate that moves most.
+    // On a straight piece the share of the way is that of the coordinate that moves most.
     let share = (parameter - timed.parameters[piece]) / (timed.parameters[piece + 1] - timed.parameters[piece]);
     let (from, to) = (timed.curve.knot(piece), timed.curve.knot(piece + 1));
     let way = |i: usize| (to[i] - from[i]).abs();
@@ -74,93 +79,43 @@ fn cut_at(timed: &mut TimedPath, parameter: f64) -> usize {
         let middle = low.midpoint(high);
         if (cubic.position(middle) < target) == rises { low = middle } else { high = middle }
     }
-    let time = timed.curve.parameters()[piece] + low * timed.curve.width(piece);
-    let pieces = timed.curve.pieces();
-    let knot = timed.curve.cut(time);
-    if timed.curve.pieces() > pieces {
-        timed.parameters.insert(knot, parameter);
+    let after = low * timed.curve.width(piece);
+    if after < APART {
+        return piece;
     }
+    if timed.curve.width(piece) - after < APART {
+        return piece + 1;
+    }
+    let knot = timed.curve.cut(timed.curve.parameters()[piece] + after);
+    timed.parameters.insert(knot, parameter);
     knot
 }
 
-/// Rows of the segments of a stretch.
-struct Rows<'a> {
-    model: &'a Model,
-    motions: &'a [LeafMotion],
-    stretch: &'a Stretch,
-    /// By motion.
-    timings: Vec<(Vec<Vec<f64>>, SegmentTiming)>,
-}
-
-impl<'a> Rows<'a> {
-    fn new(model: &'a Model, motions: &'a [LeafMotion], stretch: &'a Stretch) -> Self {
-        Self { model, motions, stretch, timings: vec![(Vec::new(), SegmentTiming::default())] }
-    }
-
-    /// Adds a knot, at rest where there is no velocity.
-    fn push(&mut self, time: f64, q: &[f64], velocity: Option<&[f64]>) {
-        let motion = &self.motions[(self.timings.len() - 1).min(self.motions.len() - 1)];
-        let Some((knots, timing)) = self.timings.last_mut() else { return };
-        let mut q = q.to_vec();
-        let mut velocity = velocity.map_or_else(|| vec![0.0; q.len()], <[f64]>::to_vec);
-        if !knots.is_empty() {
-            write_carried(self.model, motion, &self.stretch.carried, &mut q, &mut velocity);
+/// Makes the quaternions at knots of length 1, of everything that does not follow a carrier. Velocities are those of the scaled curve.
+fn normalise(model: &Model, carried: &[bool], curve: &mut Spline) {
+    let factors = &model.problem.robot.space.factors;
+    for factor in factors.iter().filter(|factor| factor.group == Group::FreeFlyer && !carried[factor.q]) {
+        let numbers = factor.q + 3..factor.q + 7;
+        for knot in 0..curve.len() {
+            let length = curve.knot(knot)[numbers.clone()].iter().map(|x| x * x).sum::<f64>().sqrt();
+            curve.knot_mut(knot)[numbers.clone()].iter_mut().for_each(|x| *x /= length);
+            let unit: Vec<f64> = curve.knot(knot)[numbers.clone()].to_vec();
+            let velocity = &mut curve.velocity_mut(knot)[numbers.clone()];
+            let along: f64 = velocity.iter().zip(&unit).map(|(v, x)| v * x).sum();
+            velocity.iter_mut().zip(&unit).for_each(|(v, x)| *v = (*v - along * x) / length);
         }
-        knots.push(q);
-        timing.times.push(time);
-        timing.velocities.push(velocity);
-    }
-
-    /// The knots that follow are of the next motion, which begins with the last one.
-    fn next_motion(&mut self) {
-        if self.timings.len() == self.motions.len() {
-            return;
-        }
-        let joint = self.timings.last().and_then(|(knots, timing)| {
-            let (time, velocity) = (*timing.times.last()?, timing.velocities.last()?.clone());
-            Some((vec![knots.last()?.clone()], SegmentTiming { times: vec![time], velocities: vec![velocity] }))
-        });
-        self.timings.extend(joint);
-    }
-
-    /// The last knot is the path's own, bit for bit, at rest.
-    fn end_at(&mut self, q: &[f64]) {
-        if let Some((knots, timing)) = self.timings.last_mut() {
-            if let (Some(last), Some(velocity)) = (knots.last_mut(), timing.velocities.last_mut()) {
-                last.copy_from_slice(q);
-                velocity.fill(0.0);
-            }
-        }
-    }
-
-    fn segments(self) -> Vec<Segment> {
-        let Self { model, motions, timings, .. } = self;
-        let mut segments = Vec::with_capacity(motions.len());
-        let mut timings = timings.into_iter();
-        for motion in motions {
-            // A motion that has no way of its own stands still where the one before has ended.
-            let (knots, timing) = timings.next().unwrap_or_else(|| standstill(&segments));
-            segments.push(Segment { knots, timing: Some(timing), ..motion.segment(model) });
-        }
-        segments.iter_mut().for_each(at_least_two_knots);
-        segments
     }
 }
 
-/// A knot at rest where the last segment ends.
-fn standstill(segments: &[Segment]) -> (Vec<Vec<f64>>, SegmentTiming) {
-    let last = segments.last();
-    let knot = last.and_then(|segment| segment.knots.last()).cloned().unwrap_or_default();
-    let time = last.and_then(|segment| segment.timing.as_ref()?.times.last().copied()).unwrap_or(0.0);
-    let velocities = vec![vec![0.0; knot.len()]];
-    (vec![knot], SegmentTiming { times: vec![time], velocities })
-}
-
-/// A segment without movement has two knots.
-fn at_least_two_knots(segment: &mut Segment) {
-    if let (1, Some(timing)) = (segment.knots.len(), &mut segment.timing) {
-        segment.knots.push(segment.knots[0].clone());
-        timing.times.push(timing.times[0]);
-        timing.velocities.push(timing.velocities[0].clone());
+/// By how much the curve has to be slower to keep its limits: a scaled quaternion turns a little faster than its numbers did. The
+/// velocities are those of the slower curve.
+fn slow_down(curve: &mut Spline, limits: Limits<'_>) -> f64 {
+    let peaks = peak_rates(curve, limits);
+    let share = peaks.velocity.share.max(peaks.acceleration.share.sqrt());
+    if share <= 1.0 {
+        return 1.0;
     }
+    let slower = share * (1.0 + 1e-12);
+    (0..curve.len()).for_each(|knot| curve.velocity_mut(knot).iter_mut().for_each(|v| *v /= slower));
+    slower
 }
