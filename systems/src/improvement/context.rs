@@ -16,6 +16,8 @@ use foliate_kernels::kinematics::RigidAttachment;
 pub(crate) struct Context<'a> {
     pub model: &'a PlanningModel,
     pub settings: &'a SearchSettings,
+    /// As `settings`, with the clearance that shortcuts keep.
+    pub with_room: &'a SearchSettings,
     pub cost: &'a dyn PathCost,
     pub limbs: &'a Limbs,
 }

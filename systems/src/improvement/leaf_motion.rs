@@ -101,6 +101,12 @@ impl LeafMotion {
         self.parameters.iter().zip(parameters).all(near)
     }
 
+    /// Counted work of one change: with implicit rows every configuration is projected.
+    #[must_use]
+    pub fn work(&self) -> u64 {
+        if self.is_implicit { 8 } else { 1 }
+    }
+
     /// The first configuration.
     #[must_use]
     pub fn start(&self, size: usize) -> &[f64] {

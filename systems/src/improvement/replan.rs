@@ -103,7 +103,7 @@ fn polish(
             break;
         }
         for _ in 0..CHANGES * motions.len() {
-            work += 1;
+            work += motions[0].work();
             let change = match rng.random_range(0..3) {
                 0 => {
                     let index = rng.random_range(0..motions.len());

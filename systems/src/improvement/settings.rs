@@ -17,6 +17,8 @@ pub struct ImprovementSettings {
     pub limb_probability: f64,
     /// How often the waypoints of a grasp change are moved, of all that is not planned again. The rest are shortcuts of all coordinates.
     pub waypoint_probability: f64,
+    /// Clearance that shortcuts keep beyond every margin, metres: corners will be rounded, and curves leave the straight line.
+    pub shortcut_clearance: f64,
     /// Steps of the first search, by which the length of the others is measured.
     pub first_steps: u64,
 }
@@ -24,11 +26,12 @@ pub struct ImprovementSettings {
 impl Default for ImprovementSettings {
     fn default() -> Self {
         Self {
-            max_work: 3000,
+            max_work: 10_000,
             proposals: 8,
             replanning_share: 0.5,
             limb_probability: 0.3,
             waypoint_probability: 0.4,
+            shortcut_clearance: 5e-4,
             first_steps: 16,
         }
     }

@@ -51,7 +51,7 @@ pub(crate) fn attempt(
     }
     validation::certify_whole(
         context.model,
-        context.settings,
+        context.with_room,
         (motion.transition, motion.state),
         &motion.rigid_attachments,
         &steered.knots,

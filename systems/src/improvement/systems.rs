@@ -117,6 +117,7 @@ fn draw_motion(motions: &[LeafMotion], rng: &mut impl Rng) -> usize {
 pub fn evaluate(
     model: Res<'_, PlanningModel>,
     search: Res<'_, SearchSettings>,
+    settings: Res<'_, ImprovementSettings>,
     stop: Res<'_, StopSignal>,
     cost: Res<'_, Cost>,
     limbs: Res<'_, Limbs>,
@@ -126,7 +127,9 @@ pub fn evaluate(
     mut proposals: Query<'_, '_, &mut Proposal>,
     buffers: Local<'_, ScratchPool<ImprovementScratch>>,
 ) {
-    let context = Context { model: &model, settings: &search, cost: cost.0.as_ref(), limbs: &limbs };
+    let with_room = with_room(&search, &settings);
+    let context =
+        Context { model: &model, settings: &search, with_room: &with_room, cost: cost.0.as_ref(), limbs: &limbs };
     let buffers = &*buffers;
     let mut pool: Vec<_> = proposals.iter_mut().collect();
     each(
@@ -144,6 +147,11 @@ pub fn evaluate(
     );
 }
 
+/// The settings of a search, with the clearance that shortcuts keep.
+fn with_room(search: &SearchSettings, settings: &ImprovementSettings) -> SearchSettings {
+    search.clone().with(|s| s.clearance_guard = s.clearance_guard.max(settings.shortcut_clearance))
+}
+
 fn evaluate_one(
     context: &Context<'_>,
     incumbent: &Incumbent,
@@ -156,7 +164,7 @@ fn evaluate_one(
     let (found, model) = match proposal.attempt.clone() {
         None => return,
         Some(Attempt::Shortcut(index)) => {
-            proposal.work = 1;
+            proposal.work = motions[index].work();
             let shorter = shortcut::attempt(context, &motions[index], rng, scratch);
             (shorter.map(|shorter| (index..index + 1, vec![shorter])), None)
         }
@@ -166,7 +174,7 @@ fn evaluate_one(
             (changed.map(|changed| (changed.range, changed.motions)), None)
         }
         Some(Attempt::WaypointMove) => {
-            proposal.work = 1;
+            proposal.work = motions[0].work();
             let changed = waypoint_move::attempt(context, motions, incumbent.cost, rng, scratch);
             (changed.map(|changed| (changed.range, changed.motions)), None)
         }
@@ -234,7 +242,9 @@ pub fn commit(
         }
         incumbent.motions.splice(change.range, change.motions);
     }
-    let context = Context { model: &model, settings: &search, cost: cost.0.as_ref(), limbs: &limbs };
+    let with_room = with_room(&search, &settings);
+    let context =
+        Context { model: &model, settings: &search, with_room: &with_room, cost: cost.0.as_ref(), limbs: &limbs };
     incumbent.motions = merged(&model, std::mem::take(&mut incumbent.motions));
     context.unwrap(&mut incumbent.motions);
     incumbent.cost = path_cost(context.cost, &model, &incumbent.motions);

@@ -10,6 +10,8 @@ use std::fmt;
 pub struct CurveRefusal {
     /// Number of the segment, from 0.
     pub segment: usize,
+    /// Number of the piece in it.
+    pub piece: usize,
     /// What is not proved.
     pub what: String,
 }
@@ -35,8 +37,11 @@ pub fn certify_path(
     use foliate_kernels::curve::HermiteCurve;
     let mut scratch = CollisionScratch::at_level(settings.level);
     for (number, segment) in path.segments.iter().enumerate() {
-        let motion = LeafMotion::of_segment(model, segment)
-            .ok_or_else(|| CurveRefusal { segment: number, what: "no leaf".into() })?;
+        let motion = LeafMotion::of_segment(model, segment).ok_or_else(|| CurveRefusal {
+            segment: number,
+            piece: 0,
+            what: "no leaf".into(),
+        })?;
         let Some(timing) = &segment.timing else { continue };
         let (knots, velocities) = (segment.knots.concat(), timing.velocities.concat());
         let curve = HermiteCurve { knots: &knots, velocities: &velocities, times: &timing.times };
@@ -52,7 +57,11 @@ pub fn certify_path(
         );
         if let CurveVerdict::Blocked { piece, u, blocked_by } = verdict {
             let pair = blocked_by.map(|contact| model.pair_name(contact.pair)).unwrap_or_default();
-            return Err(CurveRefusal { segment: number, what: format!("piece {piece} at {u}: {pair} {blocked_by:?}") });
+            return Err(CurveRefusal {
+                segment: number,
+                piece,
+                what: format!("piece {piece} at {u}: {pair} {blocked_by:?}"),
+            });
         }
     }
     Ok(path.certificate)

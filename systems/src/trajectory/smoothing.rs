@@ -45,8 +45,9 @@ pub(crate) struct Smoothing<'a> {
     pub settings: &'a SearchSettings,
     pub motions: &'a [LeafMotion],
     pub stretch: &'a Stretch,
-    /// How often the whole curve was refused so far. Every time arcs are smaller, and at last the robot stops at corners.
-    pub refusals: usize,
+    /// By knot of the stretch: how often the curve was refused near it. Every time its arc is smaller, and at last the robot stops
+    /// there. With implicit rows it stops at once and goes straight to the next knot, as the path without times does.
+    pub refusals: &'a [usize],
 }
 
 impl Smoothing<'_> {
@@ -75,11 +76,7 @@ impl Smoothing<'_> {
             return Ok(Vec::new());
         }
         if self.motions[self.stretch.motions.start].is_implicit {
-            let mut path = Spline::new(self.size());
-            spline_through(&self.stretch.knots, &self.stretch.velocity, &mut scratch.through, &mut path)?;
-            self.keep_bounds(&mut path);
-            let joints = self.stretch.joints.iter().map(|&joint| path.parameters()[joint]).collect();
-            return Ok(vec![SmoothPath { path, joints }]);
+            return self.through_knots(scratch);
         }
         let radii: Vec<f64> =
             (0..=last).map(|k| if k == 0 || k == last { 0.0 } else { self.radius(k, scratch) }).collect();
@@ -88,6 +85,29 @@ impl Smoothing<'_> {
         while start < last {
             let (end, path) = self.path_from(start, &radii)?;
             paths.push(path);
+            start = end;
+        }
+        Ok(paths)
+    }
+
+    /// Splines through the knots of a leaf of implicit rows, and straight lines where splines were refused.
+    fn through_knots(&self, scratch: &mut SmoothingScratch) -> Result<Vec<SmoothPath>, BlendError> {
+        let last = self.knots() - 1;
+        let is_straight = |edge: usize| self.refusals[edge] > 0 && self.refusals[edge + 1] > 0;
+        let mut paths = Vec::new();
+        let mut start = 0;
+        while start < last {
+            let end = match is_straight(start) {
+                true => start + 1,
+                false => (start..last).find(|&edge| is_straight(edge)).unwrap_or(last),
+            };
+            let mut path = Spline::new(self.size());
+            let knots = &self.stretch.knots[start * self.size()..(end + 1) * self.size()];
+            spline_through(knots, &self.stretch.velocity, &mut scratch.through, &mut path)?;
+            self.keep_bounds(&mut path);
+            let inside = self.stretch.joints.iter().filter(|joint| **joint > start && **joint <= end);
+            let joints = inside.map(|&joint| path.parameters()[joint - start]).collect();
+            paths.push(SmoothPath { path, joints });
             start = end;
         }
         Ok(paths)
@@ -115,7 +135,7 @@ impl Smoothing<'_> {
                     let behind = if knot == path.pieces() { before } else { slope(knot) };
                     let most = if before * behind > 0.0 { 3.0 * before.abs().min(behind.abs()) } else { 0.0 };
                     let derivative = &mut path.velocity_mut(knot)[i];
-                    *derivative = derivative.clamp(-most, most);
+                    *derivative = if before > 0.0 { derivative.clamp(0.0, most) } else { derivative.clamp(-most, 0.0) };
                 }
             }
         }
@@ -152,7 +172,7 @@ impl Smoothing<'_> {
     fn radius(&self, k: usize, scratch: &mut SmoothingScratch) -> f64 {
         let is_waypoint = self.stretch.joints.contains(&k);
         let most = self.edge(k - 1).min(self.edge(k)) * if is_waypoint { AT_WAYPOINT } else { 1.0 };
-        let shares = SHARES.get(self.refusals..).unwrap_or_default();
+        let shares = SHARES.get(self.refusals[k]..).unwrap_or_default();
         shares.iter().map(|share| share * most).find(|radius| self.is_free(k, *radius, scratch)).unwrap_or(0.0)
     }
 

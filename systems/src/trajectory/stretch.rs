@@ -75,6 +75,17 @@ impl Stretch {
     }
 }
 
+impl Stretch {
+    /// Counts a refusal at the knot that is nearest to a configuration, and at its neighbours.
+    pub(crate) fn refuse_near(&self, q: &[f64], refusals: &mut [usize]) {
+        let size = self.velocity.len();
+        let distance = |k: &usize| time_at_full_speed(q, &self.knots[k * size..][..size], &self.velocity);
+        let nearest = (0..refusals.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0);
+        let last = (nearest + 1).min(refusals.len().saturating_sub(1));
+        refusals[nearest.saturating_sub(1)..=last].iter_mut().for_each(|count| *count += 1);
+    }
+}
+
 /// Knots that are closer than this are one, in seconds at full speed.
 pub(crate) const APART: f64 = 1e-6;
 

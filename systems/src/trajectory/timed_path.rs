@@ -43,8 +43,8 @@ pub enum TrajectoryError {
     },
 }
 
-/// How often the curve of a stretch is tried.
-const TRIES: usize = 5;
+/// How often a curve is refused and made again.
+const TRIES: usize = 64;
 
 /// Gives a path times: every stretch between two stops is smoothed and timed, and the whole is certified as a curve. Where it is
 /// refused the stretch is made again, closer to the path without times.
@@ -59,7 +59,8 @@ pub fn timed_path(
     let motions = LeafMotion::of_path(model, path).ok_or(TrajectoryError::Constraint)?;
     let limits = RateLimits::of(&model.problem.robot, &model.problem.timing);
     let stretches = Stretch::of_path(model, &motions, &limits);
-    let mut refusals = vec![0; stretches.len()];
+    let size = model.problem.robot.space.size();
+    let mut refusals: Vec<Vec<usize>> = stretches.iter().map(|stretch| vec![0; stretch.knots.len() / size]).collect();
     let mut maker = Maker {
         model,
         settings,
@@ -69,10 +70,11 @@ pub fn timed_path(
     };
     maker.scratch.collision.set_level(settings.level);
     let mut made: Vec<Option<Made>> = vec![None; stretches.len()];
+    let mut tries = 0;
     loop {
         for ((stretch, made), refusals) in stretches.iter().zip(&mut made).zip(&refusals) {
             if made.is_none() {
-                *made = Some(maker.make(stretch, *refusals)?);
+                *made = Some(maker.make(stretch, refusals)?);
             }
         }
         let mut timed = ManipulationPath { segments: Vec::new(), certificate: path.certificate };
@@ -88,11 +90,13 @@ pub fn timed_path(
             Err(refusal) => refusal,
         };
         let is_in = |stretch: &Stretch| stretch.motions.contains(&refusal.segment);
-        let Some(index) = stretches.iter().position(is_in).filter(|&index| refusals[index] + 1 < TRIES) else {
+        let Some(index) = stretches.iter().position(is_in).filter(|_| tries < TRIES) else {
             return Err(TrajectoryError::Unproved { refusal });
         };
-        refusals[index] += 1;
+        let row = timed.segments[refusal.segment].knots.get(refusal.piece).cloned().unwrap_or_default();
+        stretches[index].refuse_near(&row, &mut refusals[index]);
         made[index] = None;
+        tries += 1;
     }
 }
 
@@ -112,7 +116,7 @@ struct Maker<'a> {
 }
 
 impl Maker<'_> {
-    fn make(&mut self, stretch: &Stretch, refusals: usize) -> Result<Made, TrajectoryError> {
+    fn make(&mut self, stretch: &Stretch, refusals: &[usize]) -> Result<Made, TrajectoryError> {
         let segment = stretch.motions.start;
         let (model, settings, motions) = (self.model, self.settings, self.motions);
         let smoothing = Smoothing { model, settings, motions, stretch, refusals };
