@@ -220,7 +220,7 @@ fn the_least_clearance_along_a_curve_is_found() {
                 let mut q = vec![0.0; world.size];
                 let piece = (nearest.t as usize).min(curve.pieces() - 1);
                 curve.at(&world.robot.space, piece, nearest.t - piece as f64, &mut q);
-                let there = min_clearance(scene, &world.poses(&q), [nearest.pair].into_iter()).unwrap().clearance;
+                let there = min_clearance(scene, &world.poses(&q), [nearest.pair]).unwrap().clearance;
                 assert!(there <= nearest.clearance + 2e-6, "{name} {round}: {there} at {nearest:?}");
             }
         }

@@ -17,13 +17,15 @@ use foliate_components::robot::shape::Geometry;
 use foliate_components::robot::{PartKind, Robot, RootJoint};
 use foliate_components::samples::models;
 use foliate_kernels::collision::{
-    CertificateSettings, CollisionScene, CollisionScratch, MotionVerdict, PairRule, PairSet, PolylineVerdict, Verdicts,
-    certify_motion, certify_polyline, first_collision,
+    CertificateSettings, CollisionScene, CollisionScratch, CurveVerdict, MotionVerdict, PairRule, PairSet,
+    PolylineVerdict, Verdicts, certify_curve, certify_motion, certify_polyline, first_collision,
 };
 use foliate_kernels::constrained_motion::{
-    ConstraintProgram, Job, MotionScratch, MotionSettings, Scratch, Settings, project, project_batch, project_motion,
+    ConstraintProgram, CurveScratch, Job, MotionScratch, MotionSettings, OffLeaf, Scratch, Settings, curve_residual,
+    project, project_batch, project_motion,
 };
-use foliate_kernels::constraints::placement_of;
+use foliate_kernels::constraints::{placement_of, relative_pose};
+use foliate_kernels::curve::HermiteCurve;
 use foliate_kernels::kinematics::{AttachmentTree, Kinematics, RigidAttachment, geometric_jacobian};
 use foliate_kernels::lanes::Level;
 use foliate_kernels::nearest::{Bucket, BucketQueries, Metric, nearest};
@@ -354,6 +356,67 @@ fn certificates_of_polylines() {
         }
     });
     assert!(whole > 0 && cut > 0, "{whole} free, {cut} cut");
+    assert_eq!(count, 0);
+}
+
+#[test]
+fn certificates_of_curves() {
+    let mut place = Workplace::new();
+    let (free, _) = place.samples(800);
+    let size = place.robot.space.size();
+    // From a free configuration with some velocity to a little way towards another, and on from there.
+    let curves: Vec<(Vec<f64>, Vec<f64>)> = free
+        .windows(2)
+        .take(60)
+        .map(|ends| {
+            let mut knots = Vec::new();
+            let mut q = ends[0].clone();
+            for knot in 0..3 {
+                place.robot.space.interpolate(&ends[0], &ends[1], 0.1 * f64::from(knot), &mut q);
+                knots.extend_from_slice(&q);
+            }
+            let velocities = (0..3 * size).map(|i| 0.01 * ((i * 7 % 5) as f64 - 2.0)).collect();
+            (knots, velocities)
+        })
+        .collect();
+    let (settings, mut scratch) = (CertificateSettings::default(), CollisionScratch::new());
+    let (mut whole, mut blocked) = (0, 0);
+    let count = allocations(|| {
+        for (knots, velocities) in &curves {
+            let Workplace { scene, kinematics, rigid_attachments, pairs, .. } = &place;
+            let curve = HermiteCurve { knots, velocities, times: &[0.0, 0.7, 1.9] };
+            match certify_curve(scene, kinematics, rigid_attachments, &curve, pairs, &settings, &mut scratch) {
+                CurveVerdict::Free { .. } => whole += 1,
+                CurveVerdict::Blocked { .. } => blocked += 1,
+            }
+        }
+    });
+    assert!(whole > 0 && blocked > 0, "{whole} free, {blocked} blocked");
+    assert_eq!(count, 0);
+}
+
+#[test]
+fn residuals_of_curves() {
+    let robot = world();
+    let kinematics = Kinematics::new(&robot);
+    let mut draw = Draw::new(5);
+    let (from, bodies) = (draw.configuration(&robot), |q: &[f64]| {
+        let mut X_WJ = vec![Pose::identity(); kinematics.bodies()];
+        kinematics.forward(q, &mut X_WJ);
+        X_WJ
+    });
+    let (a, b) = (Frame::world(Pose::identity()), Frame::of_joint(robot.joint("arm/w2").unwrap()));
+    let reference = Reference::Fixed(relative_pose::pose(&placement_of(&a), &placement_of(&b), &bodies(&from)));
+    let rows = [Some(Row::Zero); 6];
+    let pose = Constraint::RelativePose(RelativePose { a, b, rows, reference });
+    let program = ConstraintProgram::compile(&robot, &kinematics, &[pose], &[], &[]).unwrap();
+    let knots = [from.clone(), from].concat();
+    let velocities: Vec<f64> = (0..knots.len()).map(|i| 1e-2 * ((i % 5) as f64 - 2.0)).collect();
+    let curve = HermiteCurve { knots: &knots, velocities: &velocities, times: &[0.0, 1.0] };
+    let mut scratch = CurveScratch::default();
+    let mut proved = Err(OffLeaf { piece: 0, u: 0.0 });
+    let count = allocations(|| proved = curve_residual(&program, &robot.space, &curve, &[], 0.05, &mut scratch));
+    assert!(proved.is_ok_and(|most| most > 1e-4), "{proved:?}");
     assert_eq!(count, 0);
 }
 

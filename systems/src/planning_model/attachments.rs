@@ -162,8 +162,17 @@ impl Model {
     /// much as the start or goal is, where a leaf has its values from there.
     #[must_use]
     pub fn carrier_gap(&self, leaf: &Leaf, leaves: &LeafIndex, knots: &[Vec<f64>]) -> CarrierGap {
-        let rigid_attachments = self.attachments_of_leaf(leaf, leaves);
-        let carrying = || self.carriers(leaf.state).of.iter().flatten();
+        self.gap_along(leaf.state, &self.attachments_of_leaf(leaf, leaves), knots)
+    }
+
+    /// As [`Self::carrier_gap`], of a state whose objects are attached like this.
+    pub(crate) fn gap_along(
+        &self,
+        state: StateId,
+        rigid_attachments: &[RigidAttachment],
+        knots: &[Vec<f64>],
+    ) -> CarrierGap {
+        let carrying = || self.carriers(state).of.iter().flatten();
         let mut X_WJ = vec![Pose::identity(); self.kinematics.bodies()];
         let mut gap = CarrierGap::default();
         // A position and a rotation have three rows each: their errors are at most √3 times the largest row.
@@ -176,16 +185,17 @@ impl Model {
             // Where an object is written its handle may be off by more than its origin.
             gap.residual = gap.residual.max(off(q, &X_WJ));
             let written: Vec<Pose> = rigid_attachments.iter().map(|c| X_WJ[c.object.at()]).collect();
-            self.kinematics.carry(q, &rigid_attachments, &mut X_WJ);
+            self.kinematics.carry(q, rigid_attachments, &mut X_WJ);
             for (rigid_attachment, written) in rigid_attachments.iter().zip(written) {
                 let carried = X_WJ[rigid_attachment.object.at()];
                 let turn = log_so3(written.rotation.conjugate() * carried.rotation).length();
                 let shift = carried.translation.distance(written.translation);
-                gap.residual = gap.residual.max(shift).max(turn);
+                gap.written = gap.written.max(shift).max(turn);
                 gap.moved = gap.moved.max(shift + turn * self.reach_of(rigid_attachment.object));
             }
             gap.residual = gap.residual.max(off(q, &X_WJ));
         }
+        gap.residual = gap.residual.max(gap.written);
         gap
     }
 
@@ -250,6 +260,8 @@ impl Model {
 pub struct CarrierGap {
     /// Of objects and what carries them: the largest error of a position or a rotation, metres and radians.
     pub residual: f64,
+    /// Of objects as they are written and where their carriers take them: the largest difference, metres and radians.
+    pub written: f64,
     /// At most this far is any point of an object from where its carrier takes it, metres.
     pub moved: f64,
 }

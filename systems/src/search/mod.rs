@@ -1,12 +1,16 @@
 //! One search from start to answer: a world, a schedule that a scheduler fills, and the loop that steps it.
 //!
 //! `session` is what a host embeds. It makes its world by `world`, asks a `scheduler` for the systems, and takes the path
-//! out of the roadmap by `path_extraction`, which measures it by `path_clearance`.
+//! out of the roadmap by `path_extraction`, which measures it by `path_clearance`. `timed_certificate` proves a path with times;
+//! `segment_leaf` reads the leaf of a segment from the path, `timed_rows` its curve.
 
 pub mod path_clearance;
 pub mod path_extraction;
 pub mod scheduler;
+pub(crate) mod segment_leaf;
 pub mod session;
+pub mod timed_certificate;
+pub mod timed_rows;
 pub(crate) mod world;
 
 pub use crate::search::session::{AnswerIn, Search};

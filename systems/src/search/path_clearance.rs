@@ -1,18 +1,19 @@
 //! The least clearance along a path, and its pair.
 //!
 //! What counts is the path as it is written: between two knots objects follow what carries them from where the first knot of
-//! the segment has them, and at the end everything is where the last knot has it. A checker of the path file finds the same motion,
-//! and so no pair closer than this.
+//! the segment has them, and at the end everything is where the last knot has it. A segment with times is the curve that these
+//! make of it, another one is straight from knot to knot. A checker of the path file finds the same motion, and so no pair closer
+//! than this.
 
-use crate::planning_model::graph::attachment_order::pose_on_carrier;
 use crate::planning_model::model::Model;
-use crate::planning_model::state_classification::parameter_of;
-use foliate_components::Pose;
+use crate::search::segment_leaf::attachments_as_written;
+use crate::search::timed_rows::TimedRows;
 use foliate_components::coverage::PairCounts;
 use foliate_components::path::{ManipulationPath, Segment};
 use foliate_components::robot::{LinkIndex, ShapeIndex};
-use foliate_kernels::collision::{CollisionScratch, MinimumClearance, MinimumSettings, minimum_clearance_along};
-use foliate_kernels::kinematics::RigidAttachment;
+use foliate_kernels::collision::{
+    CollisionScratch, MinimumClearance, MinimumSettings, minimum_clearance_along, minimum_clearance_on_curve,
+};
 use std::collections::HashSet;
 
 /// The least clearance along a path: of all tested pairs of shapes, moving or not, the distance less the margin that holds.
@@ -57,8 +58,7 @@ pub fn path_clearance(model: &Model, path: &ManipulationPath) -> Option<PathClea
     for (number, segment) in path.segments.iter().enumerate() {
         let below = least.nearest.map_or(minimum.below, |nearest| nearest.clearance);
         let minimum = MinimumSettings { below, ..minimum };
-        let knots = segment.knots.concat();
-        least.take(model, number, 0.0, along(model, segment, &knots, &minimum, &mut scratch));
+        least.take(model, number, 0.0, along(model, segment, &minimum, &mut scratch));
     }
     if let Some((number, segment)) = path.segments.iter().enumerate().next_back() {
         let below = least.nearest.map_or(minimum.below, |nearest| nearest.clearance);
@@ -86,13 +86,27 @@ impl PathClearance {
 fn along(
     model: &Model,
     segment: &Segment,
-    knots: &[f64],
     minimum: &MinimumSettings,
     scratch: &mut CollisionScratch,
 ) -> MinimumClearance {
-    let rigid_attachments = rigid_attachments(model, segment);
+    let rigid_attachments = attachments_as_written(model, segment);
     let pairs = model.pairs_with_margins(segment.transition, segment.state, &rigid_attachments);
-    minimum_clearance_along(&model.collision, &model.kinematics, &rigid_attachments, knots, &pairs, minimum, scratch)
+    let (scene, kinematics) = (&model.collision, &model.kinematics);
+    match TimedRows::of(segment) {
+        None => minimum_clearance_along(
+            scene,
+            kinematics,
+            &rigid_attachments,
+            &segment.knots.concat(),
+            &pairs,
+            minimum,
+            scratch,
+        ),
+        Some(rows) => {
+            let curve = rows.curve();
+            minimum_clearance_on_curve(scene, kinematics, &rigid_attachments, &curve, &pairs, minimum, scratch)
+        }
+    }
 }
 
 /// A knot, with objects where it has them.
@@ -103,24 +117,8 @@ fn as_written(
     minimum: &MinimumSettings,
     scratch: &mut CollisionScratch,
 ) -> MinimumClearance {
-    let pairs = model.pairs_with_margins(segment.transition, segment.state, &rigid_attachments(model, segment));
+    let pairs = model.pairs_with_margins(segment.transition, segment.state, &attachments_as_written(model, segment));
     minimum_clearance_along(&model.collision, &model.kinematics, &[], knot, &pairs, minimum, scratch)
-}
-
-/// What carries each object along a segment, and its pose on the carrier at the first knot.
-fn rigid_attachments(model: &Model, segment: &Segment) -> Vec<RigidAttachment> {
-    let q = &segment.knots[0];
-    let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
-    model.kinematics.forward(q, &mut X_WJ);
-    let foliation = &model.graph.state(segment.state).foliation;
-    let parameters: Vec<_> = foliation.iter().map(|&c| (c, parameter_of(model, c, q, &X_WJ))).collect();
-    let mut rigid_attachments = model.rigid_attachments(segment.state, |constraint| {
-        parameters.iter().find(|(c, _)| *c == constraint).map(|(_, parameter)| parameter)
-    });
-    for rigid_attachment in &mut rigid_attachments {
-        rigid_attachment.X_CO = pose_on_carrier(rigid_attachment.object, rigid_attachment.carrier, &X_WJ);
-    }
-    rigid_attachments
 }
 
 /// Which pairs of shapes were tested for a path, and which were left out.

@@ -249,6 +249,7 @@ pub fn certify_whole(
     }
 }
 
+/// How motions are certified.
 pub(crate) fn certificate_settings(settings: &SearchSettings, all_or_nothing: bool) -> CertificateSettings {
     // Motions start at nodes and waypoints that are known to be free: pairs that do not move need not be tested.
     CertificateSettings {

@@ -2,7 +2,7 @@
 
 use crate::improvement::leaf_motion::LeafMotion;
 use crate::planning_model::model::Model;
-use crate::search::curve_certificate::{CurveRefusal, certify_path};
+use crate::search::timed_certificate::{TimedFault, TimedScratch, certify_timed_path};
 use crate::settings::SearchSettings;
 use crate::trajectory::rows::{follow_signs, share_joint_knots};
 use crate::trajectory::smoothing::{Smoothing, SmoothingScratch};
@@ -36,10 +36,10 @@ pub enum TrajectoryError {
         error: TimingError,
     },
     /// The curve is not proved, however close it is to the path without times.
-    #[error("the curve of segment {} is not proved: {refusal}", refusal.segment)]
+    #[error("the curve of segment {} is not proved: {:?} at piece {}", fault.segment, fault.kind, fault.piece)]
     Unproved {
-        /// What was refused.
-        refusal: CurveRefusal,
+        /// What was found last.
+        fault: TimedFault,
     },
 }
 
@@ -70,6 +70,7 @@ pub fn timed_path(
     };
     maker.scratch.collision.set_level(settings.level);
     let mut made: Vec<Option<Made>> = vec![None; stretches.len()];
+    let mut proof = TimedScratch::default();
     let mut tries = 0;
     loop {
         for ((stretch, made), refusals) in stretches.iter().zip(&mut made).zip(&refusals) {
@@ -85,15 +86,15 @@ pub fn timed_path(
         }
         share_joint_knots(&mut timed.segments);
         follow_signs(model, &mut timed.segments);
-        let refusal = match certify_path(model, settings, &timed) {
+        let fault = match certify_timed_path(model, settings, &timed, &mut proof) {
             Ok(certificate) => return Ok(ManipulationPath { certificate, ..timed }),
-            Err(refusal) => refusal,
+            Err(fault) => fault,
         };
-        let is_in = |stretch: &Stretch| stretch.motions.contains(&refusal.segment);
+        let is_in = |stretch: &Stretch| stretch.motions.contains(&fault.segment);
         let Some(index) = stretches.iter().position(is_in).filter(|_| tries < TRIES) else {
-            return Err(TrajectoryError::Unproved { refusal });
+            return Err(TrajectoryError::Unproved { fault });
         };
-        let row = timed.segments[refusal.segment].knots.get(refusal.piece).cloned().unwrap_or_default();
+        let row = timed.segments[fault.segment].knots.get(fault.piece).cloned().unwrap_or_default();
         stretches[index].refuse_near(&row, &mut refusals[index]);
         made[index] = None;
         tries += 1;

@@ -3,7 +3,7 @@
 //! As in `residual_bound`, a row leaves the straight line between its end values by at most ⅛ sup |f″|. A row that may not be
 //! negative and starts farther from zero than it can come in the interval stays satisfied: it leaves nothing.
 
-use crate::constrained_motion::bounds::joint_links::Link;
+use crate::constrained_motion::bounds::joint_links::{Link, Pace};
 use crate::constrained_motion::bounds::point_rates::{BoundMemory, PointRates, Rates};
 use crate::constrained_motion::rows::blocks::{Block, Kind};
 use crate::constraints::centre_of_mass::{self, weighted};
@@ -70,13 +70,13 @@ impl FunctionBound {
     }
 
     /// At least what any row adds between the knots; infinite where nothing is known.
-    pub(crate) fn bound(&self, delta: &[f64], start: &[Pose], memory: &mut BoundMemory) -> f64 {
-        let mut of = |rates: &PointRates| rates.rates(delta, start, memory);
+    pub(crate) fn bound(&self, pace: &Pace<'_>, start: &[Pose], memory: &mut BoundMemory) -> f64 {
+        let mut of = |rates: &PointRates| rates.rates(pace, start, memory);
         let second = match self {
             Self::Balance { balance, rates } => of_balance(balance, &of(rates), start),
             Self::Between(rates) => of_stance(rates.each_ref().map(of)),
             Self::Distance { distance, rates } => of_distance(distance, &of(rates), start),
-            Self::Function { function, frames } => of_function(function, frames, delta, start, memory),
+            Self::Function { function, frames } => of_function(function, frames, pace, start, memory),
         };
         // What is not a number bounds nothing.
         if second >= 0.0 { 0.125 * second } else { f64::INFINITY }
@@ -133,13 +133,13 @@ fn of_distance(distance: &Distance, rates: &Rates, start: &[Pose]) -> f64 {
 fn of_function(
     function: &FunctionColumns,
     frames: &[PointRates],
-    delta: &[f64],
+    pace: &Pace<'_>,
     start: &[Pose],
     memory: &mut BoundMemory,
 ) -> f64 {
     let (mut speed, mut acceleration) = (0.0, 0.0);
     for frame in frames {
-        let (point, (turn, turning)) = (frame.rates(delta, start, memory), frame.turning(delta));
+        let (point, (turn, turning)) = (frame.rates(pace, start, memory), frame.turning(pace));
         speed += point.speed + turn;
         acceleration += point.acceleration + turning;
     }

@@ -8,6 +8,22 @@ use crate::kinematics::joint_table::JointCoordinates;
 use foliate_components::robot::{JointIndex, JointType, Robot};
 use glam::DVec3;
 
+/// How fast coordinates move over an interval of unit length.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pace<'a> {
+    /// By velocity coordinate: at least its largest speed. Only lengths count: of a rotation any vector as long as it turns.
+    pub delta: &'a [f64],
+    /// By velocity coordinate: at least its largest acceleration; empty where there is none.
+    pub bend: &'a [f64],
+}
+
+impl<'a> Pace<'a> {
+    /// That of a straight motion.
+    pub(crate) fn even(delta: &'a [f64]) -> Self {
+        Self { delta, bend: &[] }
+    }
+}
+
 /// One free motion of a joint.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Link {
@@ -19,9 +35,18 @@ pub(crate) enum Link {
 
 impl Link {
     /// How far it moves, metres or radians.
-    pub(crate) fn length(&self, delta: &[f64]) -> f64 {
+    pub(crate) fn length(&self, pace: &Pace<'_>) -> f64 {
+        self.norm(pace.delta)
+    }
+
+    /// How much its speed changes, at most.
+    pub(crate) fn bend(&self, pace: &Pace<'_>) -> f64 {
+        if pace.bend.is_empty() { 0.0 } else { self.norm(pace.bend) }
+    }
+
+    fn norm(&self, of: &[f64]) -> f64 {
         let (Self::Turn { v, count, scale, .. } | Self::Slide { v, count, scale }) = *self;
-        delta[v..v + count].iter().map(|d| d * d).sum::<f64>().sqrt() * scale.abs()
+        of[v..v + count].iter().map(|d| d * d).sum::<f64>().sqrt() * scale.abs()
     }
 }
 

@@ -4,9 +4,10 @@
 //! Seen from one body, the sum Σ wₖpₖ has ‖f″‖ ≤ Σᵢⱼ |Δᵢ||Δⱼ| cᵢⱼ over the joints i that lie before j or are j, with the
 //! cᵢⱼ of a single point's bound (see `residual_bound`), where the moment of the points beyond j takes the point's place:
 //! ρⱼ = |wⱼ| × distance of their weighted centre from axis j, and |wⱼ| for a slide. Joints on different branches move
-//! different points, so they do not mix.
+//! different points, so they do not mix. On a curve the |Δᵢ| are the largest speeds, and ρⱼ times the largest acceleration of each
+//! joint j is added.
 
-use crate::constrained_motion::bounds::joint_links::Link;
+use crate::constrained_motion::bounds::joint_links::{Link, Pace};
 use crate::constraints::custom::FunctionMemory;
 use crate::kinematics::{AttachmentTree, PointTree, WeightedPoint};
 use foliate_components::Pose;
@@ -62,15 +63,15 @@ impl PointRates {
         Self { tree, links }
     }
 
-    /// For a motion with the velocity `delta` from where bodies are at `start`.
-    pub(crate) fn rates(&self, delta: &[f64], start: &[Pose], memory: &mut BoundMemory) -> Rates {
+    /// For a motion with this pace from where bodies are at `start`.
+    pub(crate) fn rates(&self, pace: &Pace<'_>, start: &[Pose], memory: &mut BoundMemory) -> Rates {
         let nodes = self.tree.nodes();
         let BoundMemory { moments, turned, travelled, .. } = memory;
         moments.resize(nodes.len(), DVec3::ZERO);
         let total = self.tree.moments(start, moments);
         turned.resize(nodes.len(), 0.0);
         for (index, node) in nodes.iter().enumerate() {
-            turned[index] = node.parent.map_or(0.0, |parent| turned[parent]) + turn_of(&self.links[index], delta);
+            turned[index] = node.parent.map_or(0.0, |parent| turned[parent]) + turn_of(&self.links[index], pace);
         }
         // From the outermost joint inwards: the moment about an axis changes at most as fast as the joints beyond move it.
         travelled.clear();
@@ -79,7 +80,7 @@ impl PointRates {
         for (index, node) in nodes.iter().enumerate().rev() {
             let (mut travel, mut turned_before): (f64, f64) = (travelled[index], turned[index]);
             for link in self.links[index].iter().rev() {
-                let step = link.length(delta);
+                let (step, bend) = (link.length(pace), link.bend(pace));
                 match *link {
                     Link::Turn { body, axis, .. } => {
                         turned_before -= step;
@@ -87,11 +88,11 @@ impl PointRates {
                         let lever = moments[index] - node.weight * X_WB.translation;
                         let lever = axis.map_or(lever, |axis| lever.cross(X_WB.rotation * axis));
                         let reach = lever.length() + travel;
-                        rates.acceleration += reach * step * (step + 2.0 * turned_before);
+                        rates.acceleration += reach * step * (step + 2.0 * turned_before) + reach * bend;
                         travel += reach * step;
                     }
                     Link::Slide { .. } => {
-                        rates.acceleration += 2.0 * node.weight.abs() * step * turned_before;
+                        rates.acceleration += 2.0 * node.weight.abs() * step * turned_before + node.weight.abs() * bend;
                         travel += node.weight.abs() * step;
                     }
                 }
@@ -105,17 +106,18 @@ impl PointRates {
     }
 
     /// Angular speed and acceleration of the body of a single point, at most.
-    pub(crate) fn turning(&self, delta: &[f64]) -> (f64, f64) {
+    pub(crate) fn turning(&self, pace: &Pace<'_>) -> (f64, f64) {
         let turns = self.links.iter().flatten().filter(|link| matches!(link, Link::Turn { .. }));
         let (mut speed, mut acceleration) = (0.0, 0.0);
-        for step in turns.map(|link| link.length(delta)) {
-            acceleration += step * speed;
+        for link in turns {
+            let step = link.length(pace);
+            acceleration += step * speed + link.bend(pace);
             speed += step;
         }
         (speed, acceleration)
     }
 }
 
-fn turn_of(links: &[Link], delta: &[f64]) -> f64 {
-    links.iter().filter(|link| matches!(link, Link::Turn { .. })).map(|link| link.length(delta)).sum()
+fn turn_of(links: &[Link], pace: &Pace<'_>) -> f64 {
+    links.iter().filter(|link| matches!(link, Link::Turn { .. })).map(|link| link.length(pace)).sum()
 }

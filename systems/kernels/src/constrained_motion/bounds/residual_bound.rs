@@ -11,9 +11,12 @@
 //! A root counts as one slide (the length of its translation) and one turn (its geodesic angle). For three rotation rows
 //! ½(1 + ‖e‖) takes the place of ρ while ‖e‖ ≤ 0.1; where two rotation rows leave one free, what is bounded is the free
 //! axis as a unit vector, with ρ = 1.
+//!
+//! On a curve |Δᵢ| is the largest speed of joint i in the interval, and each joint j adds its largest acceleration times ρⱼ, times 1
+//! for a slide or a free axis, times 1 + ‖e‖ for three rotation rows.
 
 use crate::constrained_motion::bounds::function_bound::FunctionBound;
-use crate::constrained_motion::bounds::joint_links::{Link, links_between, links_of};
+use crate::constrained_motion::bounds::joint_links::{Link, Pace, links_between, links_of};
 use crate::constrained_motion::bounds::point_rates::BoundMemory;
 use crate::constrained_motion::rows::blocks::{Block, ContactBlock, Kind as BlockKind, Part};
 use crate::kinematics::attachment_tree::AttachmentTree;
@@ -94,8 +97,13 @@ impl ResidualBound {
     /// If a slice is too short.
     #[must_use]
     pub fn between_with(&self, delta: &[f64], start: &[Pose], memory: &mut BoundMemory) -> f64 {
-        let pairs = self.pairs.iter().map(|pair| pair.bound(delta, start)).fold(0.0, f64::max);
-        self.functions.iter().map(|function| function.bound(delta, start, memory)).fold(pairs, f64::max)
+        self.over(&Pace::even(delta), start, memory)
+    }
+
+    /// As [`Self::between`], for a motion whose speeds and accelerations are at most those of `pace`.
+    pub(crate) fn over(&self, pace: &Pace<'_>, start: &[Pose], memory: &mut BoundMemory) -> f64 {
+        let pairs = self.pairs.iter().map(|pair| pair.bound(pace, start)).fold(0.0, f64::max);
+        self.functions.iter().map(|function| function.bound(pace, start, memory)).fold(pairs, f64::max)
     }
 }
 
@@ -146,41 +154,42 @@ impl Turns {
 }
 
 impl Pair {
-    fn bound(&self, delta: &[f64], start: &[Pose]) -> f64 {
-        if !self.links.iter().any(|link| link.length(delta) > 0.0) {
+    fn bound(&self, pace: &Pace<'_>, start: &[Pose]) -> f64 {
+        if !self.links.iter().any(|link| link.length(pace) > 0.0) {
             return 0.0;
         }
-        let angle: f64 = self.links.iter().filter(|l| matches!(l, Link::Turn { .. })).map(|l| l.length(delta)).sum();
+        let angle: f64 = self.links.iter().filter(|l| matches!(l, Link::Turn { .. })).map(|l| l.length(pace)).sum();
+        let bend: f64 = self.links.iter().filter(|l| matches!(l, Link::Turn { .. })).map(|l| l.bend(pace)).sum();
         let turns = match self.turns {
             Turns::None => 0.0,
             Turns::Unbounded => f64::INFINITY,
-            Turns::Axis => angle * angle,
+            Turns::Axis => angle * angle + bend,
             // The rotation leaves its nearer end by at most half of the angle.
             Turns::All if 0.5 * angle > LARGEST_TURN => f64::INFINITY,
-            Turns::All => 0.5 * (1.0 + 0.5 * angle) * angle * angle,
+            Turns::All => 0.5 * (1.0 + 0.5 * angle) * angle * angle + (1.0 + 0.5 * angle) * bend,
         };
         let points =
-            self.point.map_or(0.0, |point| self.second_derivative(point.in_world(start).translation, delta, start));
+            self.point.map_or(0.0, |point| self.second_derivative(point.in_world(start).translation, pace, start));
         0.125 * turns.max(points)
     }
 
     /// A bound on ‖f″‖ of the point's position, with ρ found from the outermost joint inwards: the distance from an axis
     /// changes at most as fast as the joints beyond it move the point.
-    fn second_derivative(&self, point: DVec3, delta: &[f64], start: &[Pose]) -> f64 {
+    fn second_derivative(&self, point: DVec3, pace: &Pace<'_>, start: &[Pose]) -> f64 {
         let mut turned_before: f64 =
-            self.links.iter().filter(|l| matches!(l, Link::Turn { .. })).map(|l| l.length(delta)).sum();
+            self.links.iter().filter(|l| matches!(l, Link::Turn { .. })).map(|l| l.length(pace)).sum();
         let (mut sum, mut travel) = (0.0, 0.0);
         for link in self.links.iter().rev() {
-            let step = link.length(delta);
+            let (step, bend) = (link.length(pace), link.bend(pace));
             match *link {
                 Link::Turn { body, axis, .. } => {
                     turned_before -= step;
                     let reach = distance_from(&start[body], axis, point) + travel;
-                    sum += reach * step * (step + 2.0 * turned_before);
+                    sum += reach * step * (step + 2.0 * turned_before) + reach * bend;
                     travel += reach * step;
                 }
                 Link::Slide { .. } => {
-                    sum += 2.0 * step * turned_before;
+                    sum += 2.0 * step * turned_before + bend;
                     travel += step;
                 }
             }

@@ -4,6 +4,8 @@
 //! `motion` is the entry point: it solves one motion in scalar code, or many by `lane_motion`, which gives each motion a lane.
 //! Both follow a `constrained_path` and solve its steps with `newton`.
 //!
+//! `curve_residual` does not follow a leaf: it proves how far a given curve is from one.
+//!
 //! The bound on second derivatives (`bounds`) adds up how far every joint turns, whatever cancels, and so is often ten
 //! times what the rows really do. Where a step is too long for it, the rows are evaluated in between: in each of n equal parts
 //! they leave the larger of the residuals at its ends by at most 1/n² of the bound. An evaluation costs a fraction of a knot.
@@ -14,6 +16,7 @@
 //! (`MotionSettings::jump`) merely finds out sooner.
 
 pub(crate) mod constrained_path;
+pub(crate) mod curve_residual;
 pub(crate) mod lane_motion;
 pub(crate) mod motion;
 pub(crate) mod settings;
