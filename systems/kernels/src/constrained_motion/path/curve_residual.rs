@@ -20,7 +20,8 @@ const SHORTEST: f64 = 1e-6;
 const MOST_PLACES: usize = 200_000;
 /// The share of what a bound promises that is tried next.
 const SAFETY: f64 = 0.9;
-/// A coordinate that is locked moves by no more than this, radians and metres.
+/// A coordinate that is locked moves by no more than this where there are implicit rows, radians and metres: bounds between places
+/// count on it. Without rows its error alone counts.
 const STILL: f64 = 1e-12;
 
 /// Working memory of one thread.
@@ -123,7 +124,7 @@ impl Walk<'_> {
         let mut worst = 0.0_f64;
         for locked in &self.program.locked {
             let (low, high) = self.scratch.cubics[locked.coordinate].range();
-            if high - low > STILL {
+            if high - low > STILL && self.program.rows() > 0 {
                 return None;
             }
             let value = locked_value(locked.value, self.arguments);
