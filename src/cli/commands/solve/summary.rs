@@ -4,13 +4,15 @@ use crate::cli::commands::solve::answer::Answer;
 use crate::cli::commands::solve::coverage::LeftOut;
 use crate::cli::commands::solve::{coverage, story};
 use crate::cli::console::words;
-use foliate::FunnelRow;
 use foliate::components::graph::ConstraintGraph;
 use foliate::components::outcome::Rejection;
+use foliate::components::path::{ManipulationPath, events};
 use foliate::components::robot::ShapeIndex;
 use foliate::scene::Scene;
 use foliate::schedulers::portfolio::MemberCount;
+use foliate::systems::improvement::progress::Changes;
 use foliate::systems::search::path_clearance::PathClearance;
+use foliate::{FunnelRow, Report};
 use std::fmt::Write;
 use std::time::Duration;
 
@@ -74,6 +76,7 @@ pub(crate) fn text(loaded: &Loaded<'_>, answer: &Answer) -> String {
             path.segments.iter().map(|s| s.knots.len()).sum::<usize>(),
             report.path_length.unwrap_or_default()
         );
+        out.push_str(&refinement(report, path));
         let c = &path.certificate;
         let clearance = match c.min_clearance {
             Some(clearance) => format!("all tested pairs keep their margins and at least {} more", distance(clearance)),
@@ -103,6 +106,38 @@ pub(crate) fn text(loaded: &Loaded<'_>, answer: &Answer) -> String {
 
 pub(crate) fn name<'a>(loaded: &'a Loaded<'_>, shape: ShapeIndex) -> &'a str {
     &loaded.scene.problem.robot.shapes[shape.at()].name
+}
+
+/// What the improvement has gained, and how long the path takes.
+fn refinement(report: &Report, path: &ManipulationPath) -> String {
+    let mut out = String::new();
+    if let Some(improved) = &report.improvement {
+        let Changes { shortcuts, limb_shortcuts, waypoint_moves, replanned } = improved.changes;
+        let _ = writeln!(
+            out,
+            "  improvement: estimated cost {:.2} -> {:.2} in {} (--improve-work {}): {} stretches planned again, {} shortcuts, {} of single limbs, {} grasps moved{}",
+            improved.first_cost,
+            improved.final_cost,
+            duration(improved.time),
+            improved.work,
+            replanned,
+            shortcuts,
+            limb_shortcuts,
+            waypoint_moves,
+            if improved.stopped { "; stopped before its budget was spent" } else { "" }
+        );
+    }
+    if let Some(seconds) = path.duration() {
+        let changes = events(path).len();
+        let _ = writeln!(
+            out,
+            "  trajectory: {seconds:.2} s with {changes} grasps and releases, within limits of velocity and acceleration"
+        );
+    }
+    if let Some(error) = &report.untimed {
+        let _ = writeln!(out, "  no times: {error}");
+    }
+    out
 }
 
 /// Where things come closest, where that was asked.
