@@ -2,6 +2,7 @@
 
 use crate::memory::MemoryLimitError;
 use crate::planner::NoSolution;
+use crate::planner::trajectory::error::TrajectoryError;
 use foliate_components::robot::{ComposeError, CoordinateError};
 use foliate_systems::planning_model::ModelError;
 
@@ -21,6 +22,9 @@ pub enum Error {
     /// A solve gave no path.
     #[error(transparent)]
     NoSolution(#[from] NoSolution),
+    /// A path answers no question about time.
+    #[error(transparent)]
+    Trajectory(#[from] TrajectoryError),
     /// A text is no amount of memory.
     #[error(transparent)]
     MemoryLimit(#[from] MemoryLimitError),

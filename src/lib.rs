@@ -20,7 +20,12 @@ pub mod prelude;
 pub mod scene;
 
 pub use crate::error::Error;
-pub use crate::planner::{FunnelRow, GoalReport, NoSolution, NoSolutionReason, Planner, Report, Solution, StateRow};
+#[cfg(feature = "export")]
+pub use crate::path_file::export;
+pub use crate::planner::{
+    FunnelRow, GoalReport, NoSolution, NoSolutionReason, Planner, Report, Solution, StateRow, Trajectory,
+    TrajectoryError, trajectory,
+};
 // Crates whose types stand in the signatures of this one: a host that uses these needs no versions of its own.
 #[cfg(feature = "urdf-rs")]
 pub use urdf_rs;

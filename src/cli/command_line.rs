@@ -2,7 +2,7 @@
 
 use crate::cli::commands::models::install;
 use crate::cli::commands::solve::run;
-use crate::cli::commands::{bench, check, demo, graph, inspect, scenes};
+use crate::cli::commands::{bench, check, demo, export, graph, inspect, scenes};
 use crate::cli::console::print::{Ending, LOST, Refusal, lose, say};
 use crate::cli::console::{interrupt, watchdog};
 use clap::{Parser, Subcommand};
@@ -42,6 +42,7 @@ enum Command {
     Solve(run::Arguments),
     Certify(crate::cli::commands::certify::run::Arguments),
     Check(check::Arguments),
+    Export(export::Arguments),
     Graph(graph::Arguments),
     Bench(bench::Arguments),
     Inspect(inspect::Arguments),
@@ -59,6 +60,7 @@ impl Command {
             // These do not search.
             Self::Certify(_)
             | Self::Check(_)
+            | Self::Export(_)
             | Self::Graph(_)
             | Self::Inspect(_)
             | Self::Models(_)
@@ -74,7 +76,12 @@ impl Command {
             Self::Bench(arguments) => arguments.tuning.level = level,
             Self::Certify(arguments) => arguments.level = level,
             // These do not search.
-            Self::Check(_) | Self::Graph(_) | Self::Inspect(_) | Self::Models(_) | Self::Scenes(_) => {}
+            Self::Check(_)
+            | Self::Export(_)
+            | Self::Graph(_)
+            | Self::Inspect(_)
+            | Self::Models(_)
+            | Self::Scenes(_) => {}
         }
     }
 }
@@ -117,6 +124,7 @@ fn run(mut cli: Cli) -> u8 {
         Command::Solve(arguments) => run::run(arguments, &packages),
         Command::Certify(arguments) => crate::cli::commands::certify::run::run(arguments, &packages),
         Command::Check(arguments) => check::run(arguments, &packages),
+        Command::Export(arguments) => export::run(arguments, &packages),
         Command::Bench(arguments) => bench::run(arguments, &packages),
         Command::Graph(arguments) => graph::run(arguments, &packages),
         Command::Inspect(arguments) => inspect::run(arguments, &packages),

@@ -7,11 +7,14 @@
 //!
 //! `document` is the form of a file, with the constraints of `constraint`; `version` knows what version 2 added. `write` makes one
 //! of a path, with what `timing` says of its times (`names` says how held things are called); `read` reads one (`place` says where a JSON error is), `save` puts one on disk
-//! with the models that it names.
+//! with the models that it names. `loaded_path` makes a path of a file again, on the robot of its models; `export` writes it for other programs.
 
 pub mod constraint;
 pub mod document;
 pub mod error;
+#[cfg(feature = "export")]
+pub mod export;
+pub mod loaded_path;
 pub(crate) mod names;
 pub(crate) mod place;
 pub(crate) mod read;
@@ -26,4 +29,5 @@ pub use crate::path_file::document::{
     PartEntry, PathFile, RateLimitEntry, SceneFileEntry, SegmentEntry, SurfaceEntry,
 };
 pub use crate::path_file::error::PathFileError;
+pub use crate::path_file::loaded_path::{LoadPathError, LoadedPath, PartModel};
 pub use crate::path_file::write::{FileNames, PartFiles, PathContext, write_path};

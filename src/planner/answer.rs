@@ -1,6 +1,9 @@
 //! What a solve answers: a certified path, or why there is none.
 
 use crate::planner::report::Report;
+use crate::planner::trajectory::curve::Interpolation;
+use crate::planner::trajectory::error::TrajectoryError;
+use crate::planner::trajectory::trajectory::Trajectory;
 use foliate_components::infeasibility::Infeasibility;
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::path::{Certificate, ManipulationPath};
@@ -27,6 +30,15 @@ impl Solution {
     #[must_use]
     pub fn certificate(&self) -> &Certificate {
         &self.path.certificate
+    }
+
+    /// What a robot program asks of the path: joints, poses and what is held at any time, and when hands take and let go.
+    ///
+    /// # Errors
+    /// [`TrajectoryError::NoTimes`] where the path has no times.
+    pub fn trajectory(&self) -> Result<Trajectory<'_>, TrajectoryError> {
+        let states = self.path.segments.iter().map(|s| self.model.graph.state(s.state).name.as_str()).collect();
+        Trajectory::new(&self.model.problem.robot, &self.path, states, Interpolation::Hermite)
     }
 
     /// How close things come along the path, and where: of all tested pairs of shapes the least distance beyond the margins, bounded

@@ -10,6 +10,8 @@ use crate::scene::sources::{follower_limits, source};
 #[cfg(feature = "urdf-rs")]
 use crate::scene::urdf::parsed;
 use crate::scene::urdf::read;
+#[cfg(feature = "export")]
+use crate::scene::urdf::visuals;
 use crate::scene::{PackagePath, SceneError, UpAxis, shipped, shipped_scenes};
 
 use foliate_components::Pose;
@@ -132,6 +134,35 @@ impl ReadModel {
     }
 }
 
+/// A model's file, by its path or `package://` URL.
+fn open(name: &str, packages: &PackagePath) -> Result<source::Opened, SceneError> {
+    source::open(name, &SceneBase::Directory(".".into()), packages).map_err(|error| match error {
+        source::OpenError::Name(message, hint) => SceneError::new(name, "file", message).hint(hint),
+        source::OpenError::File(error) => error,
+    })
+}
+
+/// What the links of a URDF look like, and remarks about what cannot be read.
+///
+/// # Errors
+/// The file cannot be read, or reading was stopped.
+#[cfg(feature = "export")]
+pub(crate) fn read_visuals(
+    urdf: &str,
+    up_axis: UpAxis,
+    packages: &PackagePath,
+) -> Result<(Vec<visuals::LinkVisuals>, Vec<SceneError>), SceneError> {
+    // Nothing is searched in them that a cache could keep.
+    let packages = &packages.clone().with_mesh_cache(None);
+    let urdf = open(urdf, packages)?;
+    let mut warnings = Vec::new();
+    let mut meshes = meshes::Meshes::new(packages);
+    let base = urdf.file.base();
+    let mut context = read::Context::new(&mut meshes, &base, up_axis, &mut warnings);
+    let links = visuals::read(&urdf.label, &urdf.text, &mut context)?;
+    Ok((links, warnings))
+}
+
 /// Reads a URDF and, where there is one, its SRDF. Both are paths or `package://` URLs. `up_axis` is for COLLADA meshes.
 ///
 /// # Errors
@@ -142,13 +173,7 @@ pub fn read_model(
     up_axis: UpAxis,
     packages: &PackagePath,
 ) -> Result<ReadModel, SceneError> {
-    let open = |name: &str| {
-        let base = SceneBase::Directory(".".into());
-        source::open(name, &base, packages).map_err(|error| match error {
-            source::OpenError::Name(message, hint) => SceneError::new(name, "file", message).hint(hint),
-            source::OpenError::File(error) => error,
-        })
-    };
+    let open = |name: &str| open(name, packages);
     let urdf = open(urdf)?;
     let mut warnings = Vec::new();
     let mut meshes = meshes::Meshes::new(packages);

@@ -12,6 +12,8 @@ pub enum Needs {
     Models,
     /// Python packages: pinocchio, coal.
     Python,
+    /// Packages of Node.js.
+    Node,
     /// Something that this system does not have or allow: mounting, devices.
     System,
 }
@@ -34,8 +36,21 @@ pub fn python_with(modules: &str, test: &str) -> Option<PathBuf> {
     if imports(&python, modules) {
         return Some(python);
     }
-    let why = format!("{} has no {modules} (pip install pin coal numpy)", python.display());
+    let why = format!("{} has no {modules} (pip install pin coal numpy mcap pyyaml)", python.display());
     skipped(Needs::Python, test, &why);
+    None
+}
+
+/// The interpreter `node` and the folder with a package of npm: `FOLIATE_NODE_MODULES`, or `node_modules` here. Without them it says
+/// that the test is skipped.
+pub fn node_with(package: &str, test: &str) -> Option<(PathBuf, PathBuf)> {
+    let folder = std::env::var_os("FOLIATE_NODE_MODULES").map_or(PathBuf::from("node_modules"), PathBuf::from);
+    let has_node = Command::new("node").arg("--version").output().is_ok_and(|o| o.status.success());
+    if has_node && folder.join(package).is_dir() {
+        return Some((PathBuf::from("node"), folder));
+    }
+    let why = format!("there is no node with {package} in {} (npm install {package})", folder.display());
+    skipped(Needs::Node, test, &why);
     None
 }
 

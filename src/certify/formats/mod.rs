@@ -9,6 +9,7 @@ pub(crate) mod ompl;
 pub(crate) mod own;
 pub mod read;
 pub(crate) mod ros;
+pub(crate) mod ros_time;
 pub mod table;
 
 pub use crate::certify::formats::read::{Format, ReadOptions, read, read_bytes};

@@ -2,15 +2,17 @@
 //! answers of planning services).
 //!
 //! Times are `{sec, nanosec}`, `{secs, nsecs}` or a number of seconds. Roots of mobile bases stand in `multi_dof_joint_trajectory`; they
-//! go straight from point to point, whatever the joints do. Trajectories in a row are joined, the next from where the last ends.
+//! go straight from point to point, whatever the joints do. Trajectories in a row are joined, the next from where the last ends; `robots`
+//! of our own export move side by side.
 
+use crate::certify::formats::ros_time::Seconds;
 use crate::certify::formats::table::Table;
-use crate::certify::motion::piecewise::{POINTS, Point};
+use crate::certify::motion::piecewise::{Attachment, POINTS, Point};
 use crate::scene::reading::error::{SceneError, did_you_mean, quoted};
 use foliate_components::robot::{JointType as JointMotion, Part, Robot};
 use glam::{DQuat, EulerRot};
 use serde::Deserialize;
-use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Visitor, value::MapAccessDeserializer};
+use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor, value::MapAccessDeserializer};
 
 /// Any of the messages: what is not there stays empty.
 #[derive(Deserialize, Default)]
@@ -28,6 +30,26 @@ struct Message {
         alias = "motion_plan_response"
     )]
     trajectory: Option<Messages>,
+    /// Of our own export: robots, and objects with joints, that move at the same time; what carries each object from when on.
+    robots: Option<Vec<RobotMotion>>,
+    objects: Option<Vec<RobotMotion>>,
+    carriers: Option<Vec<Carrier>>,
+}
+
+#[derive(Deserialize)]
+struct RobotMotion {
+    #[serde(alias = "object")]
+    robot: String,
+    joint_trajectory: Joints,
+    #[serde(default)]
+    multi_dof_joint_trajectory: Roots,
+}
+
+#[derive(Deserialize)]
+struct Carrier {
+    time_from_start: Seconds,
+    object: String,
+    link: String,
 }
 
 struct Messages(Vec<Message>);
@@ -98,48 +120,6 @@ struct JointState {
     position: Vec<f64>,
 }
 
-/// Seconds.
-#[derive(Clone, Copy)]
-struct Seconds(f64);
-
-impl<'de> Deserialize<'de> for Seconds {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Time;
-        #[derive(Deserialize)]
-        struct Parts {
-            #[serde(alias = "secs")]
-            sec: i64,
-            #[serde(alias = "nsecs", alias = "nsec", default)]
-            nanosec: i64,
-        }
-        impl<'de> Visitor<'de> for Time {
-            type Value = Seconds;
-
-            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                f.write_str("a number of seconds, {sec, nanosec} or {secs, nsecs}")
-            }
-
-            fn visit_f64<E: Error>(self, value: f64) -> Result<Seconds, E> {
-                Ok(Seconds(value))
-            }
-
-            fn visit_i64<E: Error>(self, value: i64) -> Result<Seconds, E> {
-                Ok(Seconds(value as f64))
-            }
-
-            fn visit_u64<E: Error>(self, value: u64) -> Result<Seconds, E> {
-                Ok(Seconds(value as f64))
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Seconds, A::Error> {
-                let parts = Parts::deserialize(MapAccessDeserializer::new(map))?;
-                Ok(Seconds(parts.sec as f64 + parts.nanosec as f64 * 1e-9))
-            }
-        }
-        deserializer.deserialize_any(Time)
-    }
-}
-
 impl<'de> Deserialize<'de> for Messages {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct OneOrMany;
@@ -208,10 +188,51 @@ impl Reader<'_> {
             (None, None) => {}
             (joints, roots) => self.trajectory(joints.unwrap_or_default(), roots.unwrap_or_default())?,
         }
+        if let Some(robots) = message.robots {
+            let all = robots.into_iter().chain(message.objects.into_iter().flatten());
+            let (joints, roots) = self.side_by_side(all)?;
+            self.trajectory(joints, roots)?;
+        }
+        self.table.attachments.extend(message.carriers.into_iter().flatten().map(|carrier| {
+            let link = Some(carrier.link).filter(|link| !link.is_empty());
+            Attachment { object: carrier.object, link, time: carrier.time_from_start.0 }
+        }));
         for inner in message.trajectory.into_iter().flat_map(|messages| messages.0) {
             self.message(inner)?;
         }
         Ok(())
+    }
+
+    /// The joints of all robots as if they were one's; their points are at the same times.
+    fn side_by_side(&self, robots: impl Iterator<Item = RobotMotion>) -> Result<(Joints, Roots), SceneError> {
+        let (mut joints, mut roots) = (Joints::default(), Roots::default());
+        for RobotMotion { robot, joint_trajectory: own, multi_dof_joint_trajectory: root } in robots {
+            joints.joint_names.extend(own.joint_names.iter().map(|joint| format!("{robot}/{joint}")));
+            roots.joint_names.extend(root.joint_names);
+            for (all, more) in [(joints.points.len(), own.points.len()), (roots.points.len(), root.points.len())] {
+                if all != more && all != 0 && more != 0 {
+                    let message = format!("has {more} points, the robots before have {all}");
+                    return Err(self.fail(format!("robots, `{}`", quoted(&robot)), message));
+                }
+            }
+            joints.points.resize_with(joints.points.len().max(own.points.len()), JointPoint::default);
+            for (all, own) in joints.points.iter_mut().zip(own.points) {
+                if all.time_from_start.is_some_and(|t| Some(t.0) != own.time_from_start.map(|t| t.0)) {
+                    let message = "has its points at other times than the robots before";
+                    return Err(self.fail(format!("robots, `{}`", quoted(&robot)), message));
+                }
+                all.time_from_start = own.time_from_start;
+                all.positions.extend(own.positions);
+                all.velocities.extend(own.velocities);
+                all.accelerations.extend(own.accelerations);
+            }
+            roots.points.resize_with(roots.points.len().max(root.points.len()), RootPoint::default);
+            for (all, own) in roots.points.iter_mut().zip(root.points) {
+                all.transforms.extend(own.transforms);
+                all.time_from_start = own.time_from_start;
+            }
+        }
+        Ok((joints, roots))
     }
 
     fn trajectory(&mut self, joints: Joints, roots: Roots) -> Result<(), SceneError> {

@@ -5,6 +5,7 @@ pub(crate) mod bench;
 pub(crate) mod certify;
 pub(crate) mod check;
 pub(crate) mod demo;
+pub(crate) mod export;
 pub(crate) mod graph;
 pub(crate) mod inspect;
 pub(crate) mod models;

@@ -159,7 +159,12 @@ fn check_length(xml: &Xml<'_>, node: Node<'_, '_>, name: &str, value: f64) -> Re
     }
 }
 
-fn geometry(xml: &Xml<'_>, collision: Node<'_, '_>, context: &mut Context<'_, '_>) -> Result<Geometry, SceneError> {
+/// The solid of a collision or visual element.
+pub(super) fn geometry(
+    xml: &Xml<'_>,
+    collision: Node<'_, '_>,
+    context: &mut Context<'_, '_>,
+) -> Result<Geometry, SceneError> {
     let geometry = xml.child(collision, "geometry")?;
     let mut shapes = geometry.children().filter(Node::is_element);
     let Some(node) = shapes.next() else {
