@@ -343,3 +343,39 @@ fn only_regular_files_are_read() {
     assert!(matches!(motion.segments[0].curves[0], Curve::Number(_)));
     std::fs::remove_dir_all(&folder).unwrap();
 }
+
+#[test]
+fn path_files_of_version_2_are_curves() {
+    let (sine, cosine) = 0.75_f64.sin_cos();
+    let columns = ["robot/shoulder", "load/x", "load/y", "load/z", "load/qx", "load/qy", "load/qz", "load/qw"];
+    let knots = [[0.0, 0.0, 5.0, 0.0, 0.0, 0.0, 0.0, 1.0], [0.5, 0.0, 5.0, 1.0, 0.0, 0.0, sine, cosine]];
+    let velocities = [[0.3, 0.0, 0.0, 0.0, 0.1, 0.0, 0.0, 0.0], [0.0; 8]];
+    let file = serde_json::json!({
+        "format": "foliate.path/2", "scene": "", "seed": 1, "scheduler": "hand", "simd": "none", "parts": [], "limits": {},
+        "coordinates": columns, "documents": { "grippers": {}, "handles": {}, "surfaces": {} }, "ignored_pairs": [],
+        "margins": [], "placement_margin": 0.0, "rate_limits": {}, "events": [],
+        "segments": [{ "transition": "", "state": "", "attachments": [], "constraints": [], "knots": knots, "times": [0.0, 2.0],
+                       "velocities": velocities }],
+        "certificate": { "path_tolerance": 1e-4, "max_residual": 0.0, "min_clearance": null, "joint_limits": "within" },
+    });
+    let motion = motion(file.to_string());
+    for time in [0.0, 0.3, 1.0, 1.9, 2.0] {
+        let s = time / 2.0;
+        let hermite = |column: usize| {
+            let (p, q) = (knots[0][column], knots[1][column]);
+            let (a, b) = (2.0 * velocities[0][column], 2.0 * velocities[1][column]);
+            p + s * a + s * s * (3.0 * (q - p) - 2.0 * a - b) + s * s * s * (a + b - 2.0 * (q - p))
+        };
+        let mut wanted: Vec<f64> = (0..8).map(hermite).collect();
+        let length = wanted[4..].iter().map(|x| x * x).sum::<f64>().sqrt();
+        wanted[4..].iter_mut().for_each(|x| *x /= length);
+        near(&at(&motion, time, &columns), &wanted);
+    }
+    // Through zero there is no rotation; a key of the later version is refused in the first.
+    let mut through = file.clone();
+    through["segments"][0]["velocities"][0][7] = serde_json::json!(-8.0);
+    assert!(refusal(through.to_string()).contains("near zero"));
+    let mut first = file;
+    first["format"] = serde_json::json!("foliate.path/1");
+    assert!(refusal(first.to_string()).contains("rate_limits"));
+}

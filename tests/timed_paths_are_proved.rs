@@ -392,6 +392,42 @@ fn cut(file: &mut PathFile, pieces: usize) {
 }
 
 #[test]
+fn planned_paths_are_proved_whole_and_in_short_pieces() {
+    let packages = common::published_models("planned_paths_are_proved_whole_and_in_short_pieces (published scenes)");
+    let mut scenes = vec!["demo", "stack", "drawer"];
+    if packages.is_some() {
+        scenes.extend(["baxter-case1", "panda-shelf", "ur3-spheres"]);
+    }
+    let packages = packages.unwrap_or_else(|| PackagePath::only(&[]));
+    let folder = Folder::new();
+    for name in scenes {
+        let scene = Scene::load(name, &packages).unwrap();
+        let planner = Planner::new(scene.problem.clone()).unwrap().seed(1);
+        let solution = planner.solve().unwrap();
+        let out = folder.path.join(format!("{name}.json"));
+        let models = save::model_names(&scene, &out).unwrap();
+        let context = PathContext {
+            problem: &planner.model().problem,
+            graph: &solution.model.graph,
+            models: &models,
+            seed: 1,
+            scheduler: "sequence",
+            simd: "none",
+        };
+        let mut file = write_path(&context, &solution.path);
+        let (report, whole) = prove(&file, &folder.path, &packages);
+        assert_eq!(report.verdict(), Verdict::Proved, "{name}: {:#?}", report.violations);
+        assert!(report.duration.is_some(), "{name} has no times");
+        let (knots, most) = (report.counts.knots, report.max_acceleration.unwrap().value);
+        cut(&mut file, 30);
+        let (report, pieces) = prove(&file, &folder.path, &packages);
+        assert_eq!(report.verdict(), Verdict::Proved, "{name} in short pieces: {:#?}", report.violations);
+        assert!((report.max_acceleration.unwrap().value - most).abs() < 1e-6, "{name}");
+        println!("{name}: {knots} knots, {whole:.3} s; {} knots, {pieces:.3} s", report.counts.knots);
+    }
+}
+
+#[test]
 fn solved_scenes_with_times_are_proved() {
     let packages = common::published_models("solved_scenes_with_times_are_proved (published scenes)");
     let mut scenes = vec!["demo", "stack", "drawer"];
@@ -410,7 +446,7 @@ fn solved_scenes_with_times_are_proved() {
     let folder = Folder::new();
     for name in scenes {
         let scene = Scene::load(name, &packages).unwrap();
-        let planner = Planner::new(scene.problem.clone()).unwrap().seed(1);
+        let planner = Planner::new(scene.problem.clone()).unwrap().seed(1).first_path();
         let solution = planner.solve().unwrap();
         let out = folder.path.join(format!("{name}.json"));
         let models = save::model_names(&scene, &out).unwrap();
@@ -426,7 +462,6 @@ fn solved_scenes_with_times_are_proved() {
             write_path(&context, path)
         };
         let mut bare = solution.path.clone();
-        bare.segments.iter_mut().for_each(|segment| segment.timing = None);
         let (report, before) = prove(&write(&bare), &folder.path, &packages);
         assert_eq!(report.verdict(), Verdict::Proved, "{name} without times: {:#?}", report.violations);
         stand_still_at_events(&mut bare);

@@ -9,7 +9,7 @@ use crate::check::world::models::{corners, ordered};
 use crate::path_file::document::{PathFile, SegmentEntry, SurfaceEntry};
 use foliate_components::Pose;
 use foliate_components::pose::pose_from_array;
-use foliate_components::robot::{LinkIndex, Source, Surface};
+use foliate_components::robot::{JointType, LinkIndex, Source, Surface};
 use std::collections::{HashMap, HashSet};
 
 /// Rounding of limits, margins and values, radians or metres.
@@ -83,15 +83,26 @@ impl Contract<'_> {
             if self.is_root_of_object(index) {
                 continue; // kept where it rests, by the file's limits
             }
+            // Numbers of quaternions are scaled between knots; the file's limits of them, no wider, are proved there.
+            let is_scaled = self.is_of_quaternion(index);
             for (segment, entry) in file.segments.iter().enumerate() {
                 let beyond = |(_, (least, most)): &(usize, (f64, f64))| *least < low - SLACK || *most > high + SLACK;
-                if let Some((knot, (least, most))) = ranges(entry, column).find(beyond) {
+                let at_knots = || entry.knots.iter().map(|row| (row[column], row[column])).enumerate().find(beyond);
+                let found = if is_scaled { at_knots() } else { ranges(entry, column).find(beyond) };
+                if let Some((knot, (least, most))) = found {
                     let (value, limit) = if least < low - SLACK { (least, low) } else { (most, high) };
                     let place = Place::at(segment, knot as f64);
                     report.violate(place, Kind::Limit, format!("{name}: the scene's limit"), value, limit);
                 }
             }
         }
+    }
+
+    fn is_of_quaternion(&self, coordinate: usize) -> bool {
+        self.problem.robot.joints.iter().any(|joint| match (joint.motion, joint.source) {
+            (JointType::FreeFlyer, Source::Coordinates { q, .. }) => (q + 3..q + 7).contains(&coordinate),
+            _ => false,
+        })
     }
 
     /// Whether a coordinate is one of an object's free root, whose bounds count where it rests.

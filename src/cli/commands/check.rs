@@ -205,8 +205,8 @@ fn proven(section: Section, file: &PathFile, report: &CheckReport) -> String {
                 worst("of a jerk limit", &report.max_jerk),
             ];
             let events = file.events.as_ref().map_or(0, Vec::len);
-            let duration = report.duration.map_or("no times".to_owned(), |duration| format!("{duration:.3} s"));
-            format!("{duration}, {events} events{}", shares.concat())
+            let times = report.duration.map_or("no times".to_owned(), |duration| format!("{duration:.3} s"));
+            format!("{times}, {events} events{}", shares.concat())
         }
         Section::Carriers => {
             let off = worst("farthest", &report.max_off_carrier);
@@ -214,10 +214,8 @@ fn proven(section: Section, file: &PathFile, report: &CheckReport) -> String {
         }
         Section::Residuals => {
             let largest = worst("largest", &report.max_residual);
-            let (bound, allowed) = (report.residual_bound, file.certificate.path_tolerance);
-            format!(
-                "grasps, placements, constraints: at most {bound:.1e} between knots, allowed {allowed:.1e}{largest}"
-            )
+            let (most, allowed) = (report.residual_bound, file.certificate.path_tolerance);
+            format!("grasps, placements, constraints: at most {most:.1e} between knots, allowed {allowed:.1e}{largest}")
         }
         Section::Clearance => {
             let nearest = worst("nearest", &report.min_clearance);

@@ -53,11 +53,22 @@ pub fn middle(answer: &Answer, segment: usize, draw: &mut Draw) -> Vec<f64> {
     knot
 }
 
-/// Puts a knot behind the first one of a segment; times, where there are any, would no longer fit.
+/// Leaves the knots of a path, straight from one to the next: what is done to them is then known in between.
+pub fn without_times(file: &mut PathFile) {
+    for segment in &mut file.segments {
+        (segment.times, segment.velocities) = (None, None);
+    }
+    for event in file.events.iter_mut().flatten() {
+        (event.time, event.dwell) = (None, 0.0);
+    }
+    file.rate_limits = None;
+    let claims = &mut file.certificate;
+    (claims.max_velocity, claims.max_acceleration, claims.continuity) = (None, None, None);
+}
+
+/// Puts a knot behind the first one of a segment.
 pub fn inserted(file: &mut PathFile, segment: usize, knot: Vec<f64>) {
-    let entry = &mut file.segments[segment];
-    entry.times = None;
-    entry.knots.insert(1, knot);
+    file.segments[segment].knots.insert(1, knot);
 }
 
 /// Adds to a coordinate from a knot of a segment on, to the end of the path.

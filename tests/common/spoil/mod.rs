@@ -18,6 +18,8 @@ use glam::DVec3;
 use knots::{collides, columns, inserted, joints, shift, through};
 use std::path::Path;
 
+pub use knots::without_times;
+
 /// A wrong path, what was done to it, and what a check has to find.
 pub struct Spoiled {
     pub file: PathFile,
