@@ -29,8 +29,9 @@ from rigid import Poses
 
 EXACT = 1e-9
 """What numbers in double precision may differ by: metres, radians, and so on per second."""
-ALLOWED = {"ros positions": 1e-8, "ros velocities": 1e-6, "glb poses": 2e-5}
+ALLOWED = {"ros positions": 1e-8, "ros velocities": 1e-6, "ros roots": 1e-8, "ros twists": 1e-4, "glb poses": 2e-5}
 """What others may: times of ROS are rounded to nanoseconds, a GLB has chains of poses in single precision."""
+FLYER = ("x", "y", "z", "qx", "qy", "qz", "qw")
 POINT = {"positions", "velocities", "accelerations", "effort", "time_from_start"}
 """Fields of trajectory_msgs/JointTrajectoryPoint."""
 
@@ -97,7 +98,7 @@ class Curve:
         base = Poses.from_array(entry["world_from_root"])
         pick = lambda axes: np.array([row[self.column[f"{name}/{axis}"]] for axis in axes])
         if entry["root"] == "freeflyer":
-            return Poses.from_array(pick(["x", "y", "z", "qx", "qy", "qz", "qw"]))
+            return Poses.from_array(pick(FLYER))
         return base @ Poses.planar(*pick(["x", "y", "theta"])) if entry["root"] == "planar" else base
 
     def holder(self, attachment: dict) -> str:
@@ -214,7 +215,7 @@ def check_npz(curve: Curve, file: Path, rate: float) -> dict[str, float]:
     names = arrays["joint_names"]
     rows = np.stack([[curve.joint(name, time) for name in names] for time in times])
     # Quaternions of roots are scaled, which is not done here.
-    plain = [i for i, name in enumerate(names) if name.rpartition("/")[2] not in ("qx", "qy", "qz", "qw")]
+    plain = [i for i, name in enumerate(names) if name.rpartition("/")[2] not in FLYER[3:]]
     for index, key in enumerate(["positions", "velocities", "accelerations"]):
         scale = 1.0 + np.abs(rows[:, plain, index]).max(initial=0.0)
         off[f"npz {key}"] = apart(arrays[key][:, plain], rows[:, plain, index]) / scale
@@ -247,10 +248,12 @@ def check_csv(curve: Curve, file: Path, rate: float) -> dict[str, float]:
         row, roots = curve.at(times[index])[0], curve.roots(times[index])
         named = dict(zip(names[1:], numbers[index, 1:]))
         for name, value in named.items():
-            if not name.startswith(tuple(f"{part}/" for part in curve.parts if curve.parts[part][0]["root"] == "freeflyer")):
+            part, _, local = name.partition("/")
+            # Roots of objects are where their carriers take them, quaternions are scaled.
+            if not (part in free and local in FLYER) and local not in FLYER[3:]:
                 off["csv joints"] = max(off["csv joints"], abs(value - row[curve.column[name]]))
         for name in free:
-            pose = np.array([named[f"{name}/{axis}"] for axis in ("x", "y", "z", "qx", "qy", "qz", "qw")])
+            pose = np.array([named[f"{name}/{axis}"] for axis in FLYER])
             off["csv objects"] = max(off["csv objects"], pose_apart(pose, roots[name]))
     return off
 
@@ -288,6 +291,8 @@ def check_ros(curve: Curve, folder: Path) -> dict[str, float]:
             wanted = curve.at(curve.start + time)[:2, [curve.column[name] for name in names]]
             off["ros positions"] = max(off["ros positions"], apart(value, wanted[0]))
             off["ros velocities"] = max(off["ros velocities"], apart(rate, wanted[1]))
+        if "multi_dof_joint_trajectory" in entry:
+            check_root(curve, entry, off)
     told = []
     for event in message["events"]:
         attached = event["attached_collision_object"]
@@ -300,6 +305,28 @@ def check_ros(curve: Curve, folder: Path) -> dict[str, float]:
     expect([event[1:] for event in told] == [event[1:] for event in wanted], f"events {told} instead of {wanted}")
     expect(apart([t[0] for t in told], [t[0] - curve.start for t in wanted]) < 1e-9, "events are at other times")
     return off
+
+
+def check_root(curve: Curve, entry: dict, off: dict[str, float]) -> None:
+    """Poses and twists of a root that moves; angular velocities against differences of rotations."""
+    name, trajectory = entry["robot"], entry["multi_dof_joint_trajectory"]
+    expect(trajectory["joint_names"] == [name], "a root of another name")
+    base = Poses.from_array(curve.parts[name][0]["world_from_root"]) if curve.parts[name][0]["root"] == "planar" else Poses.identity()
+    numbers = lambda value: np.array([value[axis] for axis in "xyzw" if axis in value])
+    pose_at = lambda time: base.inverse() @ curve.written_root(name, curve.at(time)[0])
+    step = 1e-5
+    for point in trajectory["points"]:
+        time = curve.start + seconds(point["time_from_start"])
+        [transform], [twist] = point["transforms"], point["velocities"]
+        row = np.concatenate([numbers(transform["translation"]), numbers(transform["rotation"])])
+        off["ros roots"] = max(off.get("ros roots", 0.0), pose_apart(row, pose_at(time)))
+        if curve.start + step < time < curve.end - step:
+            before, after = pose_at(time - step), pose_at(time + step)
+            turn = after.rotation @ before.rotation.T
+            angular = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]) / (4 * step)
+            linear = (after.translation - before.translation) / (2 * step)
+            wrong = max(apart(numbers(twist["angular"]), angular), apart(numbers(twist["linear"]), linear))
+            off["ros twists"] = max(off.get("ros twists", 0.0), wrong)
 
 
 def check_mcap(curve: Curve, file: Path, rate: float) -> dict[str, float]:
