@@ -6,7 +6,7 @@
 
 use crate::path_file::export::columns::{Column, columns};
 use crate::path_file::export::npz::kind;
-use crate::path_file::export::options::{ExportError, ExportOptions};
+use crate::path_file::export::options::{ExportError, ExportOptions, fits};
 use crate::path_file::export::times::{nanoseconds, split};
 use crate::planner::trajectory::poses::Poses;
 use crate::planner::trajectory::trajectory::Trajectory;
@@ -21,7 +21,7 @@ use std::io::Cursor;
 /// A trajectory as a recording that begins at time 0.
 ///
 /// # Errors
-/// There is no such robot or joint; the rate is none.
+/// There is no such robot or joint; the rate is none; there are more than 2²⁶ numbers.
 pub fn mcap(trajectory: &Trajectory<'_>, options: &ExportOptions) -> Result<Vec<u8>, ExportError> {
     let mut by_robot: BTreeMap<PartIndex, Vec<Column>> = BTreeMap::new();
     for column in columns(trajectory, options)?.into_iter().filter(|column| column.is_joint) {
@@ -44,7 +44,9 @@ pub fn mcap(trajectory: &Trajectory<'_>, options: &ExportOptions) -> Result<Vec<
         let channel = recording.channel(transforms, "/tf_static")?;
         recording.message(channel, 0, &transforms_message(trajectory, &poses, &still, 0))?;
     }
-    for time in trajectory.sample_times(options.rate)? {
+    let times = trajectory.sample_times(options.rate)?;
+    fits(times.len(), 7 * moving.len() + 2 * by_robot.values().map(Vec::len).sum::<usize>())?;
+    for time in times {
         while let Some(event) = told.next_if(|event| event.time <= time) {
             let at = nanoseconds(event.time - trajectory.start());
             let fingers: BTreeMap<&str, f64> = event.fingers.iter().copied().collect();
