@@ -294,14 +294,22 @@ def check_ros(curve: Curve, folder: Path) -> dict[str, float]:
         if "multi_dof_joint_trajectory" in entry:
             check_root(curve, entry, off)
     told = []
-    for event in message["events"]:
+    wanted = [(curve.start, "grasp", *item) for item in curve.held(curve.segments[0])] + curve.events()
+    expect(len(message["events"]) == len(wanted), f"{len(message['events'])} events instead of {wanted}")
+    # Times of ROS are rounded: an instant earlier another segment would answer.
+    for event, (time, *_) in zip(message["events"], wanted):
         attached = event["attached_collision_object"]
         kind = {("attach", 0): "grasp", ("detach", 1): "release"}[event["type"], attached["object"]["operation"]]
         link = f"{event['robot']}/{attached['link_name']}"
         expect(link == curve.file["documents"]["grippers"][event["gripper"]]["link"], f"{link} is no gripper's link")
         expect(attached["link_name"] in attached["touch_links"], "a gripper does not touch what it holds")
+        pose = attached["object"]["pose"]
+        for name, position in zip(event["fingers"]["name"], event["fingers"]["position"], strict=True):
+            stands = curve.joint(f"{event['robot']}/{name}", time + event["dwell"])[0]
+            off["ros fingers"] = max(off.get("ros fingers", 0.0), abs(position - stands))
+        row = np.array([pose["position"][axis] for axis in "xyz"] + [pose["orientation"][axis] for axis in "xyzw"])
+        off["ros objects"] = max(off.get("ros objects", 0.0), pose_apart(row, curve.roots(time)[attached["object"]["id"]]))
         told.append((seconds(event["time_from_start"]), kind, attached["object"]["id"], event["gripper"], event["handle"]))
-    wanted = [(curve.start, "grasp", *item) for item in curve.held(curve.segments[0])] + curve.events()
     expect([event[1:] for event in told] == [event[1:] for event in wanted], f"events {told} instead of {wanted}")
     expect(apart([t[0] for t in told], [t[0] - curve.start for t in wanted]) < 1e-9, "events are at other times")
     return off
