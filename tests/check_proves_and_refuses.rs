@@ -528,7 +528,7 @@ mod malformed {
         let huge = json!(1e300);
         let part_named_twice = story()["parts"][0].clone();
         let cases: Vec<(&str, Value, &str)> = vec![
-            ("/format", json!("foliate.path/2"), "foliate.path/2"),
+            ("/format", json!("foliate.path/3"), "foliate.path/3"),
             ("/coordinates/1", json!("arm/wrist"), "arm/elbow"),
             ("/coordinates/1", json!("arm/shoulder"), "coordinates[1]"),
             ("/segments/0/knots/2/4", huge.clone(), "segments[0].knots[2][4]"),

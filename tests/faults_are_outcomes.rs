@@ -98,7 +98,7 @@ impl Scheduler for Faulty {
 }
 
 fn planner(problem: &Problem) -> Planner {
-    Planner::new(problem.clone()).unwrap().time_limit(Duration::from_secs(60))
+    Planner::new(problem.clone()).unwrap().first_path().time_limit(Duration::from_secs(60))
 }
 
 fn told(answer: &Result<Solution, NoSolution>) -> (&'static str, u64, Option<f64>) {

@@ -9,15 +9,18 @@
     reason = "a test that cannot go on says so"
 )]
 
+mod common;
 #[path = "common/lies.rs"]
 mod lies;
+#[path = "common/lies_about_times.rs"]
+mod lies_about_times;
 
 use foliate::Planner;
 use foliate::check::{CheckOptions, SceneChoice, Verdict, check};
 use foliate::path_file::{PathContext, save, write_path};
 use foliate::scene::{PackagePath, Scene, sha256};
 use serde_json::Value;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// A temporary folder; gone when dropped.
@@ -73,11 +76,16 @@ fn say(folder: &Path, path: &Value, scene: SceneChoice) -> (Said, String) {
     }
 }
 
-/// Plans, lies, and asks. Returns how many lies were told.
-fn lie_about(scene_name: &str, folder: &Folder) -> usize {
+/// Plans, lies, and asks. Returns how many lies were told, and of how many kinds.
+fn lie_about(scene_name: &str, folder: &Folder, with_times: bool) -> (usize, usize) {
     let scene = Scene::load(scene_name, &PackagePath::only(&[])).unwrap();
     let planner = Planner::new(scene.problem.clone()).unwrap();
-    let solution = planner.solve().unwrap();
+    let mut solution = planner.solve().unwrap();
+    solution.path.segments.iter_mut().for_each(|segment| segment.timing = None);
+    if with_times {
+        common::timed::stand_still_at_events(&mut solution.path);
+        common::timed::rest_to_rest(&scene.problem, &mut solution.path);
+    }
     let out = folder.0.join("honest.json");
     let models = save::model_names(&scene, &out).unwrap();
     let context = PathContext {
@@ -96,7 +104,10 @@ fn lie_about(scene_name: &str, folder: &Folder) -> usize {
     let spoiled: Vec<_> = path["parts"].as_array().unwrap().iter().map(|part| spoil(folder, part)).collect();
     let robot = &scene.problem.robot;
     let links: Vec<String> = robot.shapes.iter().map(|s| robot.links[s.link.at()].name.clone()).collect();
-    let told = lies::all(&lies::Honest { path: &path, links: &links, spoiled: &spoiled });
+    let told = match with_times {
+        true => lies_about_times::all(&path),
+        false => lies::all(&lies::Honest { path: &path, links: &links, spoiled: &spoiled }),
+    };
     let mut table: BTreeMap<(&str, Said), usize> = BTreeMap::new();
     let mut believed = Vec::new();
     for (kind, lie) in &told {
@@ -116,7 +127,8 @@ fn lie_about(scene_name: &str, folder: &Folder) -> usize {
         told.len(),
         believed.join("\n")
     );
-    told.len()
+    let kinds: BTreeSet<&str> = told.iter().map(|(kind, _)| *kind).collect();
+    (told.len(), kinds.len())
 }
 
 /// URDFs of a part without collision shapes, and with all of them smaller.
@@ -136,20 +148,28 @@ fn spoil(folder: &Folder, part: &Value) -> [(String, String); 2] {
 
 #[test]
 fn lies_about_the_demo_are_refused() {
-    let told = lie_about("demo", &Folder::new("demo"));
+    let (told, _) = lie_about("demo", &Folder::new("demo"), false);
     assert!(told > 400, "{told}");
 }
 
 #[test]
 fn lies_about_the_drawer_are_refused() {
-    let told = lie_about("drawer", &Folder::new("drawer"));
+    let (told, _) = lie_about("drawer", &Folder::new("drawer"), false);
     assert!(told > 300, "{told}");
 }
 
 #[test]
 fn lies_about_the_stack_are_refused() {
-    let told = lie_about("stack", &Folder::new("stack"));
+    let (told, _) = lie_about("stack", &Folder::new("stack"), false);
     assert!(told > 500, "{told}");
+}
+
+#[test]
+fn lies_about_times_velocities_limits_and_events_are_refused() {
+    for scene in ["demo", "drawer", "stack"] {
+        let (told, kinds) = lie_about(scene, &Folder::new(&format!("timed-{scene}")), true);
+        assert!(told > 150 && kinds >= 35, "{scene}: {told} of {kinds} kinds");
+    }
 }
 
 const LEVEL: &str = r#"
@@ -237,6 +257,6 @@ fn lies_about_constraints_balance_and_values_are_refused() {
     folder.write("door.urdf", &format!("<robot name=\"door\">{}</robot>", door.concat()));
     folder.write("scene.toml", LEVEL);
     let scene = folder.0.join("scene.toml");
-    let told = lie_about(&scene.display().to_string(), &folder);
+    let (told, _) = lie_about(&scene.display().to_string(), &folder, false);
     assert!(told > 100, "{told}");
 }

@@ -212,7 +212,7 @@ fn what_is_no_file_is_written_to_and_not_replaced() {
     assert!(!Path::new("/dev/null.models").exists() && !Path::new("/dev/full.models").exists());
     let output = foliate(&["solve", "demo", "--out", "/dev/stdout"]).output().unwrap();
     let text = String::from_utf8(output.stdout).unwrap();
-    assert!(text.starts_with("{\"format\":\"foliate.path/1\"") && text.contains("\ndemo: solved in "), "{text}");
+    assert!(text.starts_with("{\"format\":\"foliate.path/2\"") && text.contains("\ndemo: solved in "), "{text}");
 
     let fifo = folder.at("pipe");
     if system("mkfifo", &[fifo.to_str().unwrap()]) {
@@ -222,7 +222,7 @@ fn what_is_no_file_is_written_to_and_not_replaced() {
         });
         assert!(solve(&fifo).status.success());
         assert!(fs::metadata(&fifo).unwrap().file_type().is_fifo());
-        assert!(reader.join().unwrap().starts_with("{\"format\":\"foliate.path/1\""));
+        assert!(reader.join().unwrap().starts_with("{\"format\":\"foliate.path/2\""));
     }
     let output = solve(&folder.0);
     assert_eq!(output.status.code(), Some(2), "{}", told(&output));

@@ -218,6 +218,7 @@ impl Batch {
                 .map_err(|error| error.to_string())?
                 .settings(search)
                 .seed(seed)
+                .first_path()
                 .scheduler(Arc::clone(&self.scheduler))
                 .cancelled_by(self.token.clone())
                 .time_limit(self.settings.time_limit.saturating_sub(entry.load_time()));

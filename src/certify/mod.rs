@@ -33,11 +33,13 @@ pub(crate) mod proof;
 pub(crate) mod world;
 
 pub use crate::certify::certifier::CertifyOptions;
+pub use crate::certify::motion::how::{Interpolation, Turns};
 pub use crate::certify::motion::names::{UnknownName, find_coordinate, find_joint};
 pub use crate::certify::motion::piecewise::{
-    Attachment, Curve, FARTHEST, Interpolation, Motion, POINTS, Point, PointError, Segment, Turn, Turns,
+    Attachment, Curve, FARTHEST, Motion, POINTS, Point, PointError, Segment, Turn,
 };
 pub use crate::certify::motion::polynomial::{COEFFICIENTS, Polynomial};
+pub use crate::certify::motion::scaled::Scaled;
 pub use crate::certify::world::limits::Rates;
 pub use crate::certify::world::phases::{Certifier, CertifyError};
 pub use crate::certify::world::report::{

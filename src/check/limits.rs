@@ -1,5 +1,6 @@
-//! Limits and bounds, joint knots, quaternions, environments and times: what needs no geometry.
+//! Limits and bounds, joint knots, quaternions, environments and times: what needs no geometry. Limits of rates are in `timing`.
 
+use crate::check::motion::curve::{Cubic, Turning};
 use crate::check::report::check_report::{CheckReport, Place, shown};
 use crate::check::report::kind::Kind;
 use crate::check::world::models::{Value, World};
@@ -10,6 +11,8 @@ use foliate_components::robot::{JointType, PartKind};
 const SLACK: f64 = 1e-9;
 /// How far a quaternion's norm may be from one.
 const UNIT: f64 = 1e-9;
+/// What the length of a quaternion's numbers is at least between knots, before they are scaled to length 1.
+const SHORTEST: f64 = 0.5;
 
 pub(super) fn check(file: &PathFile, world: &World, report: &mut CheckReport) {
     note_differences(file, world, report);
@@ -81,9 +84,8 @@ impl Checker<'_> {
                 columns.iter().for_each(|&c| self.column(c, &knots, Kind::ObjectBounds));
             }
             Value::Columns(columns) => {
-                let all: Vec<usize> = (0..self.segment.knots.len()).collect();
-                let linear = if body.motion == JointType::FreeFlyer { &columns[..3] } else { &columns[..] };
-                linear.iter().for_each(|&c| self.limited(c, body.limits, &all));
+                let numbers = if body.motion == JointType::FreeFlyer { &columns[..3] } else { &columns[..] };
+                numbers.iter().for_each(|&c| self.limited(c, body.limits));
                 if body.motion == JointType::FreeFlyer {
                     self.quaternions(columns, &body.name);
                     self.turning(&columns[3..]);
@@ -105,17 +107,23 @@ impl Checker<'_> {
         given.map_or(otherwise, |[low, high]| (*low, *high))
     }
 
-    fn limited(&mut self, column: usize, model: (f64, f64), knots: &[usize]) {
+    /// Extremes along the whole segment: those of a straight line are at the knots.
+    fn limited(&mut self, column: usize, model: (f64, f64)) {
         let (low, high) = self.limits_of(column, model);
         let name = &self.file.coordinates[column];
-        for &knot in knots {
-            let value = self.segment.knots[knot][column];
-            self.value(knot, Kind::Limit, name, value, (low, high));
-            let slack = (value - low).min(high - value);
+        for knot in 0..self.intervals() {
+            let (least, most) = Cubic::of(self.segment, column, knot).range();
+            self.range(knot, Kind::Limit, name, (least, most), (low, high));
+            let slack = (least - low).min(high - most);
             if slack.is_finite() {
                 self.report.see_limit(slack, self.index, knot as f64, || shown(name));
             }
         }
+    }
+
+    /// Intervals between knots; a single knot is one.
+    fn intervals(&self) -> usize {
+        (self.segment.knots.len() - 1).max(1)
     }
 
     fn column(&mut self, column: usize, knots: &[usize], kind: Kind) {
@@ -126,29 +134,27 @@ impl Checker<'_> {
         }
     }
 
-    fn value(&mut self, knot: usize, kind: Kind, name: &str, value: f64, (low, high): (f64, f64)) {
-        if value < low - SLACK {
-            self.violate(knot as f64, kind, format!("{} below", shown(name)), value, low);
+    fn value(&mut self, knot: usize, kind: Kind, name: &str, value: f64, limits: (f64, f64)) {
+        self.range(knot, kind, name, (value, value), limits);
+    }
+
+    fn range(&mut self, knot: usize, kind: Kind, name: &str, (least, most): (f64, f64), (low, high): (f64, f64)) {
+        if least < low - SLACK {
+            self.violate(knot as f64, kind, format!("{} below", shown(name)), least, low);
         }
-        if value > high + SLACK {
-            self.violate(knot as f64, kind, format!("{} above", shown(name)), value, high);
+        if most > high + SLACK {
+            self.violate(knot as f64, kind, format!("{} above", shown(name)), most, high);
         }
     }
 
-    /// A follower is linear where its leader is, so knots suffice.
+    /// A follower is where its leader has it, extremes between knots included.
     fn follower(&mut self, index: usize) {
-        let (body, bodies) = (&self.world.bodies[index], &self.world.bodies);
-        let (mut at, mut factor, mut offset) = (index, 1.0, 0.0);
-        for _ in 0..bodies.len() {
-            let Value::Follows { leader, multiplier, offset: shift } = bodies[at].value else { break };
-            offset += factor * shift;
-            factor *= multiplier;
-            at = leader;
-        }
-        let Value::Columns(columns) = &bodies[at].value else { return };
-        for knot in 0..self.segment.knots.len() {
-            let value = factor * self.segment.knots[knot][columns[0]] + offset;
-            self.value(knot, Kind::FollowerLimit, &body.name, value, body.limits);
+        let (body, led) = (&self.world.bodies[index], self.world.led(index));
+        let Some(column) = led.column else { return };
+        for knot in 0..self.intervals() {
+            let (low, high) = Cubic::of(self.segment, column, knot).range();
+            let (a, b) = (led.factor * low + led.offset, led.factor * high + led.offset);
+            self.range(knot, Kind::FollowerLimit, &body.name, (a.min(b), a.max(b)), body.limits);
         }
     }
 
@@ -156,7 +162,8 @@ impl Checker<'_> {
         let first = &self.file.segments[0].knots[0];
         for &column in columns {
             let moved = |row: &Vec<f64>| (row[column] - first[column]).abs();
-            let most = self.segment.knots.iter().map(moved).fold(0.0, f64::max);
+            let speeds = self.segment.velocities.iter().flatten().map(|row| row[column].abs());
+            let most = self.segment.knots.iter().map(moved).chain(speeds).fold(0.0, f64::max);
             if most > 0.0 {
                 let place = Place { segment: Some(self.index), t: None };
                 let name = shown(&self.file.coordinates[column]);
@@ -182,21 +189,40 @@ impl Checker<'_> {
                 if across < 0.0 {
                     self.violate(knot as f64, Kind::QuaternionSign, shown(name), across, 0.0);
                 }
+                if self.segment.velocities.is_some() {
+                    let shortest = self.curve(&columns[3..], knot).shortest();
+                    // Compared so that NaN is too short.
+                    let long_enough = shortest >= SHORTEST;
+                    if !long_enough {
+                        let subject = format!("{} between knots, before it is scaled", shown(name));
+                        self.violate(knot as f64, Kind::QuaternionNorm, subject, shortest, SHORTEST);
+                    }
+                }
             }
         }
     }
 
-    /// Limits of quaternion entries along the geodesic, where the file gives any.
+    fn curve(&self, columns: &[usize], knot: usize) -> Turning {
+        Turning(std::array::from_fn(|i| Cubic::of(self.segment, columns[i], knot)))
+    }
+
+    /// Limits of quaternion entries along the way, where the file gives any.
     fn turning(&mut self, columns: &[usize]) {
         for (entry, &column) in columns.iter().enumerate() {
             let name = &self.file.coordinates[column];
             let Some(&[low, high]) = self.file.limits.get(name) else { continue };
+            if low <= -1.0 && high >= 1.0 {
+                continue; // as every unit quaternion
+            }
             let last = self.segment.knots.len() - 1;
-            for knot in 0..=last {
-                let (a, b) = (self.quaternion(columns, knot), self.quaternion(columns, (knot + 1).min(last)));
-                let (least, most) = extremes(a, b, entry);
-                self.value(knot, Kind::Limit, name, least, (low, high));
-                self.value(knot, Kind::Limit, name, most, (low, high));
+            for knot in 0..self.intervals() {
+                let range = match &self.segment.velocities {
+                    Some(_) => self.curve(columns, knot).range(entry),
+                    None => {
+                        extremes(self.quaternion(columns, knot), self.quaternion(columns, (knot + 1).min(last)), entry)
+                    }
+                };
+                self.range(knot, Kind::Limit, name, range, (low, high));
             }
         }
     }

@@ -11,7 +11,7 @@
 //! [`check`] answers with a [`CheckReport`], or with a [`CheckError`] where the file or a model cannot be read.
 //!
 //! `prove` runs the proof: `structure` checks the form of the file, `world` rebuilds its bodies, `limits` needs numbers
-//! only. Segment by segment `leaf` proves the constraints and `clearance` the distances, which `distance` computes; `motion`
+//! only, and `timing` proves the times of a path: limits of rates, continuity, events. Segment by segment `leaf` proves the constraints and `clearance` the distances, which `distance` computes; `motion`
 //! is where things are on the way. `contract` compares the file with its scene. All of them write into `report`.
 
 pub(crate) mod clearance;
@@ -23,6 +23,7 @@ pub(crate) mod motion;
 pub mod prove;
 pub mod report;
 pub(crate) mod structure;
+pub(crate) mod timing;
 pub(crate) mod world;
 
 pub use crate::check::prove::{check, check_problem};

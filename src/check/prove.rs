@@ -10,6 +10,7 @@ use crate::check::report::check_report::CheckReport;
 use crate::check::report::error::{CheckError, CheckOptions};
 use crate::check::report::kind::Kind;
 use crate::check::report::work::{Stop, Work};
+use crate::check::timing::{continuity, events, rates};
 use crate::check::world::models::World;
 use crate::check::world::{attachments, documents};
 use crate::check::{limits, structure};
@@ -70,6 +71,8 @@ fn prove(
     count(file, &world, &mut report);
     documents::check(file, &world, &mut report);
     limits::check(file, &world, &mut report);
+    rates::note_differences(file, &world, &mut report);
+    events::check(file, &world, &frames, &mut report);
     let attachments = attachments::resolve(file, &world, &frames)?;
     let ignored = pairs::ignored(file, &world, &mut report)?;
     if let Some(contract) = contract {
@@ -114,12 +117,15 @@ impl Proof<'_> {
         work: &mut Work,
     ) -> Result<(), CheckError> {
         let mut drift = drift::Drift::new(self.world.parts.len(), self.world.bodies.len());
+        let mut continuity = continuity::Continuity::default();
         let mut moving = vec![false; self.pairs.list.len()];
         for (index, segment) in self.file.segments.iter().enumerate() {
             let motion = SegmentMotion::new(self.world, segment, index, &self.attachments[index])?;
             carriers::check(&motion, self.file, report);
             articulation::check(&motion, self.file, report);
             drift.add(&motion, self.file, report);
+            continuity.add(&motion, self.file, report);
+            rates::check(&motion, self.file, report);
             if let Some(contract) = self.contract {
                 contract.ends(self.file, &motion, self.frames, report, work)?;
             }

@@ -2,9 +2,11 @@
 
 use crate::check::report::check_report::shown;
 use crate::check::report::error::CheckError;
+use crate::check::timing::structure as timing;
 use crate::path_file::ConstraintEntry;
 use crate::path_file::constraint::PoseRow;
 use crate::path_file::document::{HandleEntry, PathFile, SegmentEntry, SurfaceEntry};
+use crate::path_file::version;
 use std::collections::HashSet;
 
 /// Most parts of a file.
@@ -27,6 +29,8 @@ pub(super) fn check(file: &PathFile) -> Checked {
     unique("parts", "part", file.parts.iter().map(|p| p.name.as_str()))?;
     unique("coordinates", "coordinate", file.coordinates.iter().map(String::as_str))?;
     limits(file)?;
+    version(file)?;
+    timing::check(file)?;
     documents(file)?;
     for (index, (.., margin)) in file.margins.iter().enumerate() {
         number(*margin, || format!("margins[{index}][2]"))?;
@@ -42,6 +46,17 @@ pub(super) fn check(file: &PathFile) -> Checked {
         }
     }
     file.segments.iter().enumerate().try_for_each(|(index, s)| segment(file, index, s))
+}
+
+/// Keys are those of the file's version.
+fn version(file: &PathFile) -> Checked {
+    if !version::is_known(&file.format) {
+        return refuse("format", format!("`{}` is not known", shown(&file.format)));
+    }
+    match version::later_key(file) {
+        Some(key) => refuse(key, "this key belongs to version 2, the file is of version 1"),
+        None => Ok(()),
+    }
 }
 
 fn refuse(place: impl Into<String>, message: impl Into<String>) -> Checked {

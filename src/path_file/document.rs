@@ -5,16 +5,16 @@ use crate::path_file::place;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// The value of `format`.
-pub const FORMAT: &str = "foliate.path/1";
-/// The value of `format` of a path with times and velocities.
-pub const FORMAT_2: &str = "foliate.path/2";
+/// The value of `format` in files that are written.
+pub const FORMAT: &str = "foliate.path/2";
+/// The value of `format` in files of version 1, which are still read. They have no velocities, no limits of rates and no events.
+pub const FORMAT_1: &str = "foliate.path/1";
 
 /// A path file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PathFile {
-    /// [`FORMAT`].
+    /// [`FORMAT`] or [`FORMAT_1`].
     pub format: String,
     /// Name of the scene.
     pub scene: String,
@@ -34,6 +34,9 @@ pub struct PathFile {
     /// Bounds of those that have any, by coordinate.
     #[serde(deserialize_with = "place::unique")]
     pub limits: BTreeMap<String, [f64; 2]>,
+    /// Limits of velocity, acceleration and jerk, by coordinate; none in a path without times.
+    #[serde(default, deserialize_with = "place::unique_if_any", skip_serializing_if = "Option::is_none")]
+    pub rate_limits: Option<BTreeMap<String, RateLimitEntry>>,
     /// Grippers, handles and surfaces.
     pub documents: Documents,
     /// Link, link, reason: pairs that are not tested besides the SRDFs' own.
@@ -44,6 +47,9 @@ pub struct PathFile {
     pub placement_margin: f64,
     /// The path, in the direction of travel.
     pub segments: Vec<SegmentEntry>,
+    /// Where hands take and let go of objects, in the order of travel.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub events: Option<Vec<EventEntry>>,
     /// What was proven.
     pub certificate: CertificateEntry,
 }
@@ -150,12 +156,51 @@ pub struct SegmentEntry {
     pub constraints: Vec<ConstraintEntry>,
     /// Configurations.
     pub knots: Vec<Vec<f64>>,
-    /// Seconds, one per knot, once the path has been timed.
+    /// Seconds from the start of the path, one per knot.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub times: Option<Vec<f64>>,
-    /// Derivatives of the coordinates by time, one row per knot.
+    /// Derivatives of the coordinates by time, one row per knot. With them the coordinates follow cubic Hermite polynomials.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub velocities: Option<Vec<Vec<f64>>>,
+}
+
+/// Limits of the rates of a coordinate; what is left out has no limit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RateLimitEntry {
+    /// rad/s or m/s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub velocity: Option<f64>,
+    /// rad/s² or m/s².
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub acceleration: Option<f64>,
+    /// rad/s³ or m/s³.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub jerk: Option<f64>,
+}
+
+/// A gripper takes or lets go of a handle, at the first knot of a segment.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EventEntry {
+    /// Seconds from the start of the path; none in a path without times.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time: Option<f64>,
+    /// How long everything stands still from then on, seconds.
+    pub dwell: f64,
+    /// The segment that begins with it, counted from 0.
+    pub segment: usize,
+    /// `grasp` or `release`.
+    pub kind: String,
+    /// The part, or `part/link` of an articulated one.
+    pub object: String,
+    /// Which gripper.
+    pub gripper: String,
+    /// Which handle.
+    pub handle: String,
+    /// Positions of the gripper's fingers, by `part/joint`, radians or metres.
+    #[serde(default, deserialize_with = "place::unique", skip_serializing_if = "BTreeMap::is_empty")]
+    pub fingers: BTreeMap<String, f64>,
 }
 
 /// What an object is attached to: a gripper by a handle, a support by a surface, a link that it rests on, or nothing but its place.
@@ -201,6 +246,15 @@ pub struct CertificateEntry {
     /// Which pairs of collision shapes were tested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pairs: Option<PairsEntry>,
+    /// The largest share of a velocity limit that is used, at most 1; only in a path with times.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_velocity: Option<f64>,
+    /// The largest share of an acceleration limit that is used, likewise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_acceleration: Option<f64>,
+    /// 1 where velocities are continuous, 2 where accelerations are too; only in a path with times.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub continuity: Option<u8>,
 }
 
 /// How many pairs of collision shapes were tested, and how many were left out, by reason.

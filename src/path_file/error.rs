@@ -11,6 +11,14 @@ pub enum PathFileError {
     Io { path: PathBuf, source: std::io::Error },
     #[error("{}: {place}: {source}", path.display())]
     Json { path: PathBuf, place: String, source: serde_json::Error },
-    #[error("{}: `format` is `{found}`; this version reads `{}`", path.display(), crate::path_file::document::FORMAT)]
+    #[error(
+        "{}: `format` is `{found}`; this version reads `{}` and `{}`",
+        path.display(), crate::path_file::document::FORMAT, crate::path_file::document::FORMAT_1
+    )]
     Format { path: PathBuf, found: String },
+    #[error(
+        "{}: {key}: this key belongs to `{}`, the file is of `{}`",
+        path.display(), crate::path_file::document::FORMAT, crate::path_file::document::FORMAT_1
+    )]
+    Version { path: PathBuf, key: String },
 }

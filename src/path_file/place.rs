@@ -112,6 +112,15 @@ where
     deserializer.deserialize_map(Table(PhantomData))
 }
 
+/// As [`unique`], for a key that may be left out.
+pub(super) fn unique_if_any<'de, D, T>(deserializer: D) -> Result<Option<BTreeMap<String, T>>, D::Error>
+where
+    D: Deserializer<'de>,
+    T: Deserialize<'de>,
+{
+    unique(deserializer).map(Some)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,8 +1,9 @@
 //! Reading path files, which may be hostile: regular files only, never more than a cap, and no more memory than a small
 //! multiple of the text.
 
-use crate::path_file::document::{FORMAT, FORMAT_2, PathFile};
+use crate::path_file::document::PathFile;
 use crate::path_file::error::PathFileError;
+use crate::path_file::version;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -17,7 +18,8 @@ const TABLES: usize = 400_000;
 /// Reads a path file.
 ///
 /// # Errors
-/// It is no regular file, cannot be read, is larger than 256 MiB or has too many lists, is not JSON, or is of another format.
+/// It is no regular file, cannot be read, is larger than 256 MiB or has too many lists, is not JSON, is of another format, or
+/// has a key that its version of the format does not know.
 pub fn read(path: &Path) -> Result<PathFile, PathFileError> {
     let io = |source| PathFileError::Io { path: path.to_owned(), source };
     let text = text(path).map_err(io)?;
@@ -26,21 +28,21 @@ pub fn read(path: &Path) -> Result<PathFile, PathFileError> {
         .map_err(|source| {
             // A file of another format is refused by its name and not by a missing field.
             if let Ok(Format { format }) = serde_json::from_str(&text)
-                && !is_known(&format)
+                && !version::is_known(&format)
             {
                 return PathFileError::Format { path: path.to_owned(), found: format };
             }
             let place = super::place::json_path(&text, source.line(), source.column());
             PathFileError::Json { path: path.to_owned(), place, source }
         })
-        .and_then(|file| match is_known(&file.format) {
+        .and_then(|file| match version::is_known(&file.format) {
             true => Ok(file),
             false => Err(PathFileError::Format { path: path.to_owned(), found: file.format }),
         })
-}
-
-fn is_known(format: &str) -> bool {
-    [FORMAT, FORMAT_2].contains(&format)
+        .and_then(|file| match version::later_key(&file) {
+            None => Ok(file),
+            Some(key) => Err(PathFileError::Version { path: path.to_owned(), key }),
+        })
 }
 
 /// The text of a regular file; a pipe would block, and a device has no end.

@@ -3,9 +3,11 @@
 use super::constraint::entries;
 use crate::path_file::constraint::PoseRow;
 use crate::path_file::document::{
-    AttachmentEntry, CertificateEntry, Documents, FORMAT, FORMAT_2, GripperEntry, HandleEntry, PairsEntry, PartEntry,
-    PathFile, SceneFileEntry, SegmentEntry, SurfaceEntry,
+    AttachmentEntry, CertificateEntry, Documents, FORMAT, GripperEntry, HandleEntry, PairsEntry, PartEntry, PathFile,
+    SceneFileEntry, SegmentEntry, SurfaceEntry,
 };
+use crate::path_file::names::held;
+use crate::path_file::timing;
 use crate::scene::assemble::names::configuration::coordinate_names;
 use crate::scene::mesh::formats::triangles::UpAxis;
 use foliate_components::Pose;
@@ -14,7 +16,7 @@ use foliate_components::graph::ConstraintGraph;
 use foliate_components::path::{Attachment, ManipulationPath, Segment};
 use foliate_components::pose::pose_to_array;
 use foliate_components::problem::Problem;
-use foliate_components::robot::{HandleIndex, JointIndex, LinkIndex, Part, PartKind, Robot, RootJoint};
+use foliate_components::robot::{JointIndex, LinkIndex, Part, PartKind, Robot, RootJoint};
 use std::collections::BTreeMap;
 
 /// What a path file says besides the path: the problem, where its models are, and how it was searched.
@@ -74,9 +76,9 @@ pub fn write_path(context: &PathContext<'_>, path: &ManipulationPath) -> PathFil
         .iter()
         .zip(files)
         .flat_map(|(part, files)| files.joint_values.iter().map(|(joint, _)| format!("{}/{joint}", part.name)));
-    let constraints = |s: &Segment| s.constraints.iter().flat_map(|c| entries(robot, c, tolerance)).collect();
+    let shares = timing::shares(problem, path);
     PathFile {
-        format: if path.segments.iter().any(|s| s.timing.is_some()) { FORMAT_2 } else { FORMAT }.into(),
+        format: FORMAT.into(),
         scene: problem.name.clone(),
         scene_file: context.models.scene_file.clone(),
         seed: context.seed,
@@ -85,6 +87,7 @@ pub fn write_path(context: &PathContext<'_>, path: &ManipulationPath) -> PathFil
         parts: robot.parts.iter().zip(files).map(|(part, files)| part_entry(part, files)).collect(),
         coordinates: coordinate_names(robot).into_iter().chain(still_names).collect(),
         limits: limits(robot),
+        rate_limits: timing::rate_limits(problem, path),
         documents: documents(robot),
         ignored_pairs: problem
             .ignored_pairs
@@ -96,26 +99,35 @@ pub fn write_path(context: &PathContext<'_>, path: &ManipulationPath) -> PathFil
         segments: path
             .segments
             .iter()
-            .map(|s| SegmentEntry {
-                transition: context.graph.transition(s.transition).name.clone(),
-                state: context.graph.state(s.state).name.clone(),
-                attachments: s.attachments.iter().filter_map(|a| attachment_entry(robot, a)).collect(),
-                constraints: constraints(s),
-                knots: s.knots.iter().map(|knot| [knot.as_slice(), &still_values].concat()).collect(),
-                times: s.timing.as_ref().map(|timing| timing.times.clone()),
-                velocities: s.timing.as_ref().map(|timing| {
-                    let rates = timing.velocities.iter();
-                    rates.map(|row| row.iter().copied().chain(still_values.iter().map(|_| 0.0)).collect()).collect()
-                }),
-            })
+            .map(|segment| segment_entry(context, segment, tolerance, &still_values))
             .collect(),
+        events: Some(timing::events(robot, path)),
         certificate: CertificateEntry {
             path_tolerance: path.certificate.path_tolerance,
             max_residual: path.certificate.max_residual,
             min_clearance: path.certificate.min_clearance,
             joint_limits: "within".into(),
             pairs: Some(pairs(&path.certificate.pairs)),
+            max_velocity: shares.map(|shares| shares.velocity),
+            max_acceleration: shares.map(|shares| shares.acceleration),
+            continuity: shares.map(|shares| shares.continuity),
         },
+    }
+}
+
+/// A segment; `still` are the numbers of joints that stand still throughout.
+fn segment_entry(context: &PathContext<'_>, segment: &Segment, tolerance: f64, still: &[f64]) -> SegmentEntry {
+    let robot = &context.problem.robot;
+    let at_rest = vec![0.0; still.len()];
+    let rows = |rows: &[Vec<f64>], more: &[f64]| rows.iter().map(|row| [row.as_slice(), more].concat()).collect();
+    SegmentEntry {
+        transition: context.graph.transition(segment.transition).name.clone(),
+        state: context.graph.state(segment.state).name.clone(),
+        attachments: segment.attachments.iter().filter_map(|a| attachment_entry(robot, a)).collect(),
+        constraints: segment.constraints.iter().flat_map(|c| entries(robot, c, tolerance)).collect(),
+        knots: rows(&segment.knots, still),
+        times: segment.timing.as_ref().map(|timing| timing.times.clone()),
+        velocities: segment.timing.as_ref().map(|timing| rows(&timing.velocities, &at_rest)),
     }
 }
 
@@ -202,13 +214,6 @@ fn attachment_entry(robot: &Robot, attachment: &Attachment) -> Option<Attachment
             ..AttachmentEntry::default()
         }),
     }
-}
-
-/// The part that a handle is on, with the link where that is not rigidly the part's root.
-fn held(robot: &Robot, handle: HandleIndex) -> String {
-    let link = &robot.links[robot.handles[handle.at()].link.at()];
-    let part = &robot.parts[link.part.at()];
-    if link.joint == robot.links[part.root_link.at()].joint { part.name.clone() } else { link.name.clone() }
 }
 
 fn row(pose: &Pose) -> PoseRow {

@@ -1,11 +1,13 @@
 //! The facade: a problem in, a certified path or a reason out. `trajectory` answers what a robot program asks of the path.
 
 pub(crate) mod answer;
+pub(crate) mod refinement;
 pub(crate) mod report;
 pub(crate) mod solving;
 pub mod trajectory;
 
 pub use crate::planner::answer::{NoSolution, NoSolutionReason, Solution, outcome_name};
+pub use crate::planner::refinement::{BetterPath, CostRow, ImprovementReport};
 pub use crate::planner::report::{FunnelRow, GoalReport, Report, StateRow};
 pub use crate::planner::solving::Planner;
 pub use crate::planner::trajectory::{Trajectory, TrajectoryError};

@@ -1,5 +1,6 @@
 //! What a search did, for a host: counts, times, and what became of the candidates.
 
+use crate::planner::refinement::ImprovementReport;
 use foliate_components::graph::leaf::LeafIndex;
 use foliate_components::graph::{StateId, TransitionId};
 use foliate_components::outcome::{BlockingParts, GoalStatistics, Prior, StateStatistics, TransitionStatistics};
@@ -9,6 +10,7 @@ use foliate_schedulers::portfolio::{MemberCount, MemberCounts};
 use foliate_systems::events::{EventSink, SolveId};
 use foliate_systems::planning_model::PlanningModel;
 use foliate_systems::search::Search;
+use foliate_systems::trajectory::TrajectoryError;
 use std::time::Duration;
 
 /// What a search did. Wall times and the number of the solve are of this run; everything else depends on problem, settings and
@@ -39,8 +41,14 @@ pub struct Report {
     pub leaves: usize,
     /// Hash of the whole roadmap, equal for any number of threads.
     pub fingerprint: u64,
-    /// Weighted length of the path, metres.
+    /// Weighted length of the first path, metres.
     pub path_length: Option<f64>,
+    /// What its improvement has done; `None` where there was none.
+    pub improvement: Option<ImprovementReport>,
+    /// Wall time of smoothing, timing and certifying the curve.
+    pub timing_time: Duration,
+    /// Why the path has no times although they were wanted.
+    pub untimed: Option<TrajectoryError>,
     /// What became of the candidates, by transition.
     pub funnel: Vec<FunnelRow>,
     /// What the search has of the states that it has reached or started from.
@@ -123,6 +131,9 @@ impl Report {
             leaves: search.world().resource::<LeafIndex>().leaves().len(),
             fingerprint: roadmap.fingerprint(),
             path_length: path.map(|p| p.segments.iter().map(|s| model.length(&s.knots.concat())).sum()),
+            improvement: None,
+            timing_time: Duration::ZERO,
+            untimed: None,
             funnel,
             states,
             goals: GoalReport { statistics, blocking_parts },

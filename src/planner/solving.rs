@@ -2,15 +2,19 @@
 
 use crate::memory::MemoryLimit;
 use crate::planner::answer::{NoSolution, NoSolutionReason, Solution};
+use crate::planner::refinement::{BetterPath, Refinement};
 use crate::planner::report::Report;
 use foliate_components::graph::ConstraintGraph;
 use foliate_components::outcome::SearchOutcome;
+use foliate_components::path::ManipulationPath;
 use foliate_components::problem::Problem;
 use foliate_schedulers::Scheduler;
 use foliate_systems::events::{CancelToken, EventSink, SolveEvent, SolveId, StopSignal};
+use foliate_systems::improvement::{ImprovementSettings, PathCost};
 use foliate_systems::planning_model::{Model, ModelError, PlanningModel, ProblemTables};
 use foliate_systems::search::Search;
 use foliate_systems::settings::SearchSettings;
+use foliate_systems::trajectory::timed_path;
 use std::any::Any;
 use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -31,6 +35,7 @@ pub struct Planner {
     token: CancelToken,
     events: EventSink,
     graph_time: Duration,
+    refinement: Refinement,
     /// Solves that have begun.
     solves: AtomicU64,
 }
@@ -90,6 +95,7 @@ impl Planner {
             token: CancelToken::default(),
             events: EventSink::default(),
             graph_time: Duration::ZERO,
+            refinement: Refinement::default(),
             solves: AtomicU64::new(0),
         }
     }
@@ -120,6 +126,50 @@ impl Planner {
     pub fn scheduler_named(mut self, name: &str) -> Option<Self> {
         self.scheduler = foliate_schedulers::named(name)?.into();
         Some(self)
+    }
+
+    /// Answers with the first path, as the search finds it: without improvement and without times.
+    #[must_use]
+    pub fn first_path(mut self) -> Self {
+        self.refinement.first = true;
+        self
+    }
+
+    /// Spends so much counted work on a better path: candidates of further searches, and shortcuts that are tried. The answer is the
+    /// same on any number of threads. [`ImprovementReport::work`] of an improvement that was limited by time gives its path again.
+    #[must_use]
+    pub fn improve_work(mut self, work: u64) -> Self {
+        (self.refinement.settings.max_work, self.refinement.first) = (work, false);
+        self
+    }
+
+    /// Spends so much wall time on a better path, and no limit of work.
+    #[must_use]
+    pub fn improve_time(mut self, time: Duration) -> Self {
+        (self.refinement.time, self.refinement.first) = (Some(time), false);
+        self.refinement.settings.max_work = u64::MAX;
+        self
+    }
+
+    /// Replaces all settings of the improvement.
+    #[must_use]
+    pub fn improvement(mut self, settings: ImprovementSettings) -> Self {
+        (self.refinement.settings, self.refinement.first) = (settings, false);
+        self
+    }
+
+    /// Minimises a cost of the host's own instead of the problem's.
+    #[must_use]
+    pub fn cost(mut self, cost: impl PathCost + 'static) -> Self {
+        self.refinement.cost = Some(Arc::new(cost));
+        self
+    }
+
+    /// Calls a function with each better path. It may cancel by the planner's token: the best path so far is the answer then.
+    #[must_use]
+    pub fn on_better_path(mut self, better: impl Fn(&BetterPath<'_>) + Send + Sync + 'static) -> Self {
+        self.refinement.better = Some(Arc::new(better));
+        self
     }
 
     /// Gives up after this much wall time. A deadline can turn an answer into none, never into another.
@@ -178,9 +228,14 @@ impl Planner {
         let deadline = self.time_limit.and_then(|limit| Instant::now().checked_add(limit));
         let memory = self.memory_limit.map(MemoryLimit::guard);
         let stop = StopSignal { deadline, token: self.token.clone(), memory };
-        let mut settings = self.settings.clone();
-        settings.max_bytes = self.memory_limit.map_or(u64::MAX, |limit| limit.counted(1)).min(settings.max_bytes);
-        Search::new(&self.model, self.scheduler.as_ref(), settings, stop, self.events.of_solve(solve))
+        let events = self.events.of_solve(solve);
+        Search::new(&self.model, self.scheduler.as_ref(), self.search_settings(), stop, events)
+    }
+
+    /// The settings of a search, within the limit of memory.
+    fn search_settings(&self) -> SearchSettings {
+        let most = self.memory_limit.map_or(u64::MAX, |limit| limit.counted(1));
+        self.settings.clone().with(|s| s.max_bytes = s.max_bytes.min(most))
     }
 
     /// Solves on the rayon pool in which it is called (the global one outside of any).
@@ -206,11 +261,39 @@ impl Planner {
         let outcome = search.run();
         let path = search.path();
         let solve_time = started.elapsed();
-        let report = Report { graph_time: self.graph_time, solve_time, ..Report::on(&mut search, path.as_ref()) };
+        let mut report = Report { graph_time: self.graph_time, solve_time, ..Report::on(&mut search, path.as_ref()) };
         let model = search.model().clone();
         match path.filter(|_| outcome == SearchOutcome::Solved) {
-            Some(path) => Ok(Solution { path, report, model }),
+            Some(path) if self.refinement.first => Ok(Solution { path, report, model }),
+            Some(path) => {
+                let (model, path) = self.refine((model, path), &mut report);
+                Ok(Solution { path, report, model })
+            }
             None => Err(NoSolution { reason: NoSolutionReason::of(outcome), report: Box::new(report), model }),
+        }
+    }
+
+    /// Improves the first path.
+    fn refine(
+        &self,
+        (model, path): (PlanningModel, ManipulationPath),
+        report: &mut Report,
+    ) -> (PlanningModel, ManipulationPath) {
+        let deadline = self.refinement.time.and_then(|time| Instant::now().checked_add(time));
+        let memory = self.memory_limit.map(MemoryLimit::guard);
+        let stop = StopSignal { deadline, token: self.token.clone(), memory };
+        let (model, path, improvement) =
+            self.refinement.improve((model, path), &self.scheduler, &self.search_settings(), report.steps, stop);
+        report.improvement = improvement;
+        let started = Instant::now();
+        let timed = timed_path(&model, &self.settings, &path);
+        report.timing_time = started.elapsed();
+        match timed {
+            Ok(timed) => (model, timed),
+            Err(error) => {
+                report.untimed = Some(error);
+                (model, path)
+            }
         }
     }
 

@@ -22,3 +22,14 @@ pub fn rest_to_rest(problem: &Problem, path: &mut ManipulationPath) {
         segment.timing = Some(SegmentTiming { times, velocities });
     }
 }
+
+/// Repeats the first knot of every segment that begins with an event, so that the path can stand still there.
+pub fn stand_still_at_events(path: &mut ManipulationPath) {
+    let mut segments: Vec<usize> =
+        foliate_components::path::events(path).into_iter().map(|event| event.segment).collect();
+    segments.dedup();
+    for index in segments {
+        let first = path.segments[index].knots[0].clone();
+        path.segments[index].knots.insert(0, first);
+    }
+}

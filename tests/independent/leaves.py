@@ -91,8 +91,9 @@ def _check_unheld_joints(motion: SegmentMotion, report: Report) -> None:
     for member in motion.scene.members:
         if member.entry.kind != "object" or not member.part.joints:
             continue
-        values = member.joint_values(motion.knots)
-        moved = np.abs(values - values[0])
+        first = member.joint_values(motion.knots[:1])
+        # Joint values are linear in coordinates, so the extremes of the one are those of the other.
+        moved = np.max([np.abs(member.joint_values(rows) - first) for rows in motion.curve.ranges()], axis=0)
         held = _bodies_between_root_and_hands(motion, member)
         for joint in member.part.joints:
             if joint.index not in held:

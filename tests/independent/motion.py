@@ -1,8 +1,9 @@
 """How everything moves along one segment, as the path contract says it.
 
 The parameter of a segment is counted in knots: `s = k + f` is the fraction `f` of the way from knot `k` to knot
-`k + 1`. Joints and root positions are linear in `f`, roots of robots turn on the quaternion geodesic, an object with
-a free-flying root keeps the pose it has in its carrier (or in the world) at the first knot.
+`k + 1`. Joints and root positions are linear in `f`, roots of robots turn on the quaternion geodesic. In a path with
+velocities `f` is the share of the time, and all numbers are cubic polynomials (`curve`); quaternions are scaled to length 1.
+An object with a free-flying root keeps the pose it has in its carrier (or in the world) at the first knot.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from curve import Curve
 from packages import InputError
 from path_file import Attachment, Segment
 from rigid import Poses, half_angle_between, slerp
@@ -49,6 +51,7 @@ class SegmentMotion:
     def __init__(self, scene: Scene, segment: Segment):
         self.scene, self.segment = scene, segment
         self.knots = segment.knots
+        self.curve = Curve(segment.knots, segment.times, segment.velocities)
         self.last = len(self.knots) - 1
         self._first_freedom = np.cumsum([0] + [member.part.body_count + 1 for member in scene.members])
         self.carries = self._find_carries()
@@ -89,6 +92,8 @@ class SegmentMotion:
         columns = rows[:, member.root_columns]
         if member.entry.root == "planar":
             return base @ Poses.planar(columns[:, 0], columns[:, 1], columns[:, 2])
+        if self.curve.is_timed:
+            return Poses.from_array(columns)
         quaternions = self.knots[:, member.root_columns[3:]]
         high = np.minimum(low + 1, self.last)
         turned = slerp(quaternions[low], quaternions[high], fraction)
@@ -111,9 +116,7 @@ class SegmentMotion:
         return low, parameters - low
 
     def _rows(self, low: np.ndarray, fraction: np.ndarray) -> np.ndarray:
-        high = np.minimum(low + 1, self.last)
-        start = self.knots[low]
-        return start + fraction[:, None] * (self.knots[high] - start)
+        return self.curve.rows(low, fraction)
 
     def _empty(self, count: int) -> Poses:
         bodies = self.scene.body_count
@@ -195,13 +198,15 @@ class SegmentMotion:
         return int(self._first_freedom[-1])
 
     def cumulative_travel(self) -> np.ndarray:
-        """How far each degree of freedom has gone (rad or m) from the first knot to each knot, (knots, freedoms).
-        Within a knot interval the travel is linear in the parameter."""
+        """How far each degree of freedom has gone (rad or m) at most from the first knot to each knot, (knots, freedoms).
+        Within a knot interval it is linear in the parameter: as if the freedom were always at its fastest."""
         steps = np.zeros((self.last + 1, self.freedom_count))
+        fastest = self.curve.fastest()
         for member in self.scene.members:
-            values = member.joint_values(self.knots)
+            # Followers are linear in their leaders.
+            values = np.abs(member.joint_values(fastest) - member.joint_values(np.zeros_like(fastest)))
             for joint in member.part.joints:
-                steps[1:, self.joint_freedom(member, joint.index)] = np.abs(np.diff(values[:, joint.index]))
+                steps[1:, self.joint_freedom(member, joint.index)] = values[:, joint.index]
             if member.root_columns and not self.follows(member):
                 shift, turn = self.root_freedoms(member)
                 steps[1:, shift], steps[1:, turn] = self._root_steps(member)
@@ -209,6 +214,14 @@ class SegmentMotion:
 
     def _root_steps(self, member: Member) -> tuple[np.ndarray, np.ndarray]:
         columns = self.knots[:, member.root_columns]
+        if self.curve.is_timed:
+            fastest = self.curve.fastest()[:, member.root_columns]
+            shifts = np.linalg.norm(fastest[:, :2 if member.entry.root == "planar" else 3], axis=1)
+            if member.entry.root == "planar":
+                return shifts, fastest[:, 2]
+            # A unit quaternion that is scaled from length n turns by twice its derivative over n at most.
+            least, turning = self.curve.norm_bounds(member.root_columns[3:])
+            return shifts, 2.0 * turning / np.maximum(least, 0.1)
         if member.entry.root == "planar":
             return np.linalg.norm(np.diff(columns[:, :2], axis=0), axis=1), np.abs(np.diff(columns[:, 2]))
         turns = 2.0 * half_angle_between(columns[:-1, 3:], columns[1:, 3:])
@@ -235,7 +248,8 @@ class SegmentMotion:
 
     def _joint_edges(self, member: Member, start: int) -> list[Edge]:
         """The part's joints as edges that lead away from body `start`."""
-        parents, values = member.part.parents, member.joint_values(self.knots)
+        parents = member.part.parents
+        values = np.concatenate([member.joint_values(rows) for rows in self.curve.ranges()])
         joints = {joint.index: joint for joint in member.part.joints}
         edges, visited, frontier = [], {start}, [start]
         while frontier:

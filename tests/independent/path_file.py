@@ -1,4 +1,4 @@
-"""The path file `foliate.path/1`, read strictly.
+"""The path file `foliate.path/2` (or `/1`, which has no velocities), read strictly.
 
 What is not well formed stops with an `InputError` that names the place in the file. Whether the motion is *right* is
 not asked here.
@@ -14,7 +14,10 @@ import numpy as np
 
 from packages import InputError
 
-FORMAT = "foliate.path/1"
+FORMATS = ("foliate.path/1", "foliate.path/2")
+LATER_KEYS = ("rate_limits", "events")
+LATER_CLAIMS = ("max_velocity", "max_acceleration", "continuity")
+RATES = ("velocity", "acceleration", "jerk")
 UP_AXES = ("as-written", "declared")
 KINDS = ("robot", "object", "environment")
 ROOTS = ("fixed", "freeflyer", "planar")
@@ -143,6 +146,21 @@ class Segment:
     constraints: list[Constraint]
     knots: np.ndarray
     times: np.ndarray | None
+    velocities: np.ndarray | None = None
+
+
+@dataclass(frozen=True)
+class Event:
+    """A grasp or a release at the first knot of a segment, which then stands still for `dwell` seconds."""
+
+    time: float | None
+    dwell: float
+    segment: int
+    kind: str
+    object: str
+    gripper: str
+    handle: str
+    fingers: dict[str, float]
 
 
 @dataclass(frozen=True)
@@ -160,6 +178,8 @@ class PathFile:
     path_tolerance: float
     certificate: dict
     segments: list[Segment]
+    rate_limits: dict[str, dict[str, float]]
+    events: list[Event] | None
 
 
 class _Node:
@@ -236,7 +256,7 @@ class _Node:
 def read_path_file(file: Path) -> PathFile:
     """The path in `file`; `InputError` when it is not one."""
     root = _Node(_read_json(file), str(file))
-    root.get("format").text((FORMAT,))
+    is_first = root.get("format").text(FORMATS) == FORMATS[0]
     coordinates = [item.text() for item in root.get("coordinates").items()]
     if len(set(coordinates)) != len(coordinates):
         root.get("coordinates").fail("a coordinate is named twice")
@@ -256,9 +276,13 @@ def read_path_file(file: Path) -> PathFile:
         path_tolerance=certificate.get("path_tolerance", DEFAULT_PATH_TOLERANCE).number(),
         certificate=certificate.expect(dict, "an object"),
         segments=[
-            _read_segment(index, item, len(coordinates)) for index, item in enumerate(root.get("segments").items())
+            _read_segment(index, item, len(coordinates), is_first)
+            for index, item in enumerate(root.get("segments").items())
         ],
+        rate_limits={name: _read_rates(item) for name, item in root.get("rate_limits", {}).entries()},
+        events=None if is_first else [_read_event(item) for item in root.get("events", []).items()],
     )
+    _refuse_other_versions(root, path, is_first)
     names = [part.name for part in path.parts]
     if len(set(names)) != len(names):
         root.get("parts").fail("a part is named twice")
@@ -268,6 +292,56 @@ def read_path_file(file: Path) -> PathFile:
         if name not in coordinates:
             root.get("limits").fail(f"{name!r} is no coordinate")
     return path
+
+
+def _refuse_other_versions(root: _Node, path: PathFile, is_first: bool) -> None:
+    """Keys of version 2 in a file of version 1, and what version 2 wants together."""
+    if is_first:
+        later = [key for key in LATER_KEYS if key in root.value]
+        later += [f"certificate.{key}" for key in LATER_CLAIMS if key in path.certificate]
+        if later:
+            root.fail(f"{later[0]} belongs to version 2")
+        return
+    timed = [segment.times is not None for segment in path.segments]
+    if any(timed) != all(timed):
+        root.get("segments").fail("all segments have times, or none has")
+    if any(timed) != ("rate_limits" in root.value):
+        root.fail("rate_limits belong to a path with times")
+    for name in path.rate_limits:
+        if name not in path.coordinates:
+            root.get("rate_limits").fail(f"{name!r} is no coordinate")
+    for event in path.events:
+        if not 1 <= event.segment < len(path.segments):
+            root.get("events").fail(f"no segment {event.segment} begins with an event")
+        if (event.time is not None) != all(timed):
+            root.get("events").fail("events have times in a path with times, and only there")
+
+
+def _read_rates(node: _Node) -> dict[str, float]:
+    rates = {}
+    for key, item in node.entries():
+        if key not in RATES or not item.number() > 0.0:
+            node.fail("a limit of velocity, acceleration or jerk is more than 0")
+        rates[key] = item.number()
+    return rates
+
+
+def _read_event(node: _Node) -> Event:
+    segment, dwell = node.get("segment"), node.get("dwell").number()
+    if isinstance(segment.value, bool) or not isinstance(segment.value, int):
+        segment.fail("the number of a segment expected")
+    if dwell < 0.0:
+        node.get("dwell").fail("seconds expected")
+    return Event(
+        time=None if "time" not in node.value else node.get("time").number(),
+        dwell=dwell,
+        segment=segment.value,
+        kind=node.get("kind").text(("grasp", "release")),
+        object=node.get("object").text(),
+        gripper=node.get("gripper").text(),
+        handle=node.get("handle").text(),
+        fingers={name: item.number() for name, item in node.get("fingers", {}).entries()},
+    )
 
 
 def _read_json(file: Path):
@@ -357,11 +431,18 @@ def _read_margin(node: _Node) -> tuple[str, str, float]:
     return first.text(), second.text(), margin.number()
 
 
-def _read_segment(index: int, node: _Node, width: int) -> Segment:
+def _read_segment(index: int, node: _Node, width: int, is_first: bool) -> Segment:
     knots = [item.numbers(width) for item in node.get("knots").items()]
     if not knots:
         node.get("knots").fail("a segment has at least one knot")
-    times = node.get("times", None)
+    times, velocities = node.get("times", None), node.get("velocities", None)
+    if is_first and "velocities" in node.value:
+        velocities.fail("belongs to version 2")
+    if not is_first and (times.value is None) != (velocities.value is None):
+        node.fail("has times without velocities, or velocities without times")
+    rows = None if velocities.value is None else [item.numbers(width) for item in velocities.items()]
+    if rows is not None and len(rows) != len(knots):
+        velocities.fail(f"{len(rows)} rows for {len(knots)} knots")
     return Segment(
         index=index,
         transition=_optional_text(node.get("transition", "")),
@@ -370,6 +451,7 @@ def _read_segment(index: int, node: _Node, width: int) -> Segment:
         constraints=[_read_constraint(item) for item in node.get("constraints", []).items()],
         knots=np.array(knots),
         times=None if times.value is None else times.numbers(len(knots)),
+        velocities=None if rows is None else np.array(rows),
     )
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prove a path file (`foliate.path/1`) right or wrong from the file and its models alone, with pinocchio and coal.
+"""Prove a path file (`foliate.path/2`, or `/1`) right or wrong from the file and its models alone, with pinocchio and coal.
 
     recheck.py PATH.json ... [--package-path DIR ...] [--step MM | --adaptive] [--json] [--results FILE.csv]
 
@@ -29,6 +29,7 @@ from path_file import read_path_file
 from report import Report
 from scene import Scene
 from structure import check_structure
+from timing import check_timing
 
 DEFAULT_STEP_MM = 0.5
 CERTIFICATE_SLACK = 1e-5
@@ -44,6 +45,7 @@ def recheck(file: Path, package_path: list[str], step: float | None) -> Report:
     report.count("knots", sum(len(segment.knots) for segment in path.segments))
     check_structure(scene, report)
     motions = [SegmentMotion(scene, segment) for segment in path.segments]
+    check_timing(scene, motions, report)
     clearance = Clearance(scene, report)
     clearance.check_enclosed(motions[0])
     for motion in motions:

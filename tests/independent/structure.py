@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from curve import Curve
 from parts import read_srdf_documents
 from path_file import PathFile, Segment
 from report import Report
@@ -13,6 +14,8 @@ LIMIT_SLACK = 1e-9
 """Rounding allowed beyond a limit (rad, m)."""
 UNIT_SLACK = 1e-9
 """How far a quaternion's norm may be from one."""
+SHORTEST = 0.5
+"""What the length of a quaternion's numbers is at least between knots, before they are scaled."""
 DOCUMENT_SLACK = 1e-6
 """How far a gripper, handle or contact point may be from the SRDF's (m, and quaternion entries)."""
 
@@ -50,25 +53,30 @@ def _check_quaternions(scene: Scene, segment: Segment, report: Report) -> None:
         for knot, norm in enumerate(np.linalg.norm(quaternions, axis=1)):
             if abs(norm - 1.0) > UNIT_SLACK:
                 report.violate(segment.index, knot, "quaternion-norm", member.name, norm, 1.0)
+        if segment.velocities is not None:
+            least, _ = _curve(segment).norm_bounds(member.root_columns[3:])
+            for knot in np.flatnonzero(~(least >= SHORTEST)):
+                subject = f"{member.name} between knots, before it is scaled"
+                report.violate(segment.index, knot, "quaternion-norm", subject, least[knot], SHORTEST)
         for knot, dot in enumerate(np.einsum("ij,ij->i", quaternions[:-1], quaternions[1:])):
             if dot < 0.0:
                 report.violate(segment.index, knot, "quaternion-sign", member.name, dot, 0.0)
 
 
 def _check_limits(scene: Scene, segment: Segment, report: Report) -> None:
-    """Joints and robots' roots along the whole motion. They are linear, so knots suffice, but for quaternions, whose
-    extremes on the geodesic are computed. Floating objects only where they rest."""
-    everywhere = range(len(segment.knots))
+    """Joints and robots' roots along the whole motion, by their extremes between knots; of quaternions on the geodesic, or,
+    where there are velocities, in fine samples. Floating objects only where they rest."""
+    ranges = _curve(segment).ranges()
     for member in scene.members:
         for column in member.joint_columns.values():
-            _check_column(scene, segment, column, everywhere, "limit", report)
+            _check_range(scene, segment, column, ranges, report)
         if member.floats:
             for column in member.root_columns:
                 _check_column(scene, segment, column, _resting_knots(segment, member), "object-bounds", report)
             continue
         linear, turning = (member.root_columns[:3], member.root_columns[3:])
         for column in linear:
-            _check_column(scene, segment, column, everywhere, "limit", report)
+            _check_range(scene, segment, column, ranges, report)
         if turning:
             _check_turning(scene, segment, turning, report)
 
@@ -89,6 +97,20 @@ def _limits(scene: Scene, name: str) -> tuple[float, float]:
     return (known.low, known.high) if known else (-np.inf, np.inf)
 
 
+def _curve(segment: Segment) -> Curve:
+    return Curve(segment.knots, segment.times, segment.velocities)
+
+
+def _check_range(scene: Scene, segment: Segment, column: int, ranges, report: Report) -> None:
+    """The extremes of a column in all intervals."""
+    name = scene.path.coordinates[column]
+    low, high = _limits(scene, name)
+    for rows in ranges:
+        values = rows[:, column]
+        for knot in np.flatnonzero((values < low - LIMIT_SLACK) | (values > high + LIMIT_SLACK)):
+            _check_value(segment.index, knot, "limit", name, values[knot], low, high, report)
+
+
 def _check_column(scene: Scene, segment: Segment, column: int, knots, kind: str, report: Report) -> None:
     name = scene.path.coordinates[column]
     low, high = _limits(scene, name)
@@ -104,6 +126,16 @@ def _check_value(segment: int, t: float, kind: str, name: str, value: float, low
 
 
 def _check_turning(scene: Scene, segment: Segment, columns: list[int], report: Report) -> None:
+    if segment.velocities is not None:
+        parameters = np.arange(max(len(segment.knots) - 1, 1) * 64) / 64.0
+        low = parameters.astype(int)
+        numbers = _curve(segment).rows(low, parameters - low)[:, columns]
+        numbers /= np.linalg.norm(numbers, axis=1, keepdims=True)
+        for column, values in zip(columns, numbers.T):
+            name = scene.path.coordinates[column]
+            for value in (values.min(), values.max()):
+                _check_value(segment.index, 0, "limit", name, value, *_limits(scene, name), report)
+        return
     for knot in range(len(segment.knots)):
         first = segment.knots[knot, columns]
         second = segment.knots[min(knot + 1, len(segment.knots) - 1), columns]
@@ -137,12 +169,12 @@ def _check_followers(scene: Scene, segment: Segment, report: Report) -> None:
     for member in scene.members:
         if not member.part.followers:
             continue
-        values = member.joint_values(segment.knots)
         joints = {joint.index: joint for joint in member.part.joints}
-        for follower in member.part.followers:
-            joint, name = joints[follower.joint], f"{member.name}/{joints[follower.joint].name}"
-            for knot, value in enumerate(values[:, follower.joint]):
-                _check_value(segment.index, knot, "follower-limit", name, value, joint.low, joint.high, report)
+        for values in map(member.joint_values, _curve(segment).ranges()):
+            for follower in member.part.followers:
+                joint, name = joints[follower.joint], f"{member.name}/{joints[follower.joint].name}"
+                for knot, value in enumerate(values[:, follower.joint]):
+                    _check_value(segment.index, knot, "follower-limit", name, value, joint.low, joint.high, report)
 
 
 def _check_environment(scene: Scene, segment: Segment, report: Report) -> None:
@@ -151,6 +183,8 @@ def _check_environment(scene: Scene, segment: Segment, report: Report) -> None:
         if member.entry.kind == "environment":
             for column in member.joint_columns.values():
                 moved = float(np.abs(segment.knots[:, column] - first[column]).max())
+                if segment.velocities is not None:
+                    moved = max(moved, float(np.abs(segment.velocities[:, column]).max()))
                 if moved > 0.0:
                     report.violate(segment.index, None, "environment-moves", scene.path.coordinates[column], moved, 0.0)
 

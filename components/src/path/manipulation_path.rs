@@ -15,6 +15,16 @@ pub struct ManipulationPath {
     pub certificate: Certificate,
 }
 
+impl ManipulationPath {
+    /// How long it takes, seconds; `None` for a path without times.
+    #[must_use]
+    pub fn duration(&self) -> Option<f64> {
+        let (first, last) = (self.segments.first()?, self.segments.last()?);
+        let (first, last) = (first.timing.as_ref()?, last.timing.as_ref()?);
+        Some(last.times.last()? - first.times.first()?)
+    }
+}
+
 /// A motion on one leaf.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Segment {

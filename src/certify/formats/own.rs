@@ -1,8 +1,9 @@
-//! Path files of our own: knots as a polyline, or as a curve where they have velocities; objects on what carries them.
+//! Path files of our own: knots as a polyline, or with velocities as a curve, and objects on what carries them.
 
 use crate::certify::formats::table::Table;
 use crate::certify::motion::piecewise::{Attachment, POINTS, Point};
-use crate::path_file::document::{AttachmentEntry, FORMAT, FORMAT_2, PathFile, SegmentEntry};
+use crate::path_file::document::{AttachmentEntry, FORMAT, FORMAT_1, PathFile, SegmentEntry};
+use crate::path_file::version;
 use crate::scene::reading::error::SceneError;
 use std::collections::BTreeMap;
 
@@ -12,10 +13,14 @@ const SAME: f64 = 1e-3;
 pub(super) fn read(file: &str, text: &str) -> Result<Table, SceneError> {
     let path: PathFile = serde_json::from_str(text)
         .map_err(|e| SceneError::new(file, "path", format!("cannot be read: {e}")).at(u32::try_from(e.line()).ok()))?;
-    if ![FORMAT, FORMAT_2].contains(&path.format.as_str()) {
-        return Err(SceneError::new(file, "format", format!("is not `{FORMAT}` or `{FORMAT_2}`")));
+    if !version::is_known(&path.format) {
+        return Err(SceneError::new(file, "format", format!("is neither `{FORMAT}` nor `{FORMAT_1}`")));
     }
-    let mut table = Table { element: "knots", shortest: false, ..Table::default() };
+    if let Some(key) = version::later_key(&path) {
+        return Err(SceneError::new(file, key, format!("belongs to `{FORMAT}`, the file is of `{FORMAT_1}`")));
+    }
+    let is_curve = path.segments.iter().all(|s| s.velocities.is_some());
+    let mut table = Table { element: "knots", shortest: false, scaled: is_curve, ..Table::default() };
     let mut carriers: BTreeMap<String, Option<String>> = BTreeMap::new();
     let timed = path.segments.iter().all(|s| s.times.is_some());
     for (index, segment) in path.segments.iter().enumerate() {
@@ -25,12 +30,14 @@ pub(super) fn read(file: &str, text: &str) -> Result<Table, SceneError> {
         let times = segment.times.as_ref().filter(|_| timed);
         for (number, knot) in segment.knots.iter().enumerate() {
             let time = times.and_then(|times| times.get(number).copied());
-            let is_same = |last: &Point| same(&last.positions, knot);
-            let joins =
-                (number == 0 && index > 0) || (time.is_some() && table.points.last().map(|p| p.time) == Some(time));
-            if !(joins && table.points.last().is_some_and(is_same)) {
-                let velocities =
-                    segment.velocities.as_ref().filter(|_| timed).and_then(|rows| rows.get(number).cloned());
+            let row = |rows: &Vec<Vec<f64>>| rows.get(number).cloned();
+            let velocities = segment.velocities.as_ref().filter(|_| is_curve).and_then(row);
+            // Segments share their joint knot; knots of one time are one, where nothing moves.
+            let joins = table.points.last().is_some_and(|last| {
+                let is_joint = number == 0 && index > 0;
+                (is_joint || (is_curve && last.time == time)) && same(&last.positions, knot)
+            });
+            if !joins {
                 table.points.push(Point { time, positions: knot.clone(), velocities, accelerations: None });
             }
             if number == 0 {

@@ -2,8 +2,9 @@
 
 use crate::certify::formats::table::{CAP, COLUMNS, Table};
 use crate::certify::formats::{csv, numpy, ompl, own, ros};
+use crate::certify::motion::how::{How, Interpolation, Turns};
 use crate::certify::motion::names::{JointNames, Meaning};
-use crate::certify::motion::piecewise::{Interpolation, Motion, Point, Turns};
+use crate::certify::motion::piecewise::{Motion, Point};
 use crate::scene::reading::error::{SceneError, quoted};
 use crate::scene::reading::input;
 use foliate_components::robot::Robot;
@@ -122,8 +123,8 @@ impl Reader<'_> {
             Turns::Format if table.shortest => Turns::Shortest,
             other => other,
         };
-        let how = (self.options.interpolation, turns);
-        let motion = Motion::through_some(self.robot, coordinates, &straight, &table.points, how);
+        let how = How { interpolation: self.options.interpolation, turns, straight: &straight, scaled: table.scaled };
+        let motion = Motion::through_some(self.robot, coordinates, &table.points, &how);
         let mut motion = motion.map_err(|e| self.at(&table, e.point, e.message).hint(e.hint))?;
         motion.start = self.start(&names, &motion, &table);
         motion.attachments = table.attachments;

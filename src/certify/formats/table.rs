@@ -24,4 +24,6 @@ pub(crate) struct Table {
     /// How elements of a point are called: `points[3]`.
     pub(crate) element: &'static str,
     pub(crate) shortest: bool,
+    /// Whether the numbers of quaternions follow the interpolation like all others, and are scaled to length 1.
+    pub(crate) scaled: bool,
 }

@@ -1,6 +1,8 @@
 //! A motion of some joints: pieces of polynomials, one after the other.
 
+use crate::certify::motion::how::{How, Interpolation, Turns};
 use crate::certify::motion::polynomial::Polynomial;
+use crate::certify::motion::scaled::Scaled;
 use foliate_components::pose::{exp_so3, log_so3};
 use foliate_components::robot::{JointIndex, JointType as JointMotion, Robot, Source};
 use glam::{DQuat, DVec3};
@@ -9,35 +11,6 @@ use glam::{DQuat, DVec3};
 pub const POINTS: usize = 1 << 20;
 /// Values beyond this are no angles and no lengths, radians and metres.
 pub const FARTHEST: f64 = 1e4;
-
-/// How to go from point to point.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-pub enum Interpolation {
-    /// What the two points allow, as ROS's `joint_trajectory_controller` does: quintic with accelerations, cubic with velocities, else
-    /// linear
-    #[default]
-    Auto,
-    /// Straight from point to point; velocities and accelerations are ignored
-    Linear,
-    /// Cubic Hermite splines through positions and velocities
-    Cubic,
-    /// Quintic splines through positions, velocities and accelerations
-    Quintic,
-}
-
-/// Which way a joint without limits turns from one point to the next.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-pub enum Turns {
-    /// As the file's format means it: the shortest way in path matrices of OMPL, as written in all others
-    #[default]
-    Format,
-    /// Numbers are interpolated as they stand: from 3 to -3 by way of 0
-    AsWritten,
-    /// The shortest way: from 3 to -3 by way of π
-    Shortest,
-}
 
 /// One point of a motion as files give it; all rows in the order of the motion's coordinates, but for quaternions.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -61,7 +34,14 @@ pub enum Curve {
     Quaternion,
 }
 
-/// A root that turns on the quaternion geodesic along a segment.
+impl Curve {
+    /// The number's polynomial.
+    fn number(self) -> Polynomial {
+        if let Self::Number(polynomial) = self { polynomial } else { Polynomial::default() }
+    }
+}
+
+/// A root that turns along a segment: on the quaternion geodesic, or by polynomials that are scaled to length 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn {
     /// Index of qx in a configuration.
@@ -70,6 +50,8 @@ pub struct Turn {
     pub from: DQuat,
     /// Rotation vector to the end, in the frame at the start; radians.
     pub by: DVec3,
+    /// The four numbers before they are scaled, where they follow polynomials.
+    pub scaled: Option<Scaled>,
 }
 
 /// From one point to the next.
@@ -144,16 +126,16 @@ impl Motion {
         interpolation: Interpolation,
         turns: Turns,
     ) -> Result<Self, PointError> {
-        Self::through_some(robot, coordinates, &[], points, (interpolation, turns))
+        let how = How { interpolation, turns, straight: &[], scaled: false };
+        Self::through_some(robot, coordinates, points, &how)
     }
 
-    /// As [`Self::through`], with columns that go straight from point to point whatever the others do.
+    /// As [`Self::through`], with more to say about how.
     pub(crate) fn through_some(
         robot: &Robot,
         coordinates: Vec<usize>,
-        straight: &[usize],
         points: &[Point],
-        (interpolation, turns): (Interpolation, Turns),
+        &How { interpolation, turns, straight, scaled }: &How<'_>,
     ) -> Result<Self, PointError> {
         check(points, coordinates.len())?;
         let timed = points[0].time.is_some();
@@ -172,9 +154,14 @@ impl Motion {
                 ends.curves(interpolation).map_err(|(message, hint)| PointError::new(index, message, hint))?;
             let mut turning = Vec::with_capacity(roots.len());
             for root in &roots {
+                let numbers = Scaled::of(root.columns.map(|c| curves[c].number())).filter(|_| scaled);
+                if numbers.is_some_and(|numbers| numbers.is_near_zero()) {
+                    let hint = "give points closer to each other";
+                    return Err(PointError::new(index, "its quaternion passes near zero on the way to the next", hint));
+                }
                 root.columns.iter().for_each(|&c| curves[c] = Curve::Quaternion);
                 let (one, other) = (root.read(a, index)?, root.read(b, index + 1)?);
-                turning.push(Turn { q: root.q, from: one, by: log_so3(one.conjugate() * other) });
+                turning.push(Turn { q: root.q, from: one, by: log_so3(one.conjugate() * other), scaled: numbers });
             }
             segments.push(Segment { start, duration, curves, turns: turning });
             before = Some(to);
@@ -224,7 +211,10 @@ impl Motion {
             }
         }
         for turn in &segment.turns {
-            let turned = (turn.from * exp_so3(turn.by * u)).normalize();
+            let turned = match &turn.scaled {
+                Some(scaled) => scaled.at(u),
+                None => (turn.from * exp_so3(turn.by * u)).normalize(),
+            };
             q[turn.q..turn.q + 4].copy_from_slice(&turned.to_array());
         }
     }

@@ -250,9 +250,12 @@ impl<'a> Proof<'a> {
             Curve::Number(p) => (high - low) * p.derivative().largest(low, high),
             Curve::Quaternion => 0.0,
         };
-        let turn = segment.curves.iter().map(turn).fold(0.0, f64::max);
+        let scaled = || segment.turns.iter().filter_map(|turn| turn.scaled);
+        let by_quaternion = scaled().map(|scaled| (high - low) * scaled.rates(low, high).0);
+        let turn = segment.curves.iter().map(turn).chain(by_quaternion).fold(0.0, f64::max);
         let for_turns = (turn / MOST_TURN).ceil().max(1.0);
-        let curved = segment.curves.iter().any(|c| matches!(c, Curve::Number(p) if p.degree() > 1));
+        let bent = |c: &Curve| matches!(c, Curve::Number(p) if p.degree() > 1);
+        let curved = segment.curves.iter().any(bent) || scaled().next().is_some();
         if !curved {
             return for_turns.min(MOST_PIECES) as usize;
         }

@@ -53,7 +53,14 @@ impl Drives {
                 Curve::Quaternion => 0.0,
             })
             .collect();
-        let turned = |turn: usize| if order == 1 { segment.turns[turn].by.length() } else { 0.0 };
+        // A chord of a curve of rotations is farther off than the acceleration says, by less than as much again while it turns less
+        // than a quarter.
+        let turned = |turn: usize| match &segment.turns[turn].scaled {
+            Some(scaled) if order == 1 => scaled.rates(from, to).0,
+            Some(scaled) => 2.0 * scaled.rates(from, to).1,
+            None if order == 1 => segment.turns[turn].by.length(),
+            None => 0.0,
+        };
         self.0.iter().map(|drive| drive.rate(&largest, turned)).collect()
     }
 }

@@ -10,6 +10,9 @@ pub(crate) const CLAIM_SLACK: f64 = 2e-6;
 /// How much a measured residual may exceed a claimed one, metres or radians: rounding.
 const RESIDUAL_SLACK: f64 = 1e-9;
 
+/// How much a share of a limit may exceed a claimed one: what rounding can do to it, see `timing::rates`.
+const RATE_SLACK: f64 = 1.1e-6;
+
 pub(crate) fn check(file: &PathFile, report: &mut CheckReport) {
     let claims = &file.certificate;
     let tolerance = claims.path_tolerance;
@@ -22,6 +25,7 @@ pub(crate) fn check(file: &PathFile, report: &mut CheckReport) {
     }
     clearance(file, report);
     residual(file, report);
+    rates(file, report);
     if report.counts.pairs == 0 {
         report.note("no pair of shapes is tested: nothing is said about collisions");
     }
@@ -38,6 +42,24 @@ fn residual(file: &PathFile, report: &mut CheckReport) {
         let subject = format!("max_residual claims {claim:.3e}, measured at {}", measured.subject);
         let place = Place::at(measured.segment, measured.t);
         report.violate(place, Kind::Certificate, subject, measured.value, claim);
+    }
+}
+
+/// A claimed share of a limit is at most 1, and not smaller than what was found.
+fn rates(file: &PathFile, report: &mut CheckReport) {
+    let claims = &file.certificate;
+    for (what, claim, found) in [
+        ("max_velocity", claims.max_velocity, report.max_velocity.clone()),
+        ("max_acceleration", claims.max_acceleration, report.max_acceleration.clone()),
+    ] {
+        let Some(claim) = claim else { continue };
+        if claim > 1.0 + RATE_SLACK {
+            report.violate(Place::FILE, Kind::Certificate, format!("{what} is more than a limit"), claim, 1.0);
+        }
+        if let Some(found) = found.filter(|found| found.value > claim + RATE_SLACK) {
+            let subject = format!("{what} claims {claim:.6}, found at {}", found.subject);
+            report.violate(Place::at(found.segment, found.t), Kind::Certificate, subject, found.value, claim);
+        }
     }
 }
 

@@ -2,10 +2,11 @@
 
 use super::parts::same_pose;
 use crate::check::contract::scene_contract::{Contract, differs};
+use crate::check::motion::curve::Cubic;
 use crate::check::report::check_report::{CheckReport, Place, shown};
 use crate::check::report::kind::Kind;
 use crate::check::world::models::{corners, ordered};
-use crate::path_file::document::{PathFile, SurfaceEntry};
+use crate::path_file::document::{PathFile, SegmentEntry, SurfaceEntry};
 use foliate_components::Pose;
 use foliate_components::pose::pose_from_array;
 use foliate_components::robot::{LinkIndex, Source, Surface};
@@ -83,10 +84,9 @@ impl Contract<'_> {
                 continue; // kept where it rests, by the file's limits
             }
             for (segment, entry) in file.segments.iter().enumerate() {
-                let beyond = |row: &Vec<f64>| row[column] < low - SLACK || row[column] > high + SLACK;
-                if let Some(knot) = entry.knots.iter().position(beyond) {
-                    let (value, limit) =
-                        (entry.knots[knot][column], if entry.knots[knot][column] < low { low } else { high });
+                let beyond = |(_, (least, most)): &(usize, (f64, f64))| *least < low - SLACK || *most > high + SLACK;
+                if let Some((knot, (least, most))) = ranges(entry, column).find(beyond) {
+                    let (value, limit) = if least < low - SLACK { (least, low) } else { (most, high) };
                     let place = Place::at(segment, knot as f64);
                     report.violate(place, Kind::Limit, format!("{name}: the scene's limit"), value, limit);
                 }
@@ -134,7 +134,7 @@ impl Contract<'_> {
         }
     }
 
-    /// Locked joints stand at their values in every knot.
+    /// Locked joints stand at their values all along.
     pub(super) fn locked(&self, file: &PathFile, report: &mut CheckReport) {
         let columns = self.columns(file);
         for (joint, value) in &self.problem.graph.locked {
@@ -142,15 +142,21 @@ impl Contract<'_> {
             let Source::Coordinates { q, .. } = joint.source else { continue };
             let Some(column) = columns[q] else { continue };
             for (segment, entry) in file.segments.iter().enumerate() {
-                let moved = |row: &Vec<f64>| (row[column] - value).abs() > SLACK;
-                if let Some(knot) = entry.knots.iter().position(moved) {
+                let off = |(_, (least, most)): &(usize, (f64, f64))| value - least > SLACK || most - value > SLACK;
+                if let Some((knot, (least, most))) = ranges(entry, column).find(off) {
                     let place = Place::at(segment, knot as f64);
                     let subject = format!("{} is locked", joint.name);
-                    report.violate(place, Kind::Demand, subject, entry.knots[knot][column], *value);
+                    let found = if value - least > most - value { least } else { most };
+                    report.violate(place, Kind::Demand, subject, found, *value);
                 }
             }
         }
     }
+}
+
+/// The least and the greatest value of a column from each knot to the next.
+fn ranges(segment: &SegmentEntry, column: usize) -> impl Iterator<Item = (usize, (f64, f64))> {
+    (0..(segment.knots.len() - 1).max(1)).map(move |knot| (knot, Cubic::of(segment, column, knot).range()))
 }
 
 fn same_polygons(entry: &SurfaceEntry, known: &Surface) -> bool {

@@ -46,6 +46,7 @@ impl<'c> Contract<'c> {
         self.parts(file, world, report);
         self.documents(file, report);
         self.limits(file, report);
+        self.rate_limits(file, report);
         self.pairs(file, report);
         self.locked(file, report);
     }

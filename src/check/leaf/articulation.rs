@@ -17,8 +17,7 @@ pub(crate) fn check(motion: &SegmentMotion<'_>, file: &PathFile, report: &mut Ch
     let tolerance = TOLERANCE.min(file.certificate.path_tolerance);
     for joint in joints_of_objects(world).filter(|&j| !held_beyond(motion, j)) {
         let start = motion.scalar(joint, At::knot(0));
-        for knot in 1..motion.knots.len() {
-            let moved = (motion.scalar(joint, At::knot(knot)) - start).abs();
+        for (knot, moved) in motion.farthest_from(joint, start).enumerate() {
             // Compared so that NaN is off.
             let still = moved <= tolerance;
             if !still {

@@ -133,7 +133,7 @@ impl Quantity for Apart<'_> {
     }
 }
 
-/// A joint of one coordinate is linear between knots, so they suffice.
+/// Of a joint of one coordinate the extremes between knots are known.
 pub(crate) fn joint(leaf: &mut Leaf<'_>, case: &Case<'_>) -> Result<(), CheckError> {
     let Some(name) = &case.entry.joint else { return case.refuse("joint", "is missing") };
     let motion = leaf.motion;
@@ -142,8 +142,7 @@ pub(crate) fn joint(leaf: &mut Leaf<'_>, case: &Case<'_>) -> Result<(), CheckErr
         return case.refuse("joint", format!("there is no joint `{}` of one coordinate", shown(name)));
     };
     let wanted = case.entry.position.unwrap_or_else(|| motion.scalar(body, At::knot(0)));
-    for knot in 0..motion.knots.len() {
-        let error = (motion.scalar(body, At::knot(knot)) - wanted).abs();
+    for (knot, error) in motion.farthest_from(body, wanted).enumerate() {
         // Compared so that NaN is off.
         let fine = error <= case.entry.tolerance;
         if !fine {

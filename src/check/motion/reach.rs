@@ -3,18 +3,27 @@
 //! Reaches are plain sums of lengths along the attachment tree: nothing on a body is farther from an axis than the
 //! offsets between them added up. Loose, and hard to get wrong.
 
-use crate::check::motion::segment::{At, SegmentMotion, Via, half_angle};
+use crate::check::motion::segment::{SegmentMotion, Via, half_angle};
 use crate::check::world::models::Value;
 use foliate_components::Pose;
 use foliate_components::robot::JointType;
 
-/// What a joint does along a segment, summed up from the first knot to each knot.
+/// What a joint does along a segment at most.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Travel {
-    /// Radians.
+    /// Radians, summed up from the first knot to each knot; from knot to knot as if it were always at its fastest.
     pub turn: Vec<f64>,
-    /// Metres.
+    /// Metres, likewise.
     pub shift: Vec<f64>,
+    /// From each knot to the next, the largest second derivative by the fraction of the way; none where all are zero.
+    bends: Option<Vec<Step>>,
+}
+
+/// A turn and a shift, or derivatives of them: radians and metres.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Step {
+    turn: f64,
+    shift: f64,
 }
 
 /// Travel of all joints, and lengths of all edges of the attachment tree.
@@ -121,7 +130,7 @@ impl Reach {
             for knot in 0..bends.turn.len() {
                 let turn = travel.turn[knot + 1] - travel.turn[knot];
                 let shift = travel.shift[knot + 1] - travel.shift[knot];
-                bends.add(knot, turn, shift, lever.reach);
+                bends.add(knot, Step { turn, shift }, travel.bend(knot), lever.reach);
             }
         }
         bends
@@ -140,9 +149,9 @@ impl Reach {
     }
 }
 
-/// Bounds on how a point moves against a frame from each knot to the next, per whole interval: with the joints between
-/// them read outwards, ‖p″‖ ≤ Σᵢⱼ|Δᵢ||Δⱼ|cᵢⱼ, where cᵢⱼ is, for i inside j or the same, the distance of the point from
-/// axis j if both turn, 1 if only i turns, 0 if i shifts.
+/// Bounds on how a point moves against a frame from each knot to the next, derivatives by the fraction of the way: with the joints
+/// between them read outwards, ‖p″‖ ≤ Σᵢⱼ|qᵢ′||qⱼ′|cᵢⱼ + Σⱼ|qⱼ″|cⱼ, where cᵢⱼ is, for i inside j or the same, the distance of the
+/// point from axis j if both turn, 1 if only i turns, 0 if i shifts, and cⱼ that distance if j turns, 1 if it shifts.
 #[derive(Clone, Debug)]
 pub(crate) struct Bends {
     /// ‖p′‖, metres.
@@ -151,6 +160,8 @@ pub(crate) struct Bends {
     pub point: Vec<f64>,
     /// Sum of the turns, radians.
     pub turn: Vec<f64>,
+    /// Sum of the turns' second derivatives, radians.
+    pub turn_bend: Vec<f64>,
     /// Sum of turns and shifts, radians and metres.
     pub travel: Vec<f64>,
 }
@@ -159,14 +170,17 @@ impl Bends {
     /// Of what does not move.
     pub(crate) fn still(knots: usize) -> Self {
         let zeros = vec![0.0; knots.saturating_sub(1)];
-        Self { speed: zeros.clone(), point: zeros.clone(), turn: zeros.clone(), travel: zeros }
+        let turn_bend = zeros.clone();
+        Self { speed: zeros.clone(), point: zeros.clone(), turn: zeros.clone(), turn_bend, travel: zeros }
     }
 
     /// A further joint, outside those that were added before.
-    fn add(&mut self, knot: usize, turn: f64, shift: f64, reach: f64) {
+    fn add(&mut self, knot: usize, Step { turn, shift }: Step, bend: Step, reach: f64) {
         let swing = turn * reach + shift;
         // A root's shift may be outside its turn: twice their product is never too little.
         self.point[knot] += turn * turn * reach + 2.0 * turn * shift + 2.0 * self.turn[knot] * swing;
+        self.point[knot] += bend.turn * reach + bend.shift;
+        self.turn_bend[knot] += bend.turn;
         self.speed[knot] += swing;
         self.turn[knot] += turn;
         self.travel[knot] += turn + shift;
@@ -179,8 +193,15 @@ impl Bends {
         sum(&mut self.point, &other.point);
         let most = |a: &mut Vec<f64>, b: &[f64]| a.iter_mut().zip(b).for_each(|(a, b)| *a = a.max(*b));
         most(&mut self.turn, &other.turn);
+        most(&mut self.turn_bend, &other.turn_bend);
         most(&mut self.travel, &other.travel);
         self
+    }
+}
+
+impl Travel {
+    fn bend(&self, knot: usize) -> Step {
+        self.bends.as_ref().map_or(Step::default(), |bends| bends[knot])
     }
 }
 
@@ -189,33 +210,56 @@ fn travel(motion: &SegmentMotion<'_>, joint: usize) -> Option<Travel> {
     if body.value == Value::Still {
         return None;
     }
-    let mut travel = Travel { turn: vec![0.0], shift: vec![0.0] };
+    let mut travel = Travel { turn: vec![0.0], shift: vec![0.0], bends: motion.timed.map(|_| Vec::new()) };
     let (mut turned, mut shifted) = (0.0, 0.0);
     for knot in 0..motion.last() {
-        let (turn, shift) = step(motion, joint, knot);
-        turned += turn;
-        shifted += shift;
+        let (step, bend) = step(motion, joint, knot);
+        turned += step.turn;
+        shifted += step.shift;
         travel.turn.push(turned);
         travel.shift.push(shifted);
+        if let Some(bends) = &mut travel.bends {
+            bends.push(bend);
+        }
     }
     let still = turned == 0.0 && shifted == 0.0;
     (!still).then_some(travel)
 }
 
-/// How far a joint turns and shifts from a knot to the next.
-fn step(motion: &SegmentMotion<'_>, joint: usize, knot: usize) -> (f64, f64) {
+/// How far a joint turns and shifts from a knot to the next if it is always at its fastest, and its largest second derivatives.
+fn step(motion: &SegmentMotion<'_>, joint: usize, knot: usize) -> (Step, Step) {
     let body = &motion.world.bodies[joint];
-    let (here, there) = (&motion.knots[knot], &motion.knots[knot + 1]);
-    let scalar = || (motion.scalar(joint, At::knot(knot + 1)) - motion.scalar(joint, At::knot(knot))).abs();
-    let shift = |columns: &[usize]| columns.iter().map(|&c| (there[c] - here[c]).powi(2)).sum::<f64>().sqrt();
+    let scalar = || {
+        let led = motion.world.led(joint);
+        let cubic = led.column.map(|column| motion.cubic(column, knot));
+        cubic.map_or((0.0, 0.0), |c| (led.factor.abs() * c.fastest(), led.factor.abs() * c.most_bent()))
+    };
+    let turn_of = |(turn, bend): (f64, f64)| (Step { turn, shift: 0.0 }, Step { turn: bend, shift: 0.0 });
+    let with_shift = |(turn, bend): (f64, f64), columns: &[usize]| {
+        let cubics = || columns.iter().map(|&column| motion.cubic(column, knot));
+        let norm = |numbers: &mut dyn Iterator<Item = f64>| numbers.map(|x| x * x).sum::<f64>().sqrt();
+        let bends = [0, 1].map(|end| norm(&mut cubics().map(|cubic| cubic.bends()[end])));
+        let shift = norm(&mut cubics().map(|cubic| cubic.fastest()));
+        (Step { turn, shift }, Step { turn: bend, shift: bends[0].max(bends[1]) })
+    };
     match (body.motion, &body.value) {
-        (JointType::Revolute { .. }, _) => (scalar(), 0.0),
-        (JointType::Prismatic { .. }, _) => (0.0, scalar()),
-        (JointType::Planar, Value::Columns(c)) => ((there[c[2]] - here[c[2]]).abs(), shift(&c[..2])),
-        (JointType::FreeFlyer, Value::Columns(c)) => {
-            (2.0 * half_angle(motion.quaternion(c, knot), motion.quaternion(c, knot + 1)), shift(&c[..3]))
+        (JointType::Revolute { .. }, _) => turn_of(scalar()),
+        (JointType::Prismatic { .. }, _) => {
+            let (shift, bend) = scalar();
+            (Step { turn: 0.0, shift }, Step { turn: 0.0, shift: bend })
         }
-        (JointType::Planar | JointType::FreeFlyer, _) => (0.0, 0.0),
+        (JointType::Planar, Value::Columns(c)) => {
+            let theta = motion.cubic(c[2], knot);
+            with_shift((theta.fastest(), theta.most_bent()), &c[..2])
+        }
+        (JointType::FreeFlyer, Value::Columns(c)) => {
+            let turn = match motion.timed {
+                Some(_) => motion.turning(c, knot).spin(),
+                None => (2.0 * half_angle(motion.quaternion(c, knot), motion.quaternion(c, knot + 1)), 0.0),
+            };
+            with_shift(turn, &c[..3])
+        }
+        (JointType::Planar | JointType::FreeFlyer, _) => (Step::default(), Step::default()),
     }
 }
 
@@ -233,14 +277,21 @@ fn edge_lengths(motion: &SegmentMotion<'_>, via: Via) -> (f64, f64) {
 /// How far a joint shifts its body's origin at most.
 fn slide(motion: &SegmentMotion<'_>, joint: usize) -> f64 {
     let body = &motion.world.bodies[joint];
-    let knots = 0..motion.knots.len();
     let offset = |columns: &[usize]| {
+        // From knot to knot a straight line, farthest at an end, or a curve in the box of its coordinates' ranges.
+        let of_range = |knot: usize| {
+            let farthest = |(low, high): (f64, f64)| low.abs().max(high.abs());
+            columns.iter().map(|&c| farthest(motion.cubic(c, knot).range()).powi(2)).sum::<f64>().sqrt()
+        };
         let length = |row: &Vec<f64>| columns.iter().map(|&c| row[c] * row[c]).sum::<f64>().sqrt();
-        motion.knots.iter().map(length).fold(0.0, f64::max)
+        match motion.timed {
+            Some(_) => (0..motion.last().max(1)).map(of_range).fold(0.0, f64::max),
+            None => motion.knots.iter().map(length).fold(0.0, f64::max),
+        }
     };
     match (body.motion, &body.value) {
         (JointType::Revolute { .. }, _) => 0.0,
-        (JointType::Prismatic { .. }, _) => knots.map(|k| motion.scalar(joint, At::knot(k)).abs()).fold(0.0, f64::max),
+        (JointType::Prismatic { .. }, _) => motion.farthest_from(joint, 0.0).fold(0.0, f64::max),
         (JointType::Planar, Value::Columns(c)) => offset(&c[..2]),
         (JointType::FreeFlyer, Value::Columns(c)) => offset(&c[..3]),
         (JointType::Planar | JointType::FreeFlyer, _) => 0.0,

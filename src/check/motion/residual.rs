@@ -2,7 +2,7 @@
 //!
 //! An error is the norm of a vector function of the place along the segment: masked rows of a position, a unit vector
 //! less where it should be, a unit quaternion less its reference. Between two places it is at most the larger of both
-//! values plus ⅛ sup‖f″‖ (the error of linear interpolation); [`Bends`] bounds ‖f″‖. Intervals are halved until the bound
+//! values plus ⅛ sup‖f″‖ (the error of linear interpolation); [`Bends`] bounds ‖f″‖, with q″ where coordinates are curves. Intervals are halved until the bound
 //! decides. So a step from one solution branch of a closed chain to another is refused however well both knots fit: in
 //! between the chain is open, and no bound says otherwise.
 
@@ -80,16 +80,16 @@ impl Form {
         self.error(self.norm(pose))
     }
 
-    /// ‖f″‖ over the way from a knot to the next; a quaternion turns at half the speed.
+    /// ‖f″‖ over the way from a knot to the next; a direction that turns with ω has ω² + |ω′| at most, and a quaternion turns at
+    /// half the speed.
     fn bend(&self, bends: &Bends, knot: usize) -> f64 {
-        let turn = bends.turn[knot];
+        let (turn, turn_bend) = (bends.turn[knot], bends.turn_bend[knot]);
+        let direction = turn * turn + turn_bend;
         match self {
             Self::Rows { .. } => bends.point[knot],
-            Self::Height { point, .. } | Self::Outside { point, .. } => {
-                bends.point[knot] + point.length() * turn * turn
-            }
-            Self::Direction { .. } => turn * turn,
-            Self::Rotation { .. } => 0.25 * turn * turn,
+            Self::Height { point, .. } | Self::Outside { point, .. } => bends.point[knot] + point.length() * direction,
+            Self::Direction { .. } => direction,
+            Self::Rotation { .. } => 0.25 * turn * turn + 0.5 * turn_bend,
         }
     }
 }

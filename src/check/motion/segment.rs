@@ -1,8 +1,10 @@
 //! Where everything is along a segment, as the path contract says.
 //!
-//! A place is a knot and the fraction of the way to the next. Joints and root positions are linear in it, roots turn on
-//! the quaternion geodesic, and an object keeps the pose in its carrier that the segment's first knot writes.
+//! A place is a knot and the fraction of the way (with velocities: of the time) to the next. Joints and root positions are
+//! linear in it and roots turn on the quaternion geodesic; with velocities all numbers follow cubic polynomials and
+//! quaternions are scaled to length 1. An object keeps the pose in its carrier that the segment's first knot writes.
 
+use crate::check::motion::curve::{Cubic, Timed, Turning, timed};
 use crate::check::report::check_report::shown;
 use crate::check::report::error::CheckError;
 use crate::check::world::attachments::Attachment;
@@ -61,6 +63,8 @@ pub(crate) struct SegmentMotion<'a> {
     pub world: &'a World,
     pub index: usize,
     pub knots: &'a [Vec<f64>],
+    /// Makes the knots a curve over time.
+    pub timed: Option<Timed<'a>>,
     pub edges: Vec<Edge>,
     pub carries: Vec<Carry>,
     pub attachments: &'a [Attachment],
@@ -75,7 +79,8 @@ impl<'a> SegmentMotion<'a> {
     ) -> Result<Self, CheckError> {
         let natural = |body: usize| Edge { parent: world.bodies[body].parent, via: Via::Joint(body) };
         let edges = (0..world.bodies.len()).map(natural).collect();
-        let mut motion = Self { world, index, knots: &segment.knots, edges, carries: Vec::new(), attachments };
+        let (knots, timed) = (&segment.knots, timed(segment));
+        let mut motion = Self { world, index, knots, timed, edges, carries: Vec::new(), attachments };
         // Attachments are read from the written poses, so all of them before the tree changes.
         let attachments: Vec<_> = (0..world.parts.len()).filter_map(|p| motion.attachment_of(p)).collect();
         for (carry, body, edge) in attachments {
@@ -203,10 +208,48 @@ impl<'a> SegmentMotion<'a> {
         }
     }
 
+    /// Its least and greatest value from a knot to the next.
+    pub(crate) fn scalar_range(&self, index: usize, knot: usize) -> (f64, f64) {
+        let led = self.world.led(index);
+        let Some(column) = led.column else { return (led.offset, led.offset) };
+        let (low, high) = self.cubic(column, knot).range();
+        let (a, b) = (led.factor * low + led.offset, led.factor * high + led.offset);
+        (a.min(b), a.max(b))
+    }
+
+    /// How far its value gets from another one at most, by interval between knots; of a single knot, there.
+    pub(crate) fn farthest_from(&self, index: usize, value: f64) -> impl Iterator<Item = f64> {
+        let off = move |(low, high): (f64, f64)| {
+            let (below, above) = ((value - low).abs(), (high - value).abs());
+            // Written so that NaN stays one.
+            if below > above { below } else { above + 0.0 * below }
+        };
+        (0..self.last().max(1)).map(move |knot| off(self.scalar_range(index, knot)))
+    }
+
+    /// What a number does from a knot to the next.
+    pub(crate) fn cubic(&self, column: usize, knot: usize) -> Cubic {
+        Cubic::between(self.knots, self.timed, column, knot)
+    }
+
+    /// By column, whether it moves as the knots say: all but those of roots of objects that follow a carrier or rest.
+    pub(crate) fn moves_as_written(&self) -> Vec<bool> {
+        let mut counts = vec![true; self.knots[0].len()];
+        for root in self.carries.iter().filter_map(|carry| self.world.parts[carry.part].root) {
+            if let Value::Columns(columns) = &self.world.bodies[root].value {
+                columns.iter().for_each(|&column| counts[column] = false);
+            }
+        }
+        counts
+    }
+
     fn number(&self, column: usize, at: At) -> f64 {
         let start = self.knots[at.knot][column];
         if at.fraction == 0.0 {
             return start;
+        }
+        if self.timed.is_some() {
+            return self.cubic(column, at.knot).at(at.fraction);
         }
         let end = self.knots[(at.knot + 1).min(self.last())][column];
         start + at.fraction * (end - start)
@@ -224,7 +267,15 @@ impl<'a> SegmentMotion<'a> {
         if at.fraction == 0.0 {
             return start;
         }
-        geodesic(start, self.quaternion(columns, at.knot + 1), at.fraction)
+        match self.timed {
+            Some(_) => self.turning(columns, at.knot).at(at.fraction),
+            None => geodesic(start, self.quaternion(columns, at.knot + 1), at.fraction),
+        }
+    }
+
+    /// The curve of a free-flyer's quaternion from a knot to the next, where there are velocities.
+    pub(crate) fn turning(&self, columns: &[usize], knot: usize) -> Turning {
+        Turning(std::array::from_fn(|i| self.cubic(columns[3 + i], knot)))
     }
 }
 

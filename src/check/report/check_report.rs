@@ -137,6 +137,14 @@ pub struct CheckReport {
     pub max_off_carrier: Option<Extreme>,
     /// Smallest distance of a joint from its limit.
     pub nearest_limit: Option<Extreme>,
+    /// How long the path takes, seconds; none for a path without times and velocities.
+    pub duration: Option<f64>,
+    /// Largest share of a velocity limit that is used.
+    pub max_velocity: Option<Extreme>,
+    /// Largest share of an acceleration limit that is used.
+    pub max_acceleration: Option<Extreme>,
+    /// Largest share of a jerk limit that is used.
+    pub max_jerk: Option<Extreme>,
     #[serde(skip)]
     known: HashMap<(Option<usize>, Kind, String), usize>,
 }
@@ -257,6 +265,23 @@ impl CheckReport {
 
     pub(crate) fn see_off_carrier(&mut self, value: f64, segment: usize, t: f64, subject: impl FnOnce() -> String) {
         greatest(&mut self.max_off_carrier, value, segment, t, subject);
+    }
+
+    /// A share of a limit of velocity, acceleration or jerk.
+    pub(crate) fn see_rate(
+        &mut self,
+        kind: Kind,
+        share: f64,
+        segment: usize,
+        t: f64,
+        subject: impl FnOnce() -> String,
+    ) {
+        let slot = match kind {
+            Kind::VelocityLimit => &mut self.max_velocity,
+            Kind::AccelerationLimit => &mut self.max_acceleration,
+            _ => &mut self.max_jerk,
+        };
+        greatest(slot, share, segment, t, subject);
     }
 
     pub(crate) fn see_limit(&mut self, value: f64, segment: usize, t: f64, subject: impl FnOnce() -> String) {

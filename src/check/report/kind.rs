@@ -22,6 +22,20 @@ pub enum Kind {
     EnvironmentMoves,
     /// Time runs backwards.
     Times,
+    /// A coordinate is faster than its limit.
+    VelocityLimit,
+    /// A coordinate accelerates more than its limit.
+    AccelerationLimit,
+    /// A coordinate's acceleration changes faster than its limit, or jumps.
+    JerkLimit,
+    /// A velocity jumps from one segment to the next, or the path does not begin and end at rest.
+    VelocityJump,
+    /// An object that follows a carrier, or rests, is written with a velocity.
+    CarriedVelocity,
+    /// The events are not those of the attachments, or their times or fingers are not those of the knots.
+    Event,
+    /// Something moves at an event, or for less than its dwell everything stands still.
+    EventMoves,
     /// A gripper, handle or surface that is not the SRDF's.
     Document,
     /// A held object is written where its gripper does not take it.
@@ -110,6 +124,8 @@ pub enum Section {
     Limits,
     /// Joint knots, quaternions, times, environments.
     Knots,
+    /// Limits of rates, continuous velocities, events.
+    Timing,
     /// Objects follow what carries them.
     Carriers,
     /// Grasps, placements, constraints.
@@ -124,10 +140,11 @@ pub enum Section {
 
 impl Section {
     /// All sections, in the order in which they are told.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Documents,
         Self::Limits,
         Self::Knots,
+        Self::Timing,
         Self::Carriers,
         Self::Residuals,
         Self::Clearance,
@@ -142,6 +159,7 @@ impl Section {
             Self::Documents => "documents",
             Self::Limits => "limits",
             Self::Knots => "knots",
+            Self::Timing => "timing",
             Self::Carriers => "carriers",
             Self::Residuals => "residuals",
             Self::Clearance => "clearance",
@@ -164,6 +182,13 @@ impl Kind {
             Self::QuaternionSign => "quaternion-sign",
             Self::EnvironmentMoves => "environment-moves",
             Self::Times => "times",
+            Self::VelocityLimit => "velocity-limit",
+            Self::AccelerationLimit => "acceleration-limit",
+            Self::JerkLimit => "jerk-limit",
+            Self::VelocityJump => "velocity-jump",
+            Self::CarriedVelocity => "carried-velocity",
+            Self::Event => "event",
+            Self::EventMoves => "event-moves",
             Self::Document => "document",
             Self::ObjectOffCarrier => "object-off-carrier",
             Self::PlacedObjectMoved => "placed-object-moved",
@@ -201,6 +226,13 @@ impl Kind {
             Self::SharedKnot | Self::QuaternionNorm | Self::QuaternionSign | Self::EnvironmentMoves | Self::Times => {
                 Section::Knots
             }
+            Self::VelocityLimit
+            | Self::AccelerationLimit
+            | Self::JerkLimit
+            | Self::VelocityJump
+            | Self::CarriedVelocity
+            | Self::Event
+            | Self::EventMoves => Section::Timing,
             Self::ObjectOffCarrier
             | Self::PlacedObjectMoved
             | Self::UnattachedObjectMoved

@@ -67,6 +67,8 @@ pub(crate) struct Body {
     pub value: Value,
     /// The model's limits; infinite where it has none.
     pub limits: (f64, f64),
+    /// The model's velocity limit, rad/s or m/s.
+    pub velocity_limit: Option<f64>,
 }
 
 impl Body {
@@ -212,24 +214,6 @@ impl World {
         })
     }
 
-    /// Value of a joint of one coordinate, through any chain of leaders.
-    pub(crate) fn scalar(&self, index: usize, number: impl Fn(usize) -> f64) -> f64 {
-        let (mut index, mut factor, mut offset) = (index, 1.0, 0.0);
-        for _ in 0..=self.bodies.len() {
-            match &self.bodies[index].value {
-                Value::Columns(columns) => return factor * number(columns[0]) + offset,
-                Value::Still => return offset,
-                Value::Follows { leader, multiplier, offset: shift } => {
-                    offset += factor * shift;
-                    factor *= multiplier;
-                    index = *leader;
-                }
-            }
-        }
-        // Models whose joints follow each other in a circle are refused when they are read.
-        f64::NAN
-    }
-
     pub(crate) fn part(&self, name: &str) -> Option<usize> {
         self.parts.iter().position(|p| p.name == name)
     }
@@ -362,6 +346,7 @@ fn body(robot: &Robot, index: usize, columns: &HashMap<&str, usize>) -> Result<B
         motion: joint.motion,
         value,
         limits,
+        velocity_limit: joint.velocity_limit.filter(|limit| *limit > 0.0),
     })
 }
 

@@ -198,6 +198,16 @@ fn proven(section: Section, file: &PathFile, report: &CheckReport) -> String {
             format!("joints and roots along the whole motion, objects where they rest{nearest}")
         }
         Section::Knots => "joint knots bit for bit, unit quaternions, times".to_owned(),
+        Section::Timing => {
+            let shares = [
+                worst("largest share of a velocity limit", &report.max_velocity),
+                worst("of an acceleration limit", &report.max_acceleration),
+                worst("of a jerk limit", &report.max_jerk),
+            ];
+            let events = file.events.as_ref().map_or(0, Vec::len);
+            let duration = report.duration.map_or("no times".to_owned(), |duration| format!("{duration:.3} s"));
+            format!("{duration}, {events} events{}", shares.concat())
+        }
         Section::Carriers => {
             let off = worst("farthest", &report.max_off_carrier);
             format!("objects are written where their carriers take them{off}")

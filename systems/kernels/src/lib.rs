@@ -9,7 +9,9 @@
 pub mod collision;
 pub mod constrained_motion;
 pub mod constraints;
+pub mod curve;
 pub mod kinematics;
 pub mod lanes;
 pub mod linear;
 pub mod nearest;
+pub mod trajectory;

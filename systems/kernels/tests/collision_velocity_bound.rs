@@ -4,15 +4,14 @@
 
 mod collision_models;
 
-use collision_models::{
-    at, bench, compose, cuboid, joint, link, place, placed, random_configuration, random_pose, single,
-};
+use collision_models::{bench, mover, place, random_configuration, random_pose};
 use foliate_components::Pose;
-use foliate_components::robot::model::{JointKind, Model};
-use foliate_components::robot::{JointIndex, PartKind, Robot, RootJoint};
+use foliate_components::robot::configuration::{Group, quaternion};
+use foliate_components::robot::{JointIndex, Robot};
 use foliate_kernels::collision::samples::motion_bound::MotionBound;
 use foliate_kernels::collision::scene::SceneSolid;
 use foliate_kernels::collision::{CollisionScene, PairId, PairRule, PairSet, Solid};
+use foliate_kernels::curve::{Cubic, HermiteCurve};
 use foliate_kernels::kinematics::{Kinematics, RigidAttachment};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -64,28 +63,56 @@ fn common_ancestor(
     ancestors(robot, rigid_attachments, a).into_iter().find(|j| other.contains(j))
 }
 
+/// A motion on u ∈ [0, 1].
+enum Way<'a> {
+    Straight(&'a [f64], &'a [f64]),
+    Curve(HermiteCurve<'a>),
+}
+
+impl Way<'_> {
+    fn at(&self, robot: &Robot, u: f64, q: &mut [f64]) {
+        match self {
+            Self::Straight(a, b) => robot.space.interpolate(a, b, u, q),
+            Self::Curve(curve) => curve.at(&robot.space, 0, u, q),
+        }
+    }
+}
+
 fn check_motion(
     robot: &Robot,
     rigid_attachments: &[RigidAttachment],
-    a: &[f64],
-    b: &[f64],
+    way: &Way<'_>,
     rng: &mut ChaCha8Rng,
     tally: &mut Tally,
 ) {
     let (scene, kinematics) = (CollisionScene::new(robot, &PairRule::default()), Kinematics::new(robot));
     let pairs = PairSet::new(&scene, rigid_attachments, &[]);
-    let mut delta = vec![0.0; robot.space.dimension()];
-    robot.space.difference(a, b, &mut delta);
     let mut bound = MotionBound::default();
-    bound.begin(&scene, &pairs, a, &delta);
+    let size = robot.space.size();
+    let cubics: Vec<Cubic> = match way {
+        Way::Straight(a, b) => {
+            let mut delta = vec![0.0; robot.space.dimension()];
+            robot.space.difference(a, b, &mut delta);
+            bound.begin(&scene, &pairs, a, &delta);
+            Vec::new()
+        }
+        Way::Curve(curve) => {
+            let cubics: Vec<_> = (0..size).map(|i| curve.cubic(size, 0, i)).collect();
+            bound.begin_curve(&scene, &pairs, &cubics);
+            cubics
+        }
+    };
     let moving: Vec<PairId> = pairs.moving_pairs(&scene).collect();
     for _ in 0..6 {
         let half = 0.5 * 2.0_f64.powi(-rng.random_range(0..6));
         let middle = rng.random_range(half..=1.0 - half);
         let mut q = robot.space.neutral();
-        robot.space.interpolate(a, b, middle, &mut q);
+        way.at(robot, middle, &mut q);
         let X_mid = poses(&kinematics, rigid_attachments, &q);
-        bound.look_at(&scene, &X_mid, half);
+        match way {
+            Way::Straight(..) => bound.look_at(&scene, &X_mid, half),
+            Way::Curve(_) => bound.look_at_curve(&scene, &X_mid, &cubics, (middle, half)),
+        }
         for _ in 0..40 {
             let id = moving[rng.random_range(0..moving.len())];
             let closer = bound.of_pair(&scene, &pairs, id, &X_mid);
@@ -103,7 +130,7 @@ fn check_motion(
             for _ in 0..10 {
                 let (p, r) = (point_of(one, rng), point_of(other, rng));
                 let before = in_world(one, p, &X_mid).distance(in_world(other, r, &X_mid));
-                robot.space.interpolate(a, b, middle + half * rng.random_range(-1.0..=1.0), &mut q);
+                way.at(robot, middle + half * rng.random_range(-1.0..=1.0), &mut q);
                 let X_now = poses(&kinematics, rigid_attachments, &q);
                 let now = in_world(one, p, &X_now).distance(in_world(other, r, &X_now));
                 most = most.max((now - before).abs());
@@ -130,6 +157,30 @@ fn check_motion(
     }
 }
 
+/// The straight motion between two configurations, and a curve between them with random velocities.
+fn check_both(
+    robot: &Robot,
+    rigid_attachments: &[RigidAttachment],
+    (a, b): (&[f64], &[f64]),
+    rng: &mut ChaCha8Rng,
+    tallies: &mut [Tally; 2],
+) {
+    check_motion(robot, rigid_attachments, &Way::Straight(a, b), rng, &mut tallies[0]);
+    let mut knots = [a, b].concat();
+    for factor in robot.space.factors.iter().filter(|f| f.group == Group::FreeFlyer) {
+        // Two quaternions on one side of the sphere.
+        let (from, to) = (quaternion(a, factor.q), quaternion(b, factor.q));
+        if from.dot(to) < 0.0 {
+            knots[a.len() + factor.q + 3..][..4].iter_mut().for_each(|x| *x = -*x);
+        }
+    }
+    let pace = 10.0_f64.powf(rng.random_range(-2.0..0.0));
+    let velocities: Vec<f64> = knots.iter().map(|_| pace * rng.random_range(-1.0..=1.0)).collect();
+    let curve = HermiteCurve { knots: &knots, velocities: &velocities, times: &[0.0, 0.8] };
+    assert!(curve.is_sound(&robot.space));
+    check_motion(robot, rigid_attachments, &Way::Curve(curve), rng, &mut tallies[1]);
+}
+
 fn report(name: &str, mut tally: Tally) {
     tally.ratios.sort_by(f64::total_cmp);
     let median = tally.ratios[tally.ratios.len() / 2];
@@ -144,7 +195,7 @@ fn report(name: &str, mut tally: Tally) {
 fn holds_for_two_arms_with_held_and_placed_boxes() {
     let robot = bench();
     let mut rng = ChaCha8Rng::seed_from_u64(21);
-    let mut tally = Tally::default();
+    let mut tallies = <[Tally; 2]>::default();
     let root = |part: &str| robot.parts[robot.part(part).unwrap().at()].root_joint.unwrap();
     for round in 0..60 {
         let (a, b) = (random_configuration(&robot, &mut rng), random_configuration(&robot, &mut rng));
@@ -159,44 +210,26 @@ fn holds_for_two_arms_with_held_and_placed_boxes() {
             X_CO: random_pose(&mut rng, 0.3),
         };
         let rigid_attachments = [held, on_it];
-        check_motion(&robot, &rigid_attachments[..round % 3], &a, &b, &mut rng, &mut tally);
+        check_both(&robot, &rigid_attachments[..round % 3], (&a, &b), &mut rng, &mut tallies);
     }
-    report("two arms", tally);
+    let [straight, curved] = tallies;
+    report("two arms", straight);
+    report("two arms on curves", curved);
 }
 
 #[test]
 fn holds_for_planar_roots_prismatic_lifts_and_followers() {
-    let mut lift = joint("lift", JointKind::Prismatic, 0, 1, at(0.1, 0.0, 0.4), DVec3::Z);
-    lift.limits = (-0.2, 0.6);
-    let mut tilt = joint("tilt", JointKind::Revolute, 1, 2, at(0.1, 0.1, 0.0), DVec3::new(0.6, 0.8, 0.0));
-    tilt.limits = (-2.0, 2.0);
-    let mut slide = joint("slide", JointKind::Prismatic, 2, 3, at(0.2, 0.0, 0.1), DVec3::X);
-    slide.mimic = Some(("lift".into(), 1.5, 0.1));
-    let spin = joint("spin", JointKind::Continuous, 3, 4, at(0.1, 0.0, 0.0), DVec3::Y);
-    let mut curl = joint("curl", JointKind::Revolute, 4, 5, at(0.1, 0.05, 0.0), DVec3::Z);
-    curl.mimic = Some(("tilt".into(), -2.0, 0.3));
-    let shapes = || vec![(at(0.1, 0.02, 0.0), cuboid(0.2, 0.05, 0.04))];
-    let names = ["base", "mast", "tilt", "slide", "spin", "curl"];
-    let model = Model {
-        name: "lift".into(),
-        links: names.iter().map(|n| link(n, shapes())).collect(),
-        joints: vec![lift, tilt, slide, spin, curl],
-        ..Model::default()
-    };
-    let block = single(vec![(at(0.3, 0.0, 0.0), cuboid(0.1, 0.3, 0.2))]);
-    let robot = compose(&[
-        (&model, placed("mover", PartKind::Robot, RootJoint::Planar, at(0.0, 0.3, 0.0))),
-        (&block, placed("block", PartKind::Environment, RootJoint::Fixed, at(0.5, 0.0, 0.5))),
-        (&block, placed("flyer", PartKind::Robot, RootJoint::FreeFlyer, Pose::IDENTITY)),
-    ]);
+    let robot = mover();
     let mut rng = ChaCha8Rng::seed_from_u64(22);
-    let mut tally = Tally::default();
+    let mut tallies = <[Tally; 2]>::default();
     for round in 0..60 {
         let (a, mut b) = (random_configuration(&robot, &mut rng), random_configuration(&robot, &mut rng));
         if round % 4 == 0 {
             place(&robot, &mut b, "flyer", random_pose(&mut rng, 2.0));
         }
-        check_motion(&robot, &[], &a, &b, &mut rng, &mut tally);
+        check_both(&robot, &[], (&a, &b), &mut rng, &mut tallies);
     }
-    report("lift", tally);
+    let [straight, curved] = tallies;
+    report("lift", straight);
+    report("lift on curves", curved);
 }

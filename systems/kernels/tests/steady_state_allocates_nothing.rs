@@ -27,6 +27,10 @@ use foliate_kernels::constraints::placement_of;
 use foliate_kernels::kinematics::{AttachmentTree, Kinematics, RigidAttachment, geometric_jacobian};
 use foliate_kernels::lanes::Level;
 use foliate_kernels::nearest::{Bucket, BucketQueries, Metric, nearest};
+use foliate_kernels::trajectory::{
+    Limits, Spline, ThroughScratch, TimedPath, TimingScratch, TimingSettings, blend_polyline, peak_rates,
+    spline_through, time_optimal,
+};
 use glam::DVec3;
 use heavy_world::{Draw, held, world};
 use rand::{RngExt, SeedableRng};
@@ -370,6 +374,27 @@ fn nearest_configurations() {
             let exact = |query: usize, id: u32| space.distance(&those[query], &all[id as usize], &weights);
             nearest((&metric, &queries, Level::detected()), [&bucket].into_iter(), exact, &mut best);
             assert!(best.iter().all(Option::is_some));
+        }
+    });
+    assert_eq!(asked, 0);
+}
+
+#[test]
+fn trajectories() {
+    let mut random = ChaCha8Rng::seed_from_u64(8);
+    let limits = [2.0; 6];
+    let knots: Vec<Vec<f64>> =
+        [9, 14, 5].map(|count| (0..count * 6).map(|_| random.random_range(-2.0..2.0)).collect()).to_vec();
+    let (mut path, mut through, mut scratch, mut timed) =
+        (Spline::new(6), ThroughScratch::default(), TimingScratch::default(), TimedPath::default());
+    let limits = Limits { velocity: &limits, acceleration: &limits, jerk: &limits };
+    let asked = allocations(|| {
+        for knots in &knots {
+            spline_through(knots, limits.velocity, &mut through, &mut path).unwrap();
+            time_optimal(&path, limits, TimingSettings::default(), &mut scratch, &mut timed).unwrap();
+            black_box(peak_rates(&timed.curve, limits));
+            blend_polyline(knots, &[0.01; 14][..knots.len() / 6], limits.velocity, &mut path).unwrap();
+            time_optimal(&path, limits, TimingSettings::default(), &mut scratch, &mut timed).unwrap();
         }
     });
     assert_eq!(asked, 0);

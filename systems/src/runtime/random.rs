@@ -25,6 +25,9 @@ impl Purpose {
     /// How far from the near node the search for the waypoints of a lazy extension starts.
     pub const LAZY_EXTENSION: Self = Self(8);
 
+    /// Drawing changes of a path that is to become better.
+    pub const IMPROVE: Self = Self(9);
+
     /// A purpose of a host's own scheduler.
     #[must_use]
     pub const fn of_host(number: u32) -> Self {

@@ -3,6 +3,7 @@
 //! `session` is what a host embeds. It makes its world by `world`, asks a `scheduler` for the systems, and takes the path
 //! out of the roadmap by `path_extraction`, which measures it by `path_clearance`.
 
+pub mod curve_certificate;
 pub mod path_clearance;
 pub mod path_extraction;
 pub mod scheduler;

@@ -1,6 +1,6 @@
 //! From a roadmap in which start and goal are connected to the path between them.
 
-use crate::planning_model::model::PlanningModel;
+use crate::planning_model::model::{Model, PlanningModel};
 use crate::search::path_clearance::{pair_counts, path_clearance};
 use crate::settings::SearchSettings;
 use foliate_components::graph::leaf::{LeafId, LeafIndex};
@@ -49,7 +49,7 @@ pub(crate) fn extract_path(
         }
     }
     path.certificate = certificate;
-    unwrap_coordinates(model, &mut path);
+    unwrap_coordinates(model, path.segments.iter_mut().flat_map(|s| &mut s.knots).map(Vec::as_mut_slice));
     path.certificate.min_clearance = proved_clearance(model, settings, &path, moved);
     path.certificate.pairs = pair_counts(model, &path);
     Some(path)
@@ -58,7 +58,7 @@ pub(crate) fn extract_path(
 /// What is proved of the clearance without asking again: nodes and motions keep the guard beyond all margins. As the path is
 /// written objects may be `moved` from where they were then, both of a pair. Little more than that they do not touch;
 /// [`path_clearance`] says how close they come.
-fn proved_clearance(
+pub(crate) fn proved_clearance(
     model: &PlanningModel,
     settings: &SearchSettings,
     path: &ManipulationPath,
@@ -131,13 +131,16 @@ fn in_direction(model: &PlanningModel, transition: TransitionId, forward: bool) 
     if forward { transition } else { model.graph.transition(transition).reverse.unwrap_or(transition) }
 }
 
-/// Makes each coordinate's number continuous along the whole path although roadmap nodes hold it only up to its
+/// Makes each coordinate's number continuous along all knots of a path although roadmap nodes hold it only up to its
 /// representation: unlimited angles modulo 2π, quaternions up to their sign.
-fn unwrap_coordinates(model: &PlanningModel, path: &mut ManipulationPath) {
+pub(crate) fn unwrap_coordinates<'k>(model: &Model, knots: impl Iterator<Item = &'k mut [f64]>) {
     let factors = &model.problem.robot.space.factors;
-    let mut last: Option<Vec<f64>> = None;
-    for knot in path.segments.iter_mut().flat_map(|s| &mut s.knots) {
-        if let Some(last) = &last {
+    if factors.iter().all(|factor| factor.group == Group::Real) {
+        return;
+    }
+    let mut last: Option<&[f64]> = None;
+    for knot in knots {
+        if let Some(last) = last {
             for factor in factors {
                 match factor.group {
                     Group::Circle => follow_angle(last, knot, factor.q),
@@ -147,7 +150,7 @@ fn unwrap_coordinates(model: &PlanningModel, path: &mut ManipulationPath) {
                 }
             }
         }
-        last = Some(knot.clone());
+        last = Some(knot);
     }
 }
 

@@ -7,6 +7,7 @@ use crate::exploration::{memory, writer};
 use crate::goals::sampler::GoalSampler;
 use crate::goals::systems::add_feasible_root;
 use crate::planning_model::model::PlanningModel;
+use crate::planning_model::state_classification::Feasible;
 use crate::runtime::watch::Watch;
 use crate::schedule::StepCounter;
 use crate::search::path_extraction::{extract_path, reached_backwards};
@@ -57,6 +58,24 @@ impl Search {
         let goals = goals.into_iter().map(|root| add_feasible_root(&mut world, root)).collect();
         world.insert_resource(Roots { start, goals });
         world.insert_resource(beside.resource::<GoalSampler>().clone());
+        let schedule = scheduler.schedule(&mut world);
+        Self { world, schedule, ending: None }
+    }
+
+    /// A search from one configuration to others, each with its state and leaf: part of a path that is to be planned again. What
+    /// the problem says of start and goals does not count.
+    #[must_use]
+    pub fn between(
+        model: &PlanningModel,
+        scheduler: &dyn Scheduler,
+        settings: SearchSettings,
+        stop: StopSignal,
+        (start, goals): (Feasible, Vec<Feasible>),
+    ) -> Self {
+        let mut world = empty_world(model, settings, stop, EventSink::default());
+        let start = Some(add_feasible_root(&mut world, start));
+        let goals = goals.into_iter().map(|goal| add_feasible_root(&mut world, goal)).collect();
+        world.insert_resource(Roots { start, goals });
         let schedule = scheduler.schedule(&mut world);
         Self { world, schedule, ending: None }
     }

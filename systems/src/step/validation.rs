@@ -249,7 +249,7 @@ pub fn certify_whole(
     }
 }
 
-fn certificate_settings(settings: &SearchSettings, all_or_nothing: bool) -> CertificateSettings {
+pub(crate) fn certificate_settings(settings: &SearchSettings, all_or_nothing: bool) -> CertificateSettings {
     // Motions start at nodes and waypoints that are known to be free: pairs that do not move need not be tested.
     CertificateSettings {
         clearance_guard: settings.clearance_guard,

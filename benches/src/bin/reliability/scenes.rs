@@ -36,7 +36,7 @@ pub(crate) fn all(most: usize) -> Vec<Loaded> {
 
 impl Loaded {
     pub(crate) fn planner(&self, seed: u64, limit: Duration) -> Result<Planner> {
-        Ok(Planner::from_tables(Arc::clone(self.entry.model().tables()))?.seed(seed).time_limit(limit))
+        Ok(Planner::from_tables(Arc::clone(self.entry.model().tables()))?.seed(seed).first_path().time_limit(limit))
     }
 
     fn scene(&self) -> Result<&Scene> {

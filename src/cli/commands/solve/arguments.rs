@@ -25,9 +25,39 @@ pub(crate) struct SearchArguments {
     pub threads: u16,
     #[command(flatten)]
     pub tuning: Tuning,
+    #[command(flatten)]
+    pub refinement: RefinementArguments,
     /// Seconds after which to give up, reading included
     #[arg(long, default_value_t = 60.0, value_name = "S")]
     pub time_limit: f64,
+}
+
+/// What becomes of the first path.
+#[derive(clap::Args, Clone, Copy, Debug)]
+pub(crate) struct RefinementArguments {
+    /// Answer with the first path: no improvement, no times
+    #[arg(long, conflicts_with_all = ["improve_work", "improve_time"])]
+    pub first: bool,
+    /// Counted work to spend on a better path; the answer does not depend on threads or machine
+    #[arg(long, value_name = "N", conflicts_with = "improve_time")]
+    pub improve_work: Option<u64>,
+    /// Seconds to spend on a better path instead; the summary tells the work that gives the same path again
+    #[arg(long, value_name = "S")]
+    pub improve_time: Option<f64>,
+}
+
+impl RefinementArguments {
+    fn apply(self, planner: Planner) -> Result<Planner, Refusal> {
+        let planner = if self.first { planner.first_path() } else { planner };
+        let planner = match self.improve_work {
+            Some(work) => planner.improve_work(work),
+            None => planner,
+        };
+        let Some(seconds) = self.improve_time else { return Ok(planner) };
+        let time = Duration::try_from_secs_f64(seconds)
+            .map_err(|_| Refusal(format!("--improve-time {seconds} is not a number of seconds")))?;
+        Ok(planner.improve_time(time))
+    }
 }
 
 /// Settings of the search that a user may change; defaults serve every shipped scene.
@@ -102,7 +132,7 @@ impl SearchArguments {
     pub(crate) fn planner(&self, tables: Arc<ProblemTables>) -> Result<Planner, Refusal> {
         let planner = Planner::from_tables(tables).map_err(|e| Refusal(e.to_string()))?;
         let planner = planner.settings(self.tuning.settings(self.seed)).time_limit(self.deadline()?);
-        let planner = planner.cancelled_by(interrupt::token());
+        let planner = self.refinement.apply(planner.cancelled_by(interrupt::token()))?;
         let planner = match self.tuning.memory {
             Some(limit) => planner.memory_limit(limit),
             None => planner,

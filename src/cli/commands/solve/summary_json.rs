@@ -4,6 +4,8 @@ use crate::cli::commands::solve::answer::Answer;
 use crate::cli::commands::solve::arguments::SearchArguments;
 use crate::cli::commands::solve::coverage;
 use crate::cli::commands::solve::summary::{Loaded, name};
+use foliate::components::path::{ManipulationPath, events};
+use foliate::planner::{CostRow, ImprovementReport};
 use foliate::schedulers::portfolio::MemberCount;
 use foliate::{FunnelRow, GoalReport, NoSolutionReason, StateRow};
 use serde_json::{Value, json};
@@ -58,6 +60,11 @@ pub(crate) fn json(loaded: &Loaded<'_>, search: &SearchArguments, answer: &Answe
         "leaves": report.leaves,
         "segments": answer.path().map(|p| p.segments.len()),
         "path_length": report.path_length,
+        "grasp_changes": answer.path().map(|path| events(path).len()),
+        "duration": answer.path().and_then(ManipulationPath::duration),
+        "timing_ms": report.timing_time.as_secs_f64() * 1e3,
+        "untimed": report.untimed.as_ref().map(ToString::to_string),
+        "improvement": report.improvement.as_ref().map(improvement_json),
         "roadmap": format!("{:016x}", report.fingerprint),
         "funnel": funnel,
         "states": states,
@@ -65,6 +72,23 @@ pub(crate) fn json(loaded: &Loaded<'_>, search: &SearchArguments, answer: &Answe
         "certificate": certificate,
         "clearance": closest_json(loaded),
         "pairs_left_out": left_out,
+    })
+}
+
+fn improvement_json(report: &ImprovementReport) -> Value {
+    let row = |row: &CostRow| json!({ "work": row.work, "ms": row.time.as_secs_f64() * 1e3, "cost": row.cost });
+    json!({
+        "cost": report.cost,
+        "first_cost": report.first_cost,
+        "final_cost": report.final_cost,
+        "work": report.work,
+        "ms": report.time.as_secs_f64() * 1e3,
+        "shortcuts": report.changes.shortcuts,
+        "limb_shortcuts": report.changes.limb_shortcuts,
+        "waypoint_moves": report.changes.waypoint_moves,
+        "replanned": report.changes.replanned,
+        "stopped": report.stopped,
+        "history": report.history.iter().map(row).collect::<Vec<_>>(),
     })
 }
 

@@ -2,7 +2,8 @@
 //!
 //! A [`CollisionScene`] holds what never changes; a [`PairSet`] what matters on one leaf. [`first_collision`] judges one
 //! configuration, [`first_collisions`] many, [`certify_motion`] a straight motion over the continuum and [`certify_polyline`]
-//! many of them in a row; [`minimum_clearance_along`] says how close the closest pair comes, and where. Cheap bounds come first,
+//! many of them in a row, [`certify_curve`] a curve over time; [`minimum_clearance_along`] says how close the closest pair comes, and
+//! where. Cheap bounds come first,
 //! of sixteen configurations at once: balls of bodies, balls, boxes and capsules of shapes; then GJK or the meshes' trees.
 //! Where inscribed volumes overlap, two solids collide with certainty.
 //! Nothing is ever called free that is not proved so: in doubt, in collision.
@@ -21,6 +22,7 @@ pub mod samples;
 pub mod scene;
 pub mod solids;
 
+pub use crate::collision::continuous::curve::{CurveVerdict, certify_curve, minimum_clearance_on_curve};
 pub use crate::collision::continuous::minimum::{minimum_clearance_along, minimum_clearance_while};
 pub use crate::collision::continuous::minimum_settings::{MinimumClearance, MinimumSettings, Nearest};
 pub use crate::collision::continuous::polyline::{PolylineVerdict, certify_polyline};

@@ -264,6 +264,33 @@ pub fn bench() -> Robot {
     ])
 }
 
+/// A lift with a planar root, followers, an endless joint and skew axes, before a block; and a block that flies freely.
+pub fn mover() -> Robot {
+    let mut lift = joint("lift", JointKind::Prismatic, 0, 1, at(0.1, 0.0, 0.4), DVec3::Z);
+    lift.limits = (-0.2, 0.6);
+    let mut tilt = joint("tilt", JointKind::Revolute, 1, 2, at(0.1, 0.1, 0.0), DVec3::new(0.6, 0.8, 0.0));
+    tilt.limits = (-2.0, 2.0);
+    let mut slide = joint("slide", JointKind::Prismatic, 2, 3, at(0.2, 0.0, 0.1), DVec3::X);
+    slide.mimic = Some(("lift".into(), 1.5, 0.1));
+    let spin = joint("spin", JointKind::Continuous, 3, 4, at(0.1, 0.0, 0.0), DVec3::Y);
+    let mut curl = joint("curl", JointKind::Revolute, 4, 5, at(0.1, 0.05, 0.0), DVec3::Z);
+    curl.mimic = Some(("tilt".into(), -2.0, 0.3));
+    let shapes = || vec![(at(0.1, 0.02, 0.0), cuboid(0.2, 0.05, 0.04))];
+    let names = ["base", "mast", "tilt", "slide", "spin", "curl"];
+    let model = Model {
+        name: "lift".into(),
+        links: names.iter().map(|n| link(n, shapes())).collect(),
+        joints: vec![lift, tilt, slide, spin, curl],
+        ..Model::default()
+    };
+    let block = single(vec![(at(0.3, 0.0, 0.0), cuboid(0.1, 0.3, 0.2))]);
+    compose(&[
+        (&model, placed("mover", PartKind::Robot, RootJoint::Planar, at(0.0, 0.3, 0.0))),
+        (&block, placed("block", PartKind::Environment, RootJoint::Fixed, at(0.5, 0.0, 0.5))),
+        (&block, placed("flyer", PartKind::Robot, RootJoint::FreeFlyer, Pose::IDENTITY)),
+    ])
+}
+
 /// Sets a free-flyer's coordinates.
 pub fn place(robot: &Robot, q: &mut [f64], part: &str, pose: Pose) {
     let joint = robot.parts[robot.part(part).expect("known part").at()].root_joint.expect("free part");

@@ -21,7 +21,6 @@ use crate::collision::samples::interval::{Interval, LANES, Sample};
 use crate::collision::scene::collision_scene::{CollisionScene, PairId};
 use crate::collision::scene::pair_query::{Contact, place_balls, solid_balls};
 use crate::collision::scene::pair_set::{ActiveGroup, PairSet};
-use crate::kinematics::forward::{Kinematics, RigidAttachment};
 use glam::DVec3;
 
 /// Lanes in the order in which they are asked exactly: coarse to fine, the outermost last.
@@ -54,9 +53,9 @@ struct WentTo {
 }
 
 impl<'a> AdaptiveCertifier<'a> {
-    /// Proves what it can of a polyline of at least one piece.
+    /// Proves what it can of the motion through `knots`, of at least one piece, that `scratch.motion_samples` has begun.
     pub(crate) fn of(
-        (scene, kinematics, rigid_attachments): (&'a CollisionScene, &'a Kinematics, &'a [RigidAttachment]),
+        scene: &'a CollisionScene,
         knots: &'a [f64],
         pairs: &'a PairSet,
         settings: &'a CertificateSettings,
@@ -76,7 +75,6 @@ impl<'a> AdaptiveCertifier<'a> {
             hints_are_fresh: false,
             went: WentTo::default(),
         };
-        scratch.motion_samples.begin((scene, kinematics, rigid_attachments), pairs, knots);
         scratch.broad_phase.begin(scene, pairs);
         let mut buffers = std::mem::take(&mut scratch.certifier);
         certifier.run(pieces, &mut buffers, scratch);
@@ -260,7 +258,7 @@ impl<'a> AdaptiveCertifier<'a> {
         rest.retain(|open| open.lanes != 0);
     }
 
-    /// How far a straight interval can bring a pair closer along a direction.
+    /// How far an interval of one piece can bring a pair closer along a direction.
     fn closer_along(
         &self,
         id: PairId,
@@ -274,13 +272,12 @@ impl<'a> AdaptiveCertifier<'a> {
         let Sample::Inside { piece, t, half_width } = sample else { return f64::INFINITY };
         let CollisionScratch { motion_samples, bound, X_WJ, balls, .. } = scratch;
         if went.piece != Some(piece) {
-            let (q, delta) = motion_samples.piece(scene, self.knots, piece);
-            bound.begin(scene, pairs, q, delta);
+            motion_samples.pieces.begin_bound((scene, pairs), self.knots, piece, bound);
         }
         if went.piece != Some(piece) || went.t != t {
             motion_samples.poses_in(lane, X_WJ);
             place_balls(scene, X_WJ, balls);
-            bound.look_at(scene, X_WJ, half_width);
+            motion_samples.pieces.look_at_bound(scene, (piece, t, half_width), X_WJ, bound);
             *went = WentTo { piece: Some(piece), t };
         }
         // Which also finds how far the bodies are from the axes.

@@ -1,4 +1,4 @@
-//! How close the closest pair comes along a polyline, and where: branch and bound over pairs and intervals.
+//! How close the closest pair comes along a polyline or a curve, and where: branch and bound over pairs and intervals.
 //!
 //! The certificate (`adaptive_certifier.rs`) asks "at least the margin, everywhere?" and is content with the first bound that
 //! says so; what it knows of the clearance besides is far below the truth. Here the question is how much it is. At the middle
@@ -67,9 +67,20 @@ pub fn minimum_clearance_while(
     scratch: &mut CollisionScratch,
 ) -> MinimumClearance {
     if !knots.iter().all(|x| x.is_finite()) {
-        return MinimumClearance { lower: f64::NEG_INFINITY, nearest: None, is_cut_short: false, queries: 0 };
+        return MinimumClearance::UNKNOWN;
     }
     scratch.motion_samples.begin((scene, kinematics, rigid_attachments), pairs, knots);
+    minimum_clearance((scene, kinematics, rigid_attachments), knots, pairs, (settings, go_on), scratch)
+}
+
+/// Of the motion through `knots` that `scratch.motion_samples` has begun.
+pub(crate) fn minimum_clearance(
+    (scene, kinematics, rigid_attachments): (&CollisionScene, &Kinematics, &[RigidAttachment]),
+    knots: &[f64],
+    pairs: &PairSet,
+    (settings, go_on): (&MinimumSettings, &dyn Fn() -> bool),
+    scratch: &mut CollisionScratch,
+) -> MinimumClearance {
     scratch.forget_hints(scene);
     let mut search = Minimum {
         scene,
@@ -223,17 +234,18 @@ impl Minimum<'_> {
                     self.lower = rest.fold(self.lower, |lower, open| lower.min(open.lower));
                     return;
                 }
-                let (from, delta) = scratch.motion_samples.piece(self.scene, knots, part.piece);
+                let CollisionScratch { motion_samples, bound, .. } = scratch;
                 if begun != Some(part.piece) {
-                    scratch.bound.begin(self.scene, self.pairs, from, delta);
+                    motion_samples.pieces.begin_bound((self.scene, self.pairs), knots, part.piece, bound);
                     begun = Some(part.piece);
                 }
-                self.scene.space.interpolate(from, &knots[(part.piece as usize + 1) * size..][..size], part.t, &mut q);
+                motion_samples.pieces.configuration(self.scene, knots, (part.piece, part.t), &mut q);
                 scratch.X_WJ.resize(kinematics.bodies(), foliate_components::Pose::IDENTITY);
                 kinematics.forward(&q, &mut scratch.X_WJ);
                 kinematics.carry(&q, rigid_attachments, &mut scratch.X_WJ);
                 place_balls(self.scene, &scratch.X_WJ, &mut scratch.balls);
-                scratch.bound.look_at(self.scene, &scratch.X_WJ, part.half);
+                let CollisionScratch { motion_samples, bound, X_WJ, .. } = scratch;
+                motion_samples.pieces.look_at_bound(self.scene, (part.piece, part.t, part.half), X_WJ, bound);
                 let first = left.len();
                 self.look_into(part, &open[part.open.clone()], moving, &mut left, scratch);
                 let (rest, half) = (first..left.len(), 0.5 * part.half);

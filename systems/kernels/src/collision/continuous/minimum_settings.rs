@@ -41,6 +41,11 @@ pub struct MinimumClearance {
     pub queries: u64,
 }
 
+impl MinimumClearance {
+    /// Of a motion that is none: numbers that are not finite, or rows that do not fit.
+    pub(crate) const UNKNOWN: Self = Self { lower: f64::NEG_INFINITY, nearest: None, is_cut_short: false, queries: 0 };
+}
+
 /// A pair at a place of a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nearest {

@@ -59,7 +59,8 @@ pub fn certify_polyline(
     if pieces == 0 {
         return PolylineVerdict::Free { min_clearance_lower_bound: f64::INFINITY };
     }
-    let certifier = AdaptiveCertifier::of((scene, kinematics, rigid_attachments), knots, pairs, settings, scratch);
+    scratch.motion_samples.begin((scene, kinematics, rigid_attachments), pairs, knots);
+    let certifier = AdaptiveCertifier::of(scene, knots, pairs, settings, scratch);
     if !certifier.blocked {
         return PolylineVerdict::Free { min_clearance_lower_bound: certifier.min_clearance };
     }

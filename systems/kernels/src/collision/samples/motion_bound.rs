@@ -1,4 +1,4 @@
-//! How far two bodies can come closer along a straight motion.
+//! How far two bodies can come closer along a motion.
 //!
 //! V = Σ |Δᵢ| rᵢ over the joints between the two bodies in the attachment tree (HPP's `velocityBound`), where rᵢ is at least the distance from joint i's axis to any point of the moving body over the whole
 //! interval. There are two bounds on rᵢ, and the smaller counts: the static reach of the chain beyond the joint, and the
@@ -8,13 +8,17 @@
 //! sample counts in first order, and the rest is ½h² sup‖ẍ‖ with
 //! ‖ẍ‖ ≤ Σⱼ |Δⱼ| rⱼ (|Δⱼ| + 2 Σᵢ |Δᵢ|) over the joints i that carry joint j. Bodies that slide past each other need far
 //! fewer samples so.
+//!
+//! On a curve |Δᵢ| is the farthest that joint i gets from the sample within the interval. For ‖ẍ‖ it is the largest |q̇ᵢ|, and
+//! Σⱼ |q̈ⱼ| rⱼ is added.
 
+use crate::collision::samples::joint_rate::JointRate;
 use crate::collision::scene::body_chains::Chain;
 use crate::collision::scene::collision_scene::{CollisionScene, PairId};
 use crate::collision::scene::pair_query::{place_balls, solid_balls};
 use crate::collision::scene::pair_set::{ActiveGroup, PairSet};
 use crate::collision::solids::volumes::Ball;
-use crate::kinematics::joint_table::{JointCoordinates, JointEntry};
+use crate::curve::cubic::Cubic;
 use foliate_components::Pose;
 use foliate_components::robot::JointType;
 use glam::DVec3;
@@ -22,22 +26,18 @@ use glam::DVec3;
 /// Radians turned by all joints together within half an interval, beyond which directions are not used.
 pub(crate) const FINE: f64 = 0.8;
 
-/// Bounds for one straight motion; buffers are reused from motion to motion.
+/// Bounds for one motion; buffers are reused from motion to motion.
 #[derive(Clone, Debug, Default)]
 pub struct MotionBound {
-    /// By joint: |Δ| of its rotation over the whole motion, radians.
-    turn: Vec<f64>,
-    /// By joint: |Δ| of its translation, metres.
-    slide: Vec<f64>,
+    /// By joint: its straight motion; empty on a curve.
+    straight: Vec<JointRate>,
+    /// By joint: how it moves within the interval.
+    within: Vec<JointRate>,
     /// By joint: how far from zero its translation may be during the motion, metres.
     travel: Vec<f64>,
-    /// By joint: Δ of its rotation (or, for free-flyers, rotation vector) in its own frame, radians.
-    spin: Vec<DVec3>,
-    /// By joint: the same in the world at the sample.
+    /// By joint: how fast it turns at the sample, in the world.
     world_spin: Vec<DVec3>,
-    /// By joint: Δ of its translation in its frame at zero, metres.
-    drift: Vec<DVec3>,
-    /// By joint: the same in the world at the sample.
+    /// By joint: how fast it slides at the sample, in the world.
     world_drift: Vec<DVec3>,
     /// By chain link: reach of the body beyond that joint, metres.
     reach: Vec<f64>,
@@ -51,33 +51,36 @@ pub struct MotionBound {
     /// By cluster: the sample for which `moved` was computed.
     fresh: Vec<u32>,
     sample: u32,
-    half_width: f64,
 }
 
 impl MotionBound {
-    /// Starts a motion from `q` by the velocity `delta` (the configuration space's difference) in unit time.
+    /// Starts a straight motion from `q` by the velocity `delta` (the configuration space's difference) in unit time.
     ///
     /// # Panics
     /// If a slice is too short.
     pub fn begin(&mut self, scene: &CollisionScene, pairs: &PairSet, q: &[f64], delta: &[f64]) {
         self.clear();
         for joint in scene.joints.iter() {
-            let rate = JointRate::of(joint, q, delta);
-            self.turn.push(rate.turn);
-            self.slide.push(rate.slide);
-            self.travel.push(rate.travel);
-            self.spin.push(rate.spin);
-            self.drift.push(rate.drift);
+            let (rate, travel) = JointRate::straight(joint, q, delta);
+            self.straight.push(rate);
+            self.travel.push(travel);
         }
         self.make_room(scene, pairs);
     }
 
+    /// Starts a piece of a curve over u ∈ [0, 1], by coordinate.
+    ///
+    /// # Panics
+    /// If a slice is too short.
+    pub fn begin_curve(&mut self, scene: &CollisionScene, pairs: &PairSet, cubics: &[Cubic]) {
+        self.clear();
+        self.travel.extend(scene.joints.iter().map(|joint| joint.moves_along(cubics).2));
+        self.make_room(scene, pairs);
+    }
+
     fn clear(&mut self) {
-        self.turn.clear();
-        self.slide.clear();
+        self.straight.clear();
         self.travel.clear();
-        self.spin.clear();
-        self.drift.clear();
     }
 
     fn make_room(&mut self, scene: &CollisionScene, pairs: &PairSet) {
@@ -113,19 +116,41 @@ impl MotionBound {
     /// # Panics
     /// If `X_WJ` is too short.
     pub fn look_at(&mut self, scene: &CollisionScene, X_WJ: &[Pose], half_width: f64) {
+        self.within.clear();
+        self.within.extend(self.straight.iter().map(|rate| rate.over(half_width)));
+        self.settle(scene, X_WJ);
+    }
+
+    /// Goes to the parameters within `half_width` of `t` on the piece with which [`Self::begin_curve`] began, where the bodies
+    /// have the poses `X_WJ` at `t`.
+    ///
+    /// # Panics
+    /// If a slice is too short.
+    pub fn look_at_curve(
+        &mut self,
+        scene: &CollisionScene,
+        X_WJ: &[Pose],
+        cubics: &[Cubic],
+        (t, half_width): (f64, f64),
+    ) {
+        self.within.clear();
+        self.within.extend(scene.joints.iter().map(|joint| JointRate::on_curve(joint, cubics, t, half_width)));
+        self.settle(scene, X_WJ);
+    }
+
+    fn settle(&mut self, scene: &CollisionScene, X_WJ: &[Pose]) {
         self.sample += 1;
-        self.half_width = half_width;
-        for (index, joint) in scene.joints.iter().enumerate().filter(|&(i, _)| self.turn[i] > 0.0) {
+        for (index, joint) in scene.joints.iter().enumerate().filter(|&(i, _)| self.within[i].turn > 0.0) {
             let axis = match joint.motion {
                 JointType::Revolute { axis } => X_WJ[index].rotation * axis,
                 JointType::Planar => X_WJ[index].rotation * DVec3::Z,
                 JointType::Prismatic { .. } | JointType::FreeFlyer => DVec3::ZERO,
             };
             self.origins[index] = (X_WJ[index].translation, axis);
-            self.world_spin[index] = X_WJ[index].rotation * self.spin[index];
+            self.world_spin[index] = X_WJ[index].rotation * self.within[index].spin;
         }
-        for (index, joint) in scene.joints.iter().enumerate().filter(|&(i, _)| self.slide[i] > 0.0) {
-            let along = joint.X_PJ.rotation * self.drift[index];
+        for (index, joint) in scene.joints.iter().enumerate().filter(|&(i, _)| self.within[i].slide > 0.0) {
+            let along = joint.X_PJ.rotation * self.within[index].drift;
             self.world_drift[index] = joint.parent.map_or(along, |p| X_WJ[p.at()].rotation * along);
         }
     }
@@ -204,29 +229,31 @@ impl MotionBound {
         };
         let (a, b) = (side(group.first, active.apart.0, balls[0]), side(group.second, active.apart.1, balls[1]));
         let speed = (a.speed - b.speed).abs() + a.spread + b.spread;
-        self.half_width * (speed + 0.5 * self.half_width * (a.acceleration + b.acceleration))
+        speed + 0.5 * (a.acceleration + b.acceleration)
     }
 
     /// How the points within a ball move along `n`, by the `count` most distal joints of a chain.
     fn side(&self, pairs: &PairSet, chain: Chain, count: usize, ball: Ball, n: DVec3) -> Side {
         let start = chain.start as usize;
         let links = &pairs.chains.links[start..start + count];
-        let mut carried: f64 = links.iter().map(|l| self.turn[l.joint as usize]).sum();
+        let mut carried: f64 = links.iter().map(|l| self.within[l.joint as usize].turning.0).sum();
         let mut side = Side { speed: 0.0, spread: 0.0, acceleration: 0.0 };
         // n · (ω × (x − o)) changes by (n × ω) · δ when x changes by δ.
         let mut gradient = DVec3::ZERO;
         for (link, radius) in links.iter().zip(&self.radius[start..]) {
             let joint = link.joint as usize;
-            let (turn, slide) = (self.turn[joint], self.slide[joint]);
+            let JointRate { turn, slide, turning: (fastest, bend), sliding, .. } = self.within[joint];
             if turn > 0.0 {
-                carried = (carried - turn).max(0.0);
+                carried = (carried - fastest).max(0.0);
                 let lever = n.cross(self.world_spin[joint]);
                 side.speed += lever.dot(ball.center - self.origins[joint].0);
                 gradient += lever;
-                side.acceleration += turn * radius * (turn + 2.0 * carried);
+                side.acceleration += fastest * radius * (fastest + 2.0 * carried) + bend * radius;
             }
-            side.speed += n.dot(self.world_drift[joint]);
-            side.acceleration += 2.0 * slide * carried;
+            if slide > 0.0 {
+                side.speed += n.dot(self.world_drift[joint]);
+                side.acceleration += 2.0 * sliding.0 * carried + sliding.1;
+            }
         }
         side.spread += gradient.length() * ball.radius;
         side
@@ -255,7 +282,8 @@ impl MotionBound {
         self.moved[base] = 0.0;
         for (place, index) in (chain.start as usize..chain.end as usize).enumerate() {
             let joint = pairs.chains.links[index].joint as usize;
-            if self.turn[joint] > 0.0 {
+            let JointRate { turn, slide, .. } = self.within[joint];
+            if turn > 0.0 {
                 let (origin, axis) = self.origins[joint];
                 let out = ball.center - origin;
                 let here = match scene.joints[joint].motion {
@@ -264,64 +292,18 @@ impl MotionBound {
                 };
                 let radius = self.reach[index].min(here + ball.radius + moved);
                 self.radius[index] = radius;
-                moved += self.half_width * self.turn[joint] * radius;
+                moved += turn * radius;
             }
-            moved += self.half_width * self.slide[joint];
+            moved += slide;
             self.moved[base + place + 1] = moved;
         }
     }
 }
 
-/// Motion of some points along a direction, per unit of the parameter: speed at the middle, metres; how much more any of
-/// them may have; and a bound on the acceleration in any direction.
+/// Motion of some points along a direction, for half of the interval as the unit of time: speed at the middle, metres; how much
+/// more any of them may have; and a bound on the acceleration in any direction.
 struct Side {
     speed: f64,
     spread: f64,
     acceleration: f64,
-}
-
-/// How much one joint moves.
-struct JointRate {
-    turn: f64,
-    slide: f64,
-    travel: f64,
-    spin: DVec3,
-    drift: DVec3,
-}
-
-impl JointRate {
-    fn of(joint: &JointEntry, q: &[f64], delta: &[f64]) -> Self {
-        let vector = |values: &[f64], i: usize, n: usize| {
-            DVec3::new(values[i], values[i + 1], if n > 2 { values[i + 2] } else { 0.0 })
-        };
-        let farthest = |start: DVec3, by: DVec3| start.length().max((start + by).length());
-        let JointCoordinates { q: i, v: j, multiplier, offset } = joint.coordinates;
-        match joint.motion {
-            JointType::Revolute { axis } => {
-                let turn = multiplier * delta[j];
-                Self { turn: turn.abs(), slide: 0.0, travel: 0.0, spin: axis * turn, drift: DVec3::ZERO }
-            }
-            JointType::Prismatic { axis } => {
-                let slide = multiplier * delta[j];
-                let value = |x: f64| (multiplier * x + offset).abs();
-                let travel = value(q[i]).max(value(q[i] + delta[j]));
-                Self { turn: 0.0, slide: slide.abs(), travel, spin: DVec3::ZERO, drift: axis * slide }
-            }
-            JointType::Planar => {
-                let (start, by) = (vector(q, i, 2), vector(delta, j, 2));
-                let turn = delta[j + 2];
-                Self {
-                    turn: turn.abs(),
-                    slide: by.length(),
-                    travel: farthest(start, by),
-                    spin: DVec3::Z * turn,
-                    drift: by,
-                }
-            }
-            JointType::FreeFlyer => {
-                let (start, by, spin) = (vector(q, i, 3), vector(delta, j, 3), vector(delta, j + 3, 3));
-                Self { turn: spin.length(), slide: by.length(), travel: farthest(start, by), spin, drift: by }
-            }
-        }
-    }
 }

@@ -1,26 +1,30 @@
 //! A motion cut into intervals, and sixteen of its configurations placed side by side.
 //!
-//! A motion is a polyline; most have one piece. An interval is a span of whole pieces, seen from the knot in its middle, or
-//! a dyadic part of one piece, seen from its midpoint. Sixteen intervals make a block: their configurations, and how far
-//! each joint moves to either side of them, stand in lanes. Configurations that lie on no common motion are knots with
-//! nothing between them.
+//! A motion is a polyline or a curve; most have one piece. An interval is a span of whole pieces, seen from the knot in its
+//! middle, or a dyadic part of one piece, seen from its midpoint. Samples of a curve lie on the curve itself. Sixteen intervals
+//! make a block: their configurations, and how far each joint moves to either side of them, stand in lanes. Configurations that
+//! lie on no common motion are knots with nothing between them.
 
 use crate::collision::samples::interval::{Interval, LANES, POSE, Sample};
 use crate::collision::samples::motion_bound::FINE;
+use crate::collision::samples::pieces::Pieces;
 use crate::collision::samples::place_bodies::{PlaceBodies, Step, numbers_of, rows_of};
 use crate::collision::scene::collision_scene::CollisionScene;
 use crate::collision::scene::pair_set::{ActiveGroup, PairSet};
+use crate::curve::hermite::HermiteCurve;
 use crate::kinematics::forward::{Kinematics, RigidAttachment};
 use crate::kinematics::joint_table::JointEntry;
 use crate::lanes::level::Level;
 use crate::lanes::vector::{F32Row, F64Row};
 use foliate_components::Pose;
-use foliate_components::pose::exp_so3;
-use foliate_components::robot::configuration::quaternion;
 use foliate_components::robot::{JointIndex, JointType};
 use glam::{DMat3, DQuat, DVec3};
+
 /// Sines in lanes are exact up to here, radians; beyond it nothing is proved.
 const FARTHEST: f64 = 1e5;
+
+/// What poses depend on: bodies, how they are placed, and who carries what.
+type Tables<'a> = (&'a CollisionScene, &'a Kinematics, &'a [RigidAttachment]);
 
 /// What is known of a motion, and of the current block. Buffers are reused from motion to motion.
 #[derive(Clone, Debug, Default)]
@@ -30,12 +34,7 @@ pub(crate) struct MotionSamples {
     /// By body: whether its pose changes along the motion.
     body_moves: Vec<bool>,
     steps: Vec<Step>,
-    /// By piece: the configuration space's difference.
-    deltas: Vec<f64>,
-    /// By knot and joint: path lengths of rotation (radians) and translation (metres) up to there.
-    lengths: Vec<(f64, f64)>,
-    /// By joint: the farthest that its translation is from zero, metres.
-    pub(crate) travel: Vec<f64>,
+    pub(crate) pieces: Pieces,
     /// By body: poses at the start; those that do not move stay there.
     pub(crate) start: Vec<Pose>,
     /// By step: coordinates, two rows each.
@@ -59,54 +58,33 @@ pub(crate) struct MotionSamples {
 const MORE: f64 = 1.0 + 1e-5;
 
 impl MotionSamples {
-    /// Starts a motion through `knots` of `pieces` pieces.
-    pub(crate) fn begin(
-        &mut self,
-        (scene, kinematics, rigid_attachments): (&CollisionScene, &Kinematics, &[RigidAttachment]),
-        pairs: &PairSet,
-        knots: &[f64],
-    ) {
-        let (size, dimension, joints) = (scene.space.size(), scene.space.dimension(), scene.joints.len());
-        let pieces = (knots.len() / size).saturating_sub(1);
+    /// Starts a motion through `knots`.
+    pub(crate) fn begin(&mut self, tables: Tables<'_>, pairs: &PairSet, knots: &[f64]) {
         self.is_still = false;
-        self.deltas.clear();
-        self.deltas.resize(pieces * dimension, 0.0);
-        self.lengths.clear();
-        self.lengths.resize(joints, (0.0, 0.0));
-        self.travel.clear();
-        self.travel.resize(joints, 0.0);
-        for piece in 0..pieces {
-            let (a, b) = (&knots[piece * size..][..size], &knots[(piece + 1) * size..][..size]);
-            let delta = &mut self.deltas[piece * dimension..][..dimension];
-            scene.space.difference(a, b, delta);
-            for (index, joint) in scene.joints.iter().enumerate() {
-                let (turn, slide, travel) = joint.moves_by(a, delta);
-                let (turned, slid) = self.lengths[piece * joints + index];
-                self.lengths.push((turned + turn, slid + slide));
-                self.travel[index] = self.travel[index].max(travel);
-            }
-        }
-        self.joint_moves.clear();
-        self.joint_moves.extend((0..joints).map(|j| {
-            let (turned, slid) = self.lengths[pieces * joints + j];
-            // Compared so that NaN moves.
-            !(turned == 0.0 && slid == 0.0)
-        }));
-        self.set_out((scene, kinematics, rigid_attachments), pairs, knots);
+        self.pieces.begin(tables.0, knots);
+        self.pieces.moving_joints(&mut self.joint_moves);
+        self.set_out(tables, pairs, knots);
+    }
+
+    /// Starts a motion along a curve.
+    pub(crate) fn begin_curve(&mut self, tables: Tables<'_>, pairs: &PairSet, curve: &HermiteCurve<'_>) {
+        self.is_still = false;
+        self.pieces.begin_curve(tables.0, curve);
+        self.pieces.moving_joints(&mut self.joint_moves);
+        self.set_out(tables, pairs, curve.knots);
     }
 
     /// Starts with at least one configuration, and with nothing between those that there are: joints that have the same
     /// coordinates in all of them do not move.
     pub(crate) fn begin_still(
         &mut self,
-        (scene, kinematics, rigid_attachments): (&CollisionScene, &Kinematics, &[RigidAttachment]),
+        (scene, kinematics, rigid_attachments): Tables<'_>,
         pairs: &PairSet,
         configurations: &[f64],
     ) {
         let (size, joints) = (scene.space.size(), scene.joints.len());
         self.is_still = true;
-        self.travel.clear();
-        self.travel.resize(joints, 0.0);
+        self.pieces.start_over(scene);
         self.joint_moves.clear();
         self.joint_moves.resize(joints, false);
         let (first, others) = configurations.split_at(size);
@@ -122,12 +100,7 @@ impl MotionSamples {
     }
 
     /// Places the bodies at the first of `knots` and finds which of them move.
-    fn set_out(
-        &mut self,
-        (scene, kinematics, rigid_attachments): (&CollisionScene, &Kinematics, &[RigidAttachment]),
-        pairs: &PairSet,
-        knots: &[f64],
-    ) {
+    fn set_out(&mut self, (scene, kinematics, rigid_attachments): Tables<'_>, pairs: &PairSet, knots: &[f64]) {
         self.start.clear();
         self.start.resize(scene.joints.len(), Pose::IDENTITY);
         kinematics.forward(knots, &mut self.start);
@@ -218,7 +191,7 @@ impl MotionSamples {
             for index in chain.start as usize..chain.end as usize {
                 let link = &pairs.chains.links[index];
                 self.reach[index] = ((link.reach + travel) * MORE) as f32;
-                travel += self.travel[link.joint as usize];
+                travel += self.pieces.travel[link.joint as usize];
                 moving += u32::from(self.joint_moves[link.joint as usize]);
                 self.moving[index + number + 1] = moving;
             }
@@ -243,8 +216,8 @@ impl MotionSamples {
         self.moving[active.rows.0 as usize] + self.moving[active.rows.1 as usize] > 0
     }
 
-    /// Whether the motion is straight within a lane's interval, and turns little enough for the velocity bound's directions
-    /// to have a chance.
+    /// Whether the motion is smooth within a lane's interval, and turns little enough for the velocity bound's directions to
+    /// have a chance.
     pub(crate) fn is_fine(&self, sample: Sample, lane: usize) -> bool {
         let turned = || self.turns.iter().map(|row| f64::from(row[lane])).sum::<f64>();
         matches!(sample, Sample::Inside { .. }) && turned() < FINE
@@ -254,12 +227,6 @@ impl MotionSamples {
     #[inline]
     pub(crate) fn body_moves(&self, body: Option<JointIndex>) -> bool {
         body.is_some_and(|b| self.body_moves[b.at()])
-    }
-
-    /// The first configuration of a piece, and its difference to the next.
-    pub(crate) fn piece<'a>(&'a self, scene: &CollisionScene, knots: &'a [f64], piece: u32) -> (&'a [f64], &'a [f64]) {
-        let (size, dimension) = (scene.space.size(), scene.space.dimension());
-        (&knots[piece as usize * size..][..size], &self.deltas[piece as usize * dimension..][..dimension])
     }
 
     /// Goes to a block of at most sixteen intervals; the last of them fills the lanes that are left.
@@ -282,60 +249,34 @@ impl MotionSamples {
     }
 
     fn bound_joints(&mut self, scene: &CollisionScene, sample: Sample, lane: usize) {
-        let joints = scene.joints.len();
-        for index in (0..joints).filter(|&j| self.joint_moves[j]) {
-            let at = |knot: u32| self.lengths[knot as usize * joints + index];
-            let (turn, slide) = match sample {
-                Sample::Knot { first, middle, last } => {
-                    let (a, m, b) = (at(first), at(middle), at(last));
-                    ((m.0 - a.0).max(b.0 - m.0), (m.1 - a.1).max(b.1 - m.1))
-                }
-                Sample::Inside { piece, half_width, .. } => {
-                    let (a, b) = (at(piece), at(piece + 1));
-                    ((b.0 - a.0) * half_width, (b.1 - a.1) * half_width)
-                }
-            };
+        for (index, joint) in scene.joints.iter().enumerate().filter(|&(j, _)| self.joint_moves[j]) {
+            let (turn, slide) = self.pieces.moves_within(joint, index, sample);
             self.turns[index][lane] = (turn * MORE) as f32;
             self.slides[index][lane] = (slide * MORE) as f32;
         }
     }
 
     fn write_coordinates(&mut self, scene: &CollisionScene, knots: &[f64], sample: Sample, lane: usize) {
-        let (size, dimension) = (scene.space.size(), scene.space.dimension());
-        let (knot, delta, t) = match sample {
-            Sample::Knot { middle, .. } => (middle as usize, None, 0.0),
-            Sample::Inside { piece, t, .. } => {
-                (piece as usize, Some(&self.deltas[piece as usize * dimension..][..dimension]), t)
-            }
-        };
-        let q = &knots[knot * size..][..size];
         let (half, lane) = (lane / 8, lane % 8);
+        let way = self.pieces.way(knots, sample);
         for step in &self.steps {
             let Some(motion) = step.motion else { continue };
             let joint = scene.joints[step.body as usize].coordinates;
             let rows = &mut self.values[step.value as usize..];
-            let linear = |i: usize| q[joint.q + i] + delta.map_or(0.0, |d| t * d[joint.v + i]);
             match motion {
                 JointType::Revolute { .. } | JointType::Prismatic { .. } => {
-                    let value = joint.multiplier * linear(0) + joint.offset;
+                    let value = joint.multiplier * way.number(joint, 0) + joint.offset;
                     rows[0][half][lane] = if value.abs() < FARTHEST { value } else { f64::NAN };
                 }
                 JointType::Planar => {
-                    (0..3).for_each(|i| rows[i][half][lane] = linear(i));
+                    (0..3).for_each(|i| rows[i][half][lane] = way.number(joint, i));
                     if rows[2][half][lane].abs() > FARTHEST {
                         rows[2][half][lane] = f64::NAN;
                     }
                 }
                 JointType::FreeFlyer => {
-                    (0..3).for_each(|i| rows[i][half][lane] = linear(i));
-                    let turned = match delta {
-                        Some(d) => {
-                            let v = joint.v + 3;
-                            quaternion(q, joint.q) * exp_so3(DVec3::new(d[v], d[v + 1], d[v + 2]) * t)
-                        }
-                        None => quaternion(q, joint.q),
-                    };
-                    let turned = turned.normalize().to_array();
+                    (0..3).for_each(|i| rows[i][half][lane] = way.number(joint, i));
+                    let turned = way.rotation(joint).to_array();
                     (0..4).for_each(|i| rows[3 + i][half][lane] = turned[i]);
                 }
             }
