@@ -186,7 +186,7 @@ fn exported_path() {
     let folder = Folder::new("exported");
     let out = folder.0.join("good.json");
     let scene = Scene::load("demo", &PackagePath::default()).unwrap();
-    let planner = Planner::new(scene.problem.clone()).unwrap();
+    let planner = Planner::new(scene.problem.clone()).unwrap().first_path();
     let mut solution = planner.solve().unwrap();
     timed::rest_to_rest(&scene.problem, &mut solution.path);
     let models = save::model_names(&scene, &out).unwrap();
