@@ -1,17 +1,17 @@
-//! An answer on a robot: plan, then follow the trajectory at 500 Hz, and open and close hands when it says so.
+//! An answer on a robot: plan, improve for 50 ms, then follow the trajectory at 500 Hz, and open and close hands when it says so.
 //!
 //! Run with `cargo run --release --example follow_a_trajectory`.
 
 use foliate::components::samples::swap_two_boxes;
 use foliate::prelude::*;
 use std::error::Error;
+use std::time::Duration;
 
 /// What a controller is told 500 times a second.
 fn send(_positions: &[f64], _velocities: &[f64]) {}
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let planner = Planner::new(swap_two_boxes()?)?.seed(7);
-    // <improve for 50 ms>
+    let planner = Planner::new(swap_two_boxes()?)?.seed(7).improve_time(Duration::from_millis(50));
     let solution = planner.solve_on(1)?;
     let trajectory = solution.trajectory()?;
     println!("{:.2} s in {} segments", trajectory.duration(), trajectory.segments().len());

@@ -5,7 +5,6 @@ mod common;
 
 use common::skip::{node_with, python_with};
 use common::timed::rest_to_rest;
-use foliate::Planner;
 use foliate::certify::formats::{ReadOptions, read};
 use foliate::certify::{Certifier, CertifyOptions, Verdict};
 use foliate::components::path::ManipulationPath;
@@ -13,6 +12,7 @@ use foliate::components::problem::Problem;
 use foliate::kernels::collision::CollisionScratch;
 use foliate::path_file::{PathContext, save, write_path};
 use foliate::scene::{PackagePath, Scene};
+use foliate::{Planner, Solution};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -27,14 +27,27 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// A planned path with times, as a file.
+/// A first path with simple times, as a file.
 fn planned(scene: &str, packages: &PackagePath, file: &Path, spoil: impl Fn(&Problem, &mut ManipulationPath)) -> Scene {
     let scene = Scene::load(scene, packages).unwrap_or_else(|e| panic!("{e}"));
-    let planner = Planner::new(scene.problem.clone()).unwrap().seed(1);
+    let planner = Planner::new(scene.problem.clone()).unwrap().seed(1).first_path();
     let mut solution = planner.solve().unwrap_or_else(|e| panic!("{}: {e}", scene.problem.name));
     rest_to_rest(&scene.problem, &mut solution.path);
     spoil(&scene.problem, &mut solution.path);
-    let models = save::model_names(&scene, file).unwrap();
+    written(&scene, &solution, file);
+    scene
+}
+
+/// What the planner answers by default: improved, smooth, with times of its own.
+fn improved(scene: &str, packages: &PackagePath, file: &Path) {
+    let scene = Scene::load(scene, packages).unwrap_or_else(|e| panic!("{e}"));
+    let solution = Planner::new(scene.problem.clone()).unwrap().seed(1).solve().unwrap_or_else(|e| panic!("{e}"));
+    assert!(solution.path.segments.iter().all(|s| s.timing.is_some()), "{:?}", solution.report.untimed);
+    written(&scene, &solution, file);
+}
+
+fn written(scene: &Scene, solution: &Solution, file: &Path) {
+    let models = save::model_names(scene, file).unwrap();
     let model = &solution.model;
     let context = PathContext {
         problem: &model.problem,
@@ -45,7 +58,6 @@ fn planned(scene: &str, packages: &PackagePath, file: &Path, spoil: impl Fn(&Pro
         simd: "none",
     };
     save::save(&write_path(&context, &solution.path), file).unwrap();
-    scene
 }
 
 /// Gives the knots inside of segments some velocity, so that a reader that takes it for zero is found.
@@ -84,10 +96,14 @@ fn export(path: &Path, out: &Path, more: &[&str]) {
     assert!(done, "{path} {out}: {told}");
 }
 
-fn read_by_others(scene: &str, packages: &PackagePath, test: &str) {
-    let folder = folder(scene);
+fn read_by_others(scene: &str, packages: &PackagePath, test: &str, is_improved: bool) {
+    let folder = folder(&format!("{scene}-{is_improved}"));
     let path = folder.join("path.json");
-    planned(scene, packages, &path, swing);
+    if is_improved {
+        improved(scene, packages, &path);
+    } else {
+        planned(scene, packages, &path, swing);
+    }
     for name in ["ros.json", "ros.yaml", "all.csv", "all.npz", "all.mcap", "all.glb"] {
         export(&path, &folder.join(name), &["--rate", "50"]);
     }
@@ -114,7 +130,14 @@ fn read_by_others(scene: &str, packages: &PackagePath, test: &str) {
 #[test]
 fn embedded_scenes_are_read_by_others() {
     for scene in EMBEDDED {
-        read_by_others(scene, &PackagePath::only(&[]), "embedded_scenes_are_read_by_others");
+        read_by_others(scene, &PackagePath::only(&[]), "embedded_scenes_are_read_by_others", false);
+    }
+}
+
+#[test]
+fn smooth_paths_are_read_by_others() {
+    for scene in EMBEDDED {
+        read_by_others(scene, &PackagePath::only(&[]), "smooth_paths_are_read_by_others", true);
     }
 }
 
@@ -123,7 +146,7 @@ fn published_robots_are_read_by_others() {
     let test = "published_robots_are_read_by_others";
     let Some(packages) = common::published_models(test) else { return };
     for scene in PUBLISHED {
-        read_by_others(scene, &packages, test);
+        read_by_others(scene, &packages, test, false);
     }
 }
 

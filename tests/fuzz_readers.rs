@@ -6,13 +6,17 @@
 
 #[path = "common/mutate.rs"]
 mod mutate;
+#[allow(dead_code, reason = "this test uses its part")]
+#[path = "common/timed.rs"]
+mod timed;
 
 use foliate::Planner;
 use foliate::certify::formats::{ReadOptions, read_bytes};
 use foliate::certify::{Certifier, CertifyOptions};
 use foliate::check::{CheckOptions, SceneChoice, check};
+use foliate::export::{ExportOptions, Format, export};
 use foliate::kernels::collision::CollisionScratch;
-use foliate::path_file::{PathContext, save, write_path};
+use foliate::path_file::{LoadedPath, PathContext, save, write_path};
 use foliate::scene::{MeshCache, PackagePath, Scene, UpAxis, read_model};
 use mutate::fuzz;
 use std::path::{Path, PathBuf};
@@ -172,6 +176,41 @@ fn path() {
         let Ok(file) = save::read(Path::new(&folder.write("bad.json", bad))) else { return };
         for scene in [SceneChoice::Nothing, SceneChoice::Given("demo".into())] {
             drop(check(&file, &folder.0, &PackagePath::default(), &limits(scene)));
+        }
+    });
+}
+
+/// Paths with times that `foliate export` reads, and what it writes of them.
+#[test]
+fn exported_path() {
+    let folder = Folder::new("exported");
+    let out = folder.0.join("good.json");
+    let scene = Scene::load("demo", &PackagePath::default()).unwrap();
+    let planner = Planner::new(scene.problem.clone()).unwrap().first_path();
+    let mut solution = planner.solve().unwrap();
+    timed::rest_to_rest(&scene.problem, &mut solution.path);
+    let models = save::model_names(&scene, &out).unwrap();
+    let context = PathContext {
+        problem: &planner.model().problem,
+        graph: &solution.model.graph,
+        models: &models,
+        seed: 1,
+        scheduler: "sequence",
+        simd: "any",
+    };
+    let mut file = write_path(&context, &solution.path);
+    file.segments.truncate(3);
+    save::save(&file, &out).unwrap();
+    let short = std::fs::read(&out).unwrap();
+    fuzz("exported path", &[short], |bad| {
+        let packages = PackagePath::default();
+        let Ok(file) = save::read(Path::new(&folder.write("bad.json", bad))) else { return };
+        let Ok(loaded) = LoadedPath::of_file(&file, &folder.0, &packages) else { return };
+        let Ok(trajectory) = loaded.trajectory() else { return };
+        // Long motions take long.
+        let options = ExportOptions { rate: 20.0 / trajectory.duration().max(1e-3), ..ExportOptions::default() };
+        for format in [Format::RosJson, Format::RosYaml, Format::Csv, Format::Npz, Format::Mcap, Format::Glb] {
+            drop(export(&loaded, format, &options, &packages));
         }
     });
 }

@@ -12,17 +12,17 @@ use foliate::components::samples::swap_two_boxes;
 use foliate::prelude::*;
 use foliate::trajectory::Interpolation;
 
-/// A solved problem whose path has times, from rest to rest.
+/// A solved problem whose path has simple times, from rest to rest.
 fn solved() -> (Problem, Solution) {
     let problem = swap_two_boxes().unwrap();
-    let mut solution = Planner::new(problem.clone()).unwrap().seed(7).solve_on(1).unwrap();
+    let mut solution = Planner::new(problem.clone()).unwrap().seed(7).first_path().solve_on(1).unwrap();
     rest_to_rest(&problem, &mut solution.path);
     (problem, solution)
 }
 
 #[test]
 fn a_path_without_times_says_so() {
-    let solution = Planner::new(swap_two_boxes().unwrap()).unwrap().seed(7).solve_on(1).unwrap();
+    let solution = Planner::new(swap_two_boxes().unwrap()).unwrap().seed(7).first_path().solve_on(1).unwrap();
     assert!(matches!(solution.trajectory(), Err(TrajectoryError::NoTimes)));
 }
 

@@ -2,8 +2,10 @@
 
 use crate::path_file::document::{EventEntry, RateLimitEntry};
 use crate::path_file::names::held;
-use crate::scene::assemble::names::configuration::{coordinate_names, has_number};
-use foliate_components::path::{Attachment, EventKind, ManipulationPath, Segment, SegmentTiming, events as events_of};
+use crate::scene::assemble::names::configuration::coordinate_names;
+use foliate_components::path::{
+    Attachment, EventKind, ManipulationPath, Segment, SegmentTiming, events as events_of, fingers,
+};
 use foliate_components::problem::{Problem, RateLimits};
 use foliate_components::robot::{GripperIndex, JointIndex, PartKind, Robot, RootJoint, Source};
 use std::collections::BTreeMap;
@@ -50,31 +52,18 @@ pub(super) fn events(robot: &Robot, path: &ManipulationPath) -> Vec<EventEntry> 
         object: held(robot, event.handle),
         gripper: robot.grippers[event.gripper.at()].name.clone(),
         handle: robot.handles[event.handle.at()].name.clone(),
-        fingers: fingers(robot, event.gripper, &path.segments[event.segment].knots[0]),
+        fingers: finger_positions(robot, event.gripper, &path.segments[event.segment].knots[0]),
     };
     events_of(path).into_iter().map(entry).collect()
 }
 
-/// Positions of the joints of one coordinate beyond a gripper's link that lead to no other gripper.
-fn fingers(robot: &Robot, gripper: GripperIndex, q: &[f64]) -> BTreeMap<String, f64> {
-    let link = &robot.links[robot.grippers[gripper.at()].link.at()];
-    let above = |joint: JointIndex| std::iter::successors(Some(joint), |j| robot.joints[j.at()].parent);
-    let is_beyond = |joint: JointIndex| match link.joint {
-        Some(hand) => above(joint).skip(1).any(|j| j == hand),
-        None => true,
+/// Positions of a gripper's joints.
+fn finger_positions(robot: &Robot, gripper: GripperIndex, q: &[f64]) -> BTreeMap<String, f64> {
+    let position = |joint: JointIndex| match robot.joints[joint.at()].source {
+        Source::Coordinates { q: index, .. } => Some((robot.joints[joint.at()].name.clone(), q[index])),
+        Source::Follows { .. } => None,
     };
-    let others = robot.grippers.iter().enumerate().filter(|(index, _)| *index != gripper.at());
-    let others: Vec<JointIndex> = others.filter_map(|(_, other)| robot.links[other.link.at()].joint).collect();
-    let leads_on = |joint: JointIndex| others.iter().any(|&other| above(other).any(|j| j == joint));
-    let joints = robot.parts[link.part.at()].joints.clone().map(|index| JointIndex(index as u32));
-    let position = |joint: JointIndex| match &robot.joints[joint.at()] {
-        finger if has_number(finger) => match finger.source {
-            Source::Coordinates { q: index, .. } => Some((finger.name.clone(), q[index])),
-            Source::Follows { .. } => None,
-        },
-        _ => None,
-    };
-    joints.filter(|&joint| is_beyond(joint) && !leads_on(joint)).filter_map(position).collect()
+    fingers(robot, gripper).into_iter().filter_map(position).collect()
 }
 
 /// By coordinate, whether it moves as the knots say: all but those of objects that follow a carrier or rest.

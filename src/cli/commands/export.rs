@@ -80,7 +80,7 @@ fn written(arguments: &Arguments, format: Format, packages: &PackagePath) -> Res
     export(&path, format, &ExportOptions { rate, robot, joints }, packages).map_err(|error| match error {
         ExportError::Model(error) => Failure::from(error),
         ExportError::Trajectory(TrajectoryError::NoTimes) => {
-            let hint = "plan it anew, with times; --to csv writes its knots as they are";
+            let hint = "`solve` without --first gives it times; --to csv writes its knots as they are";
             Refusal(format!("{place}: the path has no times ({hint})")).into()
         }
         other => Refusal(format!("{place}: {other}")).into(),

@@ -5,6 +5,7 @@ use crate::planner::trajectory::curve::Derivatives;
 use crate::planner::trajectory::error::TrajectoryError;
 use crate::planner::trajectory::trajectory::{Moment, Trajectory};
 use crate::scene::assemble::names::configuration::coordinate_names;
+use foliate_components::robot::configuration::Group;
 use foliate_components::robot::{PartIndex, PartKind, Source};
 
 /// A number of a robot or an object.
@@ -25,7 +26,7 @@ pub(super) struct Column {
 impl Column {
     /// Its value and derivatives at a moment.
     pub fn at(&self, trajectory: &Trajectory<'_>, moment: &Moment<'_>) -> Derivatives {
-        let [value, rate, acceleration] = trajectory.coordinate(moment, self.coordinate);
+        let [value, rate, acceleration] = coordinate(trajectory, moment, self.coordinate);
         match self.follows {
             None => [value, rate, acceleration],
             Some((multiplier, offset)) => [multiplier * value + offset, multiplier * rate, multiplier * acceleration],
@@ -35,6 +36,15 @@ impl Column {
     /// The name without its part.
     pub fn bare(&self) -> &str {
         self.name.split_once('/').map_or(&self.name, |(_, bare)| bare)
+    }
+}
+
+/// A coordinate at a moment, as the path writes it: objects with a carrier are elsewhere.
+fn coordinate(trajectory: &Trajectory<'_>, moment: &Moment<'_>, index: usize) -> Derivatives {
+    let mut flyers = trajectory.robot().space.factors.iter().filter(|factor| factor.group == Group::FreeFlyer);
+    match flyers.find(|flyer| (flyer.q + 3..flyer.q + 7).contains(&index)) {
+        Some(flyer) => moment.piece.quaternion(flyer.q + 3)[index - flyer.q - 3],
+        None => moment.piece.number(index),
     }
 }
 

@@ -1,7 +1,7 @@
 //! Tables: a row for each sample, a column for each coordinate.
 
 use crate::path_file::export::columns::columns;
-use crate::path_file::export::options::{ExportError, ExportOptions};
+use crate::path_file::export::options::{ExportError, ExportOptions, fits};
 use crate::planner::trajectory::trajectory::Trajectory;
 use crate::scene::assemble::names::configuration::coordinate_names;
 use foliate_components::path::ManipulationPath;
@@ -13,12 +13,14 @@ use std::fmt::Write;
 /// With `robot` or `joints` in the options it has only these numbers of robots.
 ///
 /// # Errors
-/// There is no such robot or joint; the rate is none.
+/// There is no such robot or joint; the rate is none; there are more than 2²⁶ numbers.
 pub fn csv(trajectory: &Trajectory<'_>, options: &ExportOptions) -> Result<String, ExportError> {
     let (names, picked) = picked(trajectory, options)?;
     let mut out = header(Some("time"), &names);
     let mut poses = trajectory.poses();
-    for time in trajectory.sample_times(options.rate)? {
+    let times = trajectory.sample_times(options.rate)?;
+    fits(times.len(), picked.len() + 1)?;
+    for time in times {
         poses.place(time);
         let q = poses.configuration();
         row(&mut out, Some(time), picked.iter().map(|&(index, factor, offset)| factor * q[index] + offset));

@@ -1,16 +1,15 @@
 //! Recordings in the form MCAP, with messages in JSON: joint states, transforms, events.
 //!
-//! `/NAME/joint_states` has the fields of sensor_msgs/JointState for a robot or an object with joints, called as its URDF has them. `/tf` has
-//! foxglove.FrameTransforms: every link of robots and objects in the world, called `part/link`; `/tf_static` has those of environments, once.
-//! `/events` has grasps and releases.
+//! `/NAME/joint_states` has the fields of sensor_msgs/JointState for a robot or an object with joints, called as its URDF has them. `/tf` and
+//! `/tf_static` have foxglove.FrameTransforms, as ROS's robot_state_publisher writes them: links called `part/link` in their parents, those
+//! of fixed joints and of environments once. `/events` has grasps and releases.
 
 use crate::path_file::export::columns::{Column, columns};
 use crate::path_file::export::npz::kind;
-use crate::path_file::export::options::{ExportError, ExportOptions};
+use crate::path_file::export::options::{ExportError, ExportOptions, fits};
 use crate::path_file::export::times::{nanoseconds, split};
 use crate::planner::trajectory::poses::Poses;
 use crate::planner::trajectory::trajectory::Trajectory;
-use foliate_components::Pose;
 use foliate_components::robot::{LinkIndex, PartIndex, PartKind};
 use mcap::WriteOptions;
 use mcap::records::MessageHeader;
@@ -22,7 +21,7 @@ use std::io::Cursor;
 /// A trajectory as a recording that begins at time 0.
 ///
 /// # Errors
-/// There is no such robot or joint; the rate is none.
+/// There is no such robot or joint; the rate is none; there are more than 2²⁶ numbers.
 pub fn mcap(trajectory: &Trajectory<'_>, options: &ExportOptions) -> Result<Vec<u8>, ExportError> {
     let mut by_robot: BTreeMap<PartIndex, Vec<Column>> = BTreeMap::new();
     for column in columns(trajectory, options)?.into_iter().filter(|column| column.is_joint) {
@@ -40,12 +39,14 @@ pub fn mcap(trajectory: &Trajectory<'_>, options: &ExportOptions) -> Result<Vec<
     let (tf, events) = (recording.channel(transforms, "/tf")?, recording.channel(event, "/events")?);
     let mut told = trajectory.events().into_iter().peekable();
     let mut poses = trajectory.poses();
-    let (still, moving) = links(trajectory);
+    let (still, moving) = frames(trajectory);
     if !still.is_empty() {
         let channel = recording.channel(transforms, "/tf_static")?;
         recording.message(channel, 0, &transforms_message(trajectory, &poses, &still, 0))?;
     }
-    for time in trajectory.sample_times(options.rate)? {
+    let times = trajectory.sample_times(options.rate)?;
+    fits(times.len(), 7 * moving.len() + 2 * by_robot.values().map(Vec::len).sum::<usize>())?;
+    for time in times {
         while let Some(event) = told.next_if(|event| event.time <= time) {
             let at = nanoseconds(event.time - trajectory.start());
             let fingers: BTreeMap<&str, f64> = event.fingers.iter().copied().collect();
@@ -65,14 +66,26 @@ pub fn mcap(trajectory: &Trajectory<'_>, options: &ExportOptions) -> Result<Vec<
     recording.finish()
 }
 
-/// The links of environments, and all others.
-fn links(trajectory: &Trajectory<'_>) -> (Vec<LinkIndex>, Vec<LinkIndex>) {
+/// A link in the frame of another one; in the world without one.
+#[derive(Clone, Copy)]
+struct Frame {
+    link: LinkIndex,
+    parent: Option<LinkIndex>,
+}
+
+/// All links in their parents: those that stand still there, those of environments among them, and those that joints or hands move.
+fn frames(trajectory: &Trajectory<'_>) -> (Vec<Frame>, Vec<Frame>) {
     let robot = trajectory.robot();
-    let is_still = |link: &LinkIndex| {
-        let part = robot.links[link.at()].part;
-        robot.parts[part.at()].kind == PartKind::Environment
-    };
-    (0..robot.links.len() as u32).map(LinkIndex).partition(is_still)
+    let is_of_environment =
+        |link: LinkIndex| robot.parts[robot.links[link.at()].part.at()].kind == PartKind::Environment;
+    let all = (0..robot.links.len() as u32).map(LinkIndex).map(|link| {
+        let parent = robot.links[link.at()].parent.filter(|_| !is_of_environment(link));
+        Frame { link, parent }
+    });
+    all.partition(|frame| {
+        let body = frame.parent.and_then(|parent| robot.links[parent.at()].joint);
+        is_of_environment(frame.link) || robot.links[frame.link.at()].joint == body
+    })
 }
 
 fn stamp(nanoseconds: u64) -> Value {
@@ -93,17 +106,20 @@ fn joint_state_message(trajectory: &Trajectory<'_>, columns: &[Column], time: f6
     })
 }
 
-fn transforms_message(trajectory: &Trajectory<'_>, poses: &Poses<'_>, links: &[LinkIndex], at: u64) -> Value {
-    let transform = |link: &LinkIndex| {
-        let (name, Pose { translation: t, rotation: r }) =
-            (&trajectory.robot().links[link.at()].name, poses.link(*link));
+fn transforms_message(trajectory: &Trajectory<'_>, poses: &Poses<'_>, frames: &[Frame], at: u64) -> Value {
+    let name = |link: LinkIndex| trajectory.robot().links[link.at()].name.as_str();
+    let transform = |frame: &Frame| {
+        let in_world = poses.link(frame.link);
+        let pose = frame.parent.map_or(in_world, |parent| poses.link(parent).inverse() * in_world);
+        let (t, r) = (pose.translation, pose.rotation);
         json!({
-            "timestamp": stamp(at), "parent_frame_id": "world", "child_frame_id": name,
+            "timestamp": stamp(at), "parent_frame_id": frame.parent.map_or("world", name),
+            "child_frame_id": name(frame.link),
             "translation": { "x": t.x, "y": t.y, "z": t.z },
             "rotation": { "x": r.x, "y": r.y, "z": r.z, "w": r.w },
         })
     };
-    json!({ "transforms": links.iter().map(transform).collect::<Vec<_>>() })
+    json!({ "transforms": frames.iter().map(transform).collect::<Vec<_>>() })
 }
 
 fn object(properties: Value) -> Value {

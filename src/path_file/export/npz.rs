@@ -1,7 +1,7 @@
 //! NumPy archives: arrays with a row for each sample.
 
 use crate::path_file::export::columns::columns;
-use crate::path_file::export::options::{ExportError, ExportOptions};
+use crate::path_file::export::options::{ExportError, ExportOptions, fits};
 use crate::planner::trajectory::trajectory::Trajectory;
 use foliate_components::path::EventKind;
 use foliate_components::pose::pose_to_array;
@@ -9,9 +9,6 @@ use foliate_components::robot::{LinkIndex, PartKind};
 use std::io::{Cursor, Write};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
-
-/// Most numbers of one array.
-const NUMBERS: usize = 1 << 28;
 
 /// A trajectory as NumPy arrays. Poses are x y z qx qy qz qw in the world.
 ///
@@ -27,15 +24,12 @@ const NUMBERS: usize = 1 << 28;
 /// | `event_kinds`, `event_objects`, `event_grippers`, `event_handles` | events | `grasp` or `release`; names |
 ///
 /// # Errors
-/// There is no such robot or joint; the rate is none; an array of more than 2²⁸ numbers.
+/// There is no such robot or joint; the rate is none; there are more than 2²⁶ numbers.
 pub fn npz(trajectory: &Trajectory<'_>, options: &ExportOptions) -> Result<Vec<u8>, ExportError> {
     let columns = columns(trajectory, options)?;
     let times: Vec<f64> = trajectory.sample_times(options.rate)?.collect();
     let (links, objects) = (links(trajectory, PartKind::Robot), links(trajectory, PartKind::Object));
-    let width = columns.len().max(7 * links.len()).max(7 * objects.len());
-    if times.len().saturating_mul(width) > NUMBERS {
-        return Err(ExportError::TooLarge("an array has more than 2^28 numbers: lower the rate, or name a robot"));
-    }
+    fits(times.len(), 3 * columns.len() + 7 * (links.len() + objects.len()))?;
     let mut rows: [Vec<f64>; 3] = std::array::from_fn(|_| Vec::with_capacity(times.len() * columns.len()));
     let (mut link_poses, mut object_poses) = (Vec::new(), Vec::new());
     let mut poses = trajectory.poses();

@@ -67,6 +67,19 @@ impl Default for ExportOptions {
     }
 }
 
+/// Most numbers of a file.
+const NUMBERS: usize = 1 << 26;
+
+/// Whether so many samples of so many numbers are written: a path of months has too many.
+pub(super) fn fits(samples: usize, width: usize) -> Result<(), ExportError> {
+    match samples.saturating_mul(width) > NUMBERS {
+        true => {
+            Err(ExportError::TooLarge("these are more than 2^26 numbers: lower the rate, or name a robot or joints"))
+        }
+        false => Ok(()),
+    }
+}
+
 /// Why there is no export.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]

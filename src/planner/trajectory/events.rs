@@ -22,7 +22,7 @@ pub struct TrajectoryEvent<'a> {
     pub gripper: &'a str,
     /// `part/handle`.
     pub handle: &'a str,
-    /// The gripper's fingers where they are joints of the model, `part/joint`, and where they are when the dwell ends: radians or
+    /// The joints of the gripper (those that mimic others left out), `part/joint`, and where they are when the dwell ends: radians or
     /// metres.
     pub fingers: Vec<(&'a str, f64)>,
     /// The gripper in the robot.

@@ -1,7 +1,7 @@
 //! A path with times, and the robot that moves along it.
 #![allow(non_snake_case, reason = "pose names carry their frames")]
 
-use crate::planner::trajectory::curve::{Derivatives, Interpolation, Piece};
+use crate::planner::trajectory::curve::{Interpolation, Piece};
 use crate::planner::trajectory::error::TrajectoryError;
 use crate::planner::trajectory::sample_times::SampleTimes;
 use foliate_components::Pose;
@@ -163,20 +163,6 @@ impl<'a> Trajectory<'a> {
         let velocities = velocities.map(|rows| (rows[next - 1].as_slice(), rows[next].as_slice()));
         let piece = Piece { from: &knots[next - 1], to: &knots[next], velocities, duration, u };
         Moment { segment, piece }
-    }
-
-    /// A coordinate at a moment, as the path writes it: objects with a carrier are elsewhere.
-    pub(crate) fn coordinate(&self, moment: &Moment<'_>, index: usize) -> Derivatives {
-        let quaternion = self
-            .robot
-            .space
-            .factors
-            .iter()
-            .find(|factor| factor.group == Group::FreeFlyer && (factor.q + 3..factor.q + 7).contains(&index));
-        match quaternion {
-            Some(factor) => moment.piece.quaternion(factor.q + 3)[index - factor.q - 3],
-            None => moment.piece.number(index),
-        }
     }
 
     /// The configuration at a moment. Objects with a carrier are written as at the knot before: see [`super::Poses`].

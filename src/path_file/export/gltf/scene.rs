@@ -6,7 +6,7 @@
 use crate::path_file::export::gltf::buffer::Buffer;
 use crate::path_file::export::gltf::surface::surface;
 use crate::path_file::export::gltf::visuals::{Visual, Visuals};
-use crate::path_file::export::options::{ExportError, ExportOptions};
+use crate::path_file::export::options::{ExportError, ExportOptions, fits};
 use crate::planner::trajectory::trajectory::Trajectory;
 use foliate_components::Pose;
 use foliate_components::robot::shape::Geometry;
@@ -30,9 +30,10 @@ const ENVIRONMENT: [f64; 4] = [0.55, 0.55, 0.5, 1.0];
 /// rate, last at the end.
 ///
 /// # Errors
-/// The rate is none; the scene has more than 2 GiB.
+/// The rate is none; there are more than 2²⁶ numbers; the scene has more than 2 GiB.
 pub fn glb(trajectory: &Trajectory<'_>, visuals: &Visuals, options: &ExportOptions) -> Result<Vec<u8>, ExportError> {
     let times: Vec<f64> = trajectory.sample_times(options.rate)?.collect();
+    fits(times.len(), 7 * trajectory.robot().joints.len())?;
     let in_parents = in_parents(trajectory, &times);
     let mut scene = Scene::default();
     let bodies = scene.nodes(trajectory.robot(), visuals, &in_parents);
