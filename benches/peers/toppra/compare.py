@@ -97,7 +97,7 @@ def main() -> int:
         # At a knot the polynomial behind it is looked at; the one before it just before the end of its piece.
         ends = np.array(answer["times"][1:]) * (1.0 - 1e-15)
         at_knots = float((np.abs(curve(ends, 2)) / path["acceleration"]).max() - 1.0)
-        dense, _, _ = by_toppra(path, arguments.grid, 1)
+        dense, seconds_dense, _ = by_toppra(path, arguments.grid, 1)
         equal, seconds, points = by_toppra(path, answer["intervals"] + 1, 3)
         rows.append({
             "waypoints": len(path["points"]), "coordinates": len(path["velocity"]), "duration": duration,
@@ -107,6 +107,8 @@ def main() -> int:
             "excess_equal": excess(path, lambda t, n: equal(t, n), equal.duration),
             "intervals": answer["intervals"], "knots": len(answer["times"]), "points": points,
             "seconds": answer["seconds"], "seconds_equal": seconds,
+            "seconds_dense": seconds_dense, "speedup_dense": seconds_dense / answer["seconds"],
+            "speedup_equal": seconds / answer["seconds"],
             "speedup": (seconds / points) / (answer["seconds"] / (answer["intervals"] + 1)),
         })
     if arguments.rows:
@@ -118,7 +120,9 @@ def main() -> int:
         "excess": "most that ours exceeds a limit, relative", "excess_dense": f"the same, toppra on {arguments.grid} points",
         "excess_equal": "the same, toppra on as many points", "intervals": "intervals of our grid",
         "seconds": "our time, s", "seconds_equal": "toppra's time on as many points, s",
-        "speedup": "toppra's time a point ÷ ours",
+        "seconds_dense": f"toppra's time on {arguments.grid} points, s",
+        "speedup": "toppra's time a point ÷ ours", "speedup_dense": f"toppra's time on {arguments.grid} points ÷ ours",
+        "speedup_equal": "toppra's time on as many points ÷ ours",
     }
     for key, name in names.items():
         values = np.array([row[key] for row in rows])
