@@ -2,8 +2,9 @@
 //! is read is described. Mistakes in a scene are told with line, key and a hint.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot go on says so")]
 
-use foliate::components::problem::Goal;
-use foliate::components::robot::{JointIndex, RootJoint};
+use foliate::components::problem::cost::MotionCost;
+use foliate::components::problem::{CostOptions, Goal, RateLimits};
+use foliate::components::robot::{JointIndex, RootJoint, Source};
 use foliate::scene::{PackagePath, Scene, SceneError};
 use std::path::Path;
 
@@ -45,6 +46,20 @@ fn the_example_loads_as_the_page_says() {
     assert_eq!(plane.on, robot.link("table/table"));
     assert!(problem.ignored_pairs.iter().any(|p| p.reason == "adjacent"));
     assert_eq!(problem.margins.len(), 1);
+    let elbow = |side: &str| {
+        let joint = robot.joint(&format!("robot/{side}_elbow_pitch")).expect("the joint");
+        let Source::Coordinates { q, .. } = robot.joints[joint.at()].source else { panic!("it follows nothing") };
+        q
+    };
+    let limits = RateLimits::of(robot, &problem.timing);
+    // The scene's own limit counts, then that of the part; the rest is scaled. The acceleration is the part's, the scene's, by `ramp`.
+    let box_x = 18;
+    for (i, velocity, acceleration) in [(elbow("left"), 0.8, 4.0), (elbow("right"), 1.2, 3.0), (box_x, 0.25, 0.625)] {
+        assert_eq!((limits.velocity[i], limits.acceleration[i]), (velocity, acceleration));
+        assert!((limits.jerk[i] - 20.0 * acceleration).abs() < 1e-12);
+    }
+    assert_eq!(problem.timing.dwell, 0.25);
+    assert_eq!(problem.cost, CostOptions { motion: MotionCost::Duration, grasp_charge: 3.0 });
     assert_eq!(problem.start[0], 0.1);
     assert_eq!(problem.goals.len(), 4);
     let Goal::Configuration(whole) = &problem.goals[0] else { panic!("the first goal is whole") };
@@ -65,7 +80,8 @@ fn every_key_that_is_read_is_in_the_example_and_described() {
                 clearance mask mask_complement approaching_direction points polygons grippers supports objects grasps rules \
                 when allow placement_margin preplacement_distance plane frame pair distance configuration handles surfaces xyz rpy \
                 quaternion frame to value parameter at_least at_most length parts polygon margin first second height joint \
-                everywhere state constraints transition from legs within until short resting_joints";
+                everywhere state constraints transition from legs within until short resting_joints velocity_limits acceleration_limits \
+                timing velocity_scale velocity acceleration ramp jerk_ramp dwell cost motion grasp_charge";
     let kinds = "\"pose\" \"centre_of_mass\" \"centre_of_mass_between\" \"distance\" \"joint\" \"start\" \"stays\"";
     let keys = format!("{keys} {kinds}");
     let tables = REFERENCE.replacen(example(), "", 1);
@@ -112,6 +128,31 @@ fn mistakes_are_told_with_line_key_and_a_way_out() {
             "exactly one rotation",
         ),
         ("root_bounds = [[0.2, 1.0],", "root_bounds = [[1.2, 1.0],", "part[2].root_bounds[0]", "above the upper"),
+        ("velocity_scale = 0.5", "velocity_scale = 1.5", "timing.velocity_scale", "above 1"),
+        ("velocity_scale = 0.5", "velocity_scale = 0", "timing.velocity_scale", "not above 0"),
+        ("ramp = 0.4", "rampe = 0.4", "timing.rampe", "did you mean `ramp`?"),
+        ("jerk_ramp = 0.05", "jerk_ramp = -0.05", "timing.jerk_ramp", "negative"),
+        ("dwell = 0.25", "dwell = \"short\"", "timing.dwell", "wants a number"),
+        (
+            "velocity = { \"robot/left_elbow_pitch\" = 0.8 }",
+            "velocity = { \"robot/left_elbow_pich\" = 0.8 }",
+            "timing.velocity.robot/left_elbow_pich",
+            "did you mean `robot/left_elbow_pitch`?",
+        ),
+        (
+            "acceleration_limits = { left_elbow_pitch = 4.0 }",
+            "acceleration_limits = { left_elbow_pitsch = 4.0 }",
+            "part[0].acceleration_limits.left_elbow_pitsch",
+            "did you mean `left_elbow_pitch`?",
+        ),
+        (
+            "velocity_limits = { left_elbow_pitch = 1.2,",
+            "velocity_limits = { left_elbow_pitch = 0.0,",
+            "part[0].velocity_limits.left_elbow_pitch",
+            "not above 0",
+        ),
+        ("motion = \"duration\"", "motion = \"durations\"", "cost.motion", "did you mean `duration`?"),
+        ("grasp_charge = 3.0", "grasp_charge = -3.0", "cost.grasp_charge", "negative"),
         ("distance = 0.01", "distance = -0.01", "margins[0].distance", "negative"),
         ("distance = 0.01", "distance = nan", "margins[0].distance", "not a finite number"),
         ("clearance = 0.05", "clearance = \"5 cm\"", "part[0].gripper[0].clearance", "wants a number, got a string"),

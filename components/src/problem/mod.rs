@@ -12,4 +12,4 @@ pub use crate::problem::definition::{
     RestingPlane, Rule, WrittenLeg, WrittenState, WrittenTransition,
 };
 pub use crate::problem::rate_limits::RateLimits;
-pub use crate::problem::timing::TimingOptions;
+pub use crate::problem::timing::{NumberLimit, TimingOptions};

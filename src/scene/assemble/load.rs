@@ -2,15 +2,15 @@
 
 use crate::scene::assemble::names::{configuration, locked};
 use crate::scene::assemble::scene::{Loader, Scene, SceneFile, SceneOrigin};
-use crate::scene::assemble::{goal, graph, pairs, part};
+use crate::scene::assemble::{goal, graph, pairs, part, timing};
 use crate::scene::mesh::meshes::Meshes;
 use crate::scene::reading::error::{SceneError, quoted};
 use crate::scene::reading::input;
-use crate::scene::reading::keys::{File, Keys};
+use crate::scene::reading::keys::{File, Item, Keys};
 use crate::scene::sources::follower_limits;
 use crate::scene::sources::package::PackagePath;
 use crate::scene::sources::source::{Place, SceneBase, folder_of, locate, sha256};
-use foliate_components::problem::{CostOptions, Problem, TimingOptions};
+use foliate_components::problem::Problem;
 use foliate_components::robot::{ComposeError, PartIndex, Robot};
 use std::collections::HashMap;
 use std::path::Path;
@@ -38,14 +38,7 @@ pub(crate) fn load(name: &str, text: &str, base: SceneBase, packages: &PackagePa
 
     let part_items = keys.required("part")?;
     let items = part_items.list()?;
-    if items.is_empty() || items.len() > PARTS {
-        return Err(part_items.error(format!("{} parts are given, 1 to {PARTS} are read", items.len())));
-    }
-    let mut parts: Vec<part::LoadedPart<'_>> = Vec::with_capacity(items.len());
-    for item in &items {
-        parts.push(part::read(item, &mut loader)?);
-    }
-    part::lock_roots(&mut keys, &mut parts)?;
+    let parts = parts(&mut keys, (&part_items, &items), &mut loader)?;
     let composed: Vec<_> = parts.iter().map(|p| (&p.model, p.placement.clone())).collect();
     let robot = Robot::compose(&composed).map_err(|error| {
         let at = parts.iter().find(|p| error.to_string().contains(&format!("`{}`", p.placement.name)));
@@ -68,21 +61,27 @@ pub(crate) fn load(name: &str, text: &str, base: SceneBase, packages: &PackagePa
     let graph = graph::read(&mut keys, &robot, &start, &locks)?;
     let reader = configuration::Reader { locked: &graph.locked, ..reader };
     let goals = goal::read(&keys.required("goal")?, &reader, &start, &graph.constraints)?;
+    let timing = timing::timing(&mut keys, &robot, parts.iter().map(|p| (p.placement.name.as_str(), &p.rates)))?;
+    let cost = timing::cost(&mut keys)?;
     keys.finish()?;
-    let problem = Problem {
-        name: scene_name,
-        robot,
-        graph,
-        ignored_pairs,
-        margins,
-        start,
-        goals,
-        timing: TimingOptions::default(),
-        cost: CostOptions::default(),
-    };
+    let problem = Problem { name: scene_name, robot, graph, ignored_pairs, margins, start, goals, timing, cost };
     let parts = parts.into_iter().map(|p| p.source).collect();
     loader.warnings.extend(loader.meshes.finish());
     Ok(Scene { problem, description, parts, warnings: loader.warnings, file: None })
+}
+
+/// Reads the parts, those roots locked that `[locked]` names.
+fn parts<'f>(
+    keys: &mut Keys<'f>,
+    (part_items, items): (&Item<'f>, &[Item<'f>]),
+    loader: &mut Loader<'_>,
+) -> Result<Vec<part::LoadedPart<'f>>, SceneError> {
+    if items.is_empty() || items.len() > PARTS {
+        return Err(part_items.error(format!("{} parts are given, 1 to {PARTS} are read", items.len())));
+    }
+    let mut parts = items.iter().map(|item| part::read(item, loader)).collect::<Result<Vec<_>, _>>()?;
+    part::lock_roots(keys, &mut parts)?;
+    Ok(parts)
 }
 
 /// Remarks about joints that their followers leave little room.

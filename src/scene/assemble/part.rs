@@ -3,6 +3,7 @@
 use crate::scene::assemble::documents::{documents, part_name};
 use crate::scene::assemble::names::frame::one_of;
 use crate::scene::assemble::scene::{Loader, PartSource};
+use crate::scene::assemble::timing::PartRates;
 use crate::scene::mesh::formats::triangles::UpAxis;
 use crate::scene::reading::error::{SceneError, did_you_mean, quoted};
 use crate::scene::reading::keys::{Item, Keys};
@@ -26,6 +27,8 @@ pub(crate) struct LoadedPart<'f> {
     pub source: PartSource,
     /// The part's `ignore`, to be read once links have numbers.
     pub ignore: Option<Item<'f>>,
+    /// The part's rate limits, likewise.
+    pub rates: PartRates<'f>,
     /// Where the part stands in the scene file.
     pub item: Item<'f>,
 }
@@ -63,11 +66,12 @@ pub(crate) fn read<'f>(item: &Item<'f>, loader: &mut Loader<'_>) -> Result<Loade
         PartKind::Robot | PartKind::Object => Vec::new(),
     };
     let ignore = keys.optional("ignore");
+    let rates = PartRates::of(&mut keys);
     keys.finish()?;
     let srdf = srdf_file.map(|opened| opened.file);
     let urdf = urdf_file.file;
     let source = PartSource { name: name.to_owned(), urdf, srdf, sha256, mesh_up_axis: up_axis, joint_values };
-    Ok(LoadedPart { model, placement, source, ignore, item: item.clone() })
+    Ok(LoadedPart { model, placement, source, ignore, rates, item: item.clone() })
 }
 
 fn kind(item: &Item<'_>) -> Result<PartKind, SceneError> {

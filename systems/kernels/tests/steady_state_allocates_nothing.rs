@@ -30,8 +30,8 @@ use foliate_kernels::kinematics::{AttachmentTree, Kinematics, RigidAttachment, g
 use foliate_kernels::lanes::Level;
 use foliate_kernels::nearest::{Bucket, BucketQueries, Metric, nearest};
 use foliate_kernels::trajectory::{
-    Limits, Spline, ThroughScratch, TimedPath, TimingScratch, TimingSettings, blend_polyline, peak_rates,
-    spline_through, time_optimal,
+    JerkScratch, Limits, Spline, ThroughScratch, TimedPath, TimingScratch, TimingSettings, blend_polyline, limit_jerk,
+    peak_rates, spline_through, time_optimal,
 };
 use glam::DVec3;
 use heavy_world::{Draw, held, world};
@@ -450,12 +450,15 @@ fn trajectories() {
         [9, 14, 5].map(|count| (0..count * 6).map(|_| random.random_range(-2.0..2.0)).collect()).to_vec();
     let (mut path, mut through, mut scratch, mut timed) =
         (Spline::new(6), ThroughScratch::default(), TimingScratch::default(), TimedPath::default());
-    let limits = Limits { velocity: &limits, acceleration: &limits, jerk: &limits };
+    let jerk = [40.0; 6];
+    let limits = Limits { velocity: &limits, acceleration: &limits, jerk: &jerk };
+    let (mut smooth, mut averaged) = (JerkScratch::default(), Spline::new(6));
     let asked = allocations(|| {
         for knots in &knots {
             spline_through(knots, limits.velocity, &mut through, &mut path).unwrap();
             time_optimal(&path, limits, TimingSettings::default(), &mut scratch, &mut timed).unwrap();
             black_box(peak_rates(&timed.curve, limits));
+            limit_jerk(&timed.curve, limits, &mut smooth, &mut averaged).unwrap();
             blend_polyline(knots, &[0.01; 14][..knots.len() / 6], limits.velocity, &mut path).unwrap();
             time_optimal(&path, limits, TimingSettings::default(), &mut scratch, &mut timed).unwrap();
         }

@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "what a test expects and does not find fails it")]
 
 use foliate_kernels::trajectory::{
-    Limits, Spline, ThroughScratch, TimedPath, TimingError, TimingScratch, TimingSettings, blend_polyline, peak_rates,
-    spline_through, time_at_full_speed, time_optimal,
+    JerkScratch, Limits, Spline, ThroughScratch, TimedPath, TimingError, TimingScratch, TimingSettings,
+    acceleration_jump, blend_polyline, limit_jerk, peak_rates, spline_through, time_at_full_speed, time_optimal,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -318,5 +318,54 @@ fn what_the_scratch_holds_changes_nothing() {
         let path = waypoints(&mut random, &given);
         time_optimal(&path, given.limits(), TimingSettings::default(), &mut scratch, &mut out).unwrap();
         assert_eq!(out, timed(&path, &given).unwrap());
+    }
+}
+
+#[test]
+fn limited_jerk_keeps_all_limits() {
+    let mut random = ChaCha8Rng::seed_from_u64(18);
+    let (mut scratch, mut out) = (JerkScratch::default(), Spline::new(0));
+    for round in 0..120 {
+        let size = random.random_range(2..12);
+        let mut given = Given::draw(&mut random, size);
+        let path = match round % 3 {
+            0 => polyline(&mut random, &given),
+            1 => dense(&mut random, &given),
+            _ => waypoints(&mut random, &given),
+        };
+        let curve = timed(&path, &given).unwrap().curve;
+        let ramp = 10.0_f64.powf(random.random_range(-2.0..-0.3));
+        given.jerk = given.acceleration.iter().map(|a| a / ramp * random.random_range(1.0..3.0)).collect();
+        given.jerk[0] = f64::INFINITY;
+        let report = limit_jerk(&curve, given.limits(), &mut scratch, &mut out).unwrap();
+        let peaks = peak_rates(&out, given.limits());
+        assert!(peaks.keep_limits(1e-12) && peaks.jerk.share <= 1.0 + 1e-9, "round {round}: {peaks:?}");
+        // Twice the ramp is sure to be enough; whole samples make it at most twice as much.
+        assert!(report.window <= 4.0 * ramp, "round {round}: {report:?} {ramp}");
+        let longer = report.duration - curve.extent();
+        assert!((longer - 1.25 * report.window).abs() <= 1e-4 * report.duration, "round {round}: {report:?} {longer}");
+        assert!(acceleration_jump(&out, &given.acceleration).share < 1e-6, "round {round}");
+        let (last, end) = (curve.len() - 1, out.len() - 1);
+        assert_eq!((out.knot(0), out.knot(end)), (curve.knot(0), curve.knot(last)));
+        assert!(out.velocity(0).iter().chain(out.velocity(end)).all(|v| *v == 0.0));
+        for from in [0.0, 87.123_456_789] {
+            assert!(sampled(&out, &given, from) <= 1.0 + 1e-9, "round {round} from {from}");
+        }
+        // It passes where the given curve passes, but for what the average cuts off.
+        let (mut here, mut there) = (vec![0.0; size], vec![0.0; size]);
+        for k in 0..=200 {
+            let at = report.duration * f64::from(k) / 200.0;
+            out.position(at, &mut here);
+            curve.position(at - report.delay, &mut there);
+            for i in 0..size {
+                // Next to the ends the average reaches beyond the curve, where it stands still.
+                let most = 0.06 * given.acceleration[i] * report.window * report.window + 1e-9;
+                assert!(
+                    (here[i] - there[i]).abs() <= 2.0 * most,
+                    "round {round} coordinate {i}: {} {most}",
+                    here[i] - there[i]
+                );
+            }
+        }
     }
 }

@@ -41,7 +41,8 @@ pub(crate) fn refuse_twins(robot: &Robot, items: &[Item<'_>]) -> Result<(), Scen
     Ok(())
 }
 
-fn axes(motion: JointType) -> &'static [&'static str] {
+/// Names of the numbers of a joint that has several.
+pub(crate) fn axes(motion: JointType) -> &'static [&'static str] {
     match motion {
         JointType::Revolute { .. } | JointType::Prismatic { .. } => &[],
         JointType::Planar => &["x", "y", "theta"],

@@ -43,16 +43,23 @@ pub(super) fn shares(counted: &Counted, grid: &Grid, profile: &Profile, interval
     [velocity, acceleration, slower]
 }
 
-/// Tightens limits where the curve exceeds them. Returns by how much it does: the factor by which the slowest way out, a uniform
-/// stretch, would make the curve longer.
-pub(super) fn tighten(counted: &Counted, grid: &Grid, profile: &mut Profile) -> f64 {
+/// Looks at all curved intervals. Returns by how much limits are exceeded: the factor by which the whole curve would have to be slowed
+/// down.
+pub(super) fn measure(counted: &Counted, grid: &Grid, profile: &Profile, found: &mut Vec<[f64; 3]>) -> f64 {
     let mut stretch = 1.0_f64;
+    found.clear();
     for k in 0..grid.intervals() {
-        if grid.straight[k].is_some() {
-            continue;
-        }
-        let [velocity, acceleration, slower] = shares(counted, grid, profile, k);
+        let shares = if grid.straight[k].is_some() { [0.0; 3] } else { shares(counted, grid, profile, k) };
+        let [velocity, acceleration, slower] = shares;
         stretch = stretch.max(velocity).max(acceleration.sqrt()).max(1.0 + slower);
+        found.push(shares);
+    }
+    stretch
+}
+
+/// Tightens limits where [`measure`] has found that the curve exceeds them.
+pub(super) fn tighten(found: &[[f64; 3]], profile: &mut Profile) {
+    for (k, &[velocity, acceleration, slower]) in found.iter().enumerate() {
         if acceleration > 1.0 {
             profile.acceleration_share[k] /= acceleration;
         }
@@ -63,5 +70,4 @@ pub(super) fn tighten(counted: &Counted, grid: &Grid, profile: &mut Profile) -> 
         }
         profile.slower[k] *= 1.0 + slower;
     }
-    stretch
 }

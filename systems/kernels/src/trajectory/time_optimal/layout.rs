@@ -96,13 +96,17 @@ fn parts(path: &Spline, piece: usize, counted: &Counted, settings: TimingSetting
             *length = length.max(cubic.velocity(u).abs() * by_velocity);
         }
     }
-    let length = lengths.iter().sum::<f64>() / SAMPLES as f64;
+    let mean = lengths.iter().sum::<f64>() / SAMPLES as f64;
+    // Where a path nearly turns back the tangent is short, and what is lost on an interval is large.
+    let length = lengths.iter().fold(mean, |least, length| least.min(*length)).max(SHORTEST * mean);
     // A parabola over a width differs from its chord by an eighth of its second derivative times the squared width.
     let parts = (turn / (settings.turn * length)).max((bend / (8.0 * settings.bulge * length)).sqrt());
     // Not a number where nothing has a velocity limit.
     if parts.is_nan() { MOST_PARTS / 8 } else { (parts.ceil() as usize).clamp(1, MOST_PARTS) }
 }
 
+/// Shares of the mean length of the tangent below which it does not count as shorter.
+const SHORTEST: f64 = 0.2;
 /// Points of a piece at which the length of its tangent is measured.
 const SAMPLES: usize = 5;
 /// Most parts of a piece.

@@ -9,12 +9,15 @@ pub struct TimingSettings {
     pub turn: f64,
     /// How much the derivative may differ from a straight line on an interval, relative to its length.
     pub bulge: f64,
-    /// How often limits are tightened where the curve exceeds them, before the whole curve is slowed down.
+    /// The curve exceeds limits between grid points at first. They are tightened there until slowing down the whole curve would cost
+    /// at most this share of the duration,
+    pub stretch: f64,
+    /// but not more often than this.
     pub rounds: usize,
 }
 
 impl Default for TimingSettings {
     fn default() -> Self {
-        Self { turn: 0.25, bulge: 1e-3, rounds: 2 }
+        Self { turn: 0.25, bulge: 1e-3, stretch: 2e-4, rounds: 12 }
     }
 }

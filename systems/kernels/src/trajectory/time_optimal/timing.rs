@@ -2,7 +2,7 @@
 
 use crate::trajectory::peak_rates::Limits;
 use crate::trajectory::spline::Spline;
-use crate::trajectory::time_optimal::correction::tighten;
+use crate::trajectory::time_optimal::correction::{measure, tighten};
 use crate::trajectory::time_optimal::counted::Counted;
 use crate::trajectory::time_optimal::curve::{TimedPath, stretch, write};
 use crate::trajectory::time_optimal::error::TimingError;
@@ -18,6 +18,7 @@ pub struct TimingScratch {
     intervals: Vec<Interval>,
     grid: Grid,
     profile: Profile,
+    excess: Vec<[f64; 3]>,
 }
 
 /// What [`time_optimal`] did.
@@ -61,7 +62,7 @@ pub fn time_optimal(
     if path.is_empty() {
         return Err(TimingError::Empty);
     }
-    let TimingScratch { counted, intervals, grid, profile } = scratch;
+    let TimingScratch { counted, intervals, grid, profile, excess } = scratch;
     counted.find(path, limits)?;
     lay(path, counted, settings, intervals)?;
     if intervals.is_empty() {
@@ -74,9 +75,10 @@ pub fn time_optimal(
     grid.linearise(counted, &[], &profile.slower);
     profile.solve(grid);
     for _ in 0..settings.rounds {
-        if tighten(counted, grid, profile) <= 1.0 {
+        if measure(counted, grid, profile, excess) <= 1.0 + settings.stretch {
             break;
         }
+        tighten(excess, profile);
         grid.linearise(counted, &profile.squares, &profile.slower);
         profile.solve(grid);
     }
