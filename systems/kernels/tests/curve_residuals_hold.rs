@@ -1,7 +1,7 @@
 //! What is proved of the residual along a curve over time is never exceeded by samples, and is close to them; a curve that
 //! bulges off its leaf between two knots on it is refused.
 #![allow(non_snake_case, reason = "pose names carry their frames")]
-#![allow(clippy::unwrap_used, reason = "what a test expects and does not find fails it")]
+#![allow(clippy::panic, clippy::unwrap_used, reason = "what a test expects and does not find fails it")]
 
 mod heavy_world;
 
