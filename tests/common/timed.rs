@@ -24,6 +24,7 @@ pub fn rest_to_rest(problem: &Problem, path: &mut ManipulationPath) {
 }
 
 /// Repeats the first knot of every segment that begins with an event, so that the path can stand still there.
+#[allow(dead_code, reason = "each test uses its part")]
 pub fn stand_still_at_events(path: &mut ManipulationPath) {
     let mut segments: Vec<usize> =
         foliate_components::path::events(path).into_iter().map(|event| event.segment).collect();
