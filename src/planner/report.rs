@@ -10,7 +10,7 @@ use foliate_schedulers::portfolio::{MemberCount, MemberCounts};
 use foliate_systems::events::{EventSink, SolveId};
 use foliate_systems::planning_model::PlanningModel;
 use foliate_systems::search::Search;
-use foliate_systems::trajectory::TrajectoryError;
+use foliate_systems::trajectory::TimedPathError;
 use std::time::Duration;
 
 /// What a search did. Wall times and the number of the solve are of this run; everything else depends on problem, settings and
@@ -48,7 +48,7 @@ pub struct Report {
     /// Wall time of smoothing, timing and certifying the curve.
     pub timing_time: Duration,
     /// Why the path has no times although they were wanted.
-    pub untimed: Option<TrajectoryError>,
+    pub untimed: Option<TimedPathError>,
     /// What became of the candidates, by transition.
     pub funnel: Vec<FunnelRow>,
     /// What the search has of the states that it has reached or started from.

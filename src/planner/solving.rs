@@ -136,7 +136,7 @@ impl Planner {
     }
 
     /// Spends so much counted work on a better path: candidates of further searches, and shortcuts that are tried. The answer is the
-    /// same on any number of threads. [`ImprovementReport::work`] of an improvement that was limited by time gives its path again.
+    /// same on any number of threads. [`ImprovementReport::work`](crate::planner::ImprovementReport::work) of an improvement that was limited by time gives its path again.
     #[must_use]
     pub fn improve_work(mut self, work: u64) -> Self {
         (self.refinement.settings.max_work, self.refinement.first) = (work, false);

@@ -48,7 +48,7 @@ impl RateLimits {
 fn moved_by(robot: &Robot, joint: JointIndex) -> Option<(usize, f64)> {
     match robot.joints[joint.at()].source {
         Source::Coordinates { q, .. } => Some((q, 1.0)),
-        Source::Follows { multiplier, .. } if multiplier == 0.0 => None,
+        Source::Follows { multiplier: 0.0, .. } => None,
         Source::Follows { leader, multiplier, .. } => match robot.joints[leader.at()].source {
             Source::Coordinates { q, .. } => Some((q, 1.0 / multiplier.abs())),
             Source::Follows { .. } => None,

@@ -39,14 +39,7 @@ pub(crate) fn load(name: &str, text: &str, base: SceneBase, packages: &PackagePa
     let part_items = keys.required("part")?;
     let items = part_items.list()?;
     let parts = parts(&mut keys, (&part_items, &items), &mut loader)?;
-    let composed: Vec<_> = parts.iter().map(|p| (&p.model, p.placement.clone())).collect();
-    let robot = Robot::compose(&composed).map_err(|error| {
-        let at = parts.iter().find(|p| error.to_string().contains(&format!("`{}`", p.placement.name)));
-        match (&error, at.and_then(|part| follower_limits::again(&part.source.urdf))) {
-            (ComposeError::NoRoom { room, .. }, Some(urdf)) => follower_limits::refusal(&urdf, room),
-            _ => at.map_or(&part_items, |p| &p.item).error(error.to_string()).because(error),
-        }
-    })?;
+    let robot = compose(&part_items, &parts)?;
     loader.warnings.extend(narrowed(&robot, &parts));
 
     configuration::refuse_twins(&robot, &items)?;
@@ -68,6 +61,18 @@ pub(crate) fn load(name: &str, text: &str, base: SceneBase, packages: &PackagePa
     let parts = parts.into_iter().map(|p| p.source).collect();
     loader.warnings.extend(loader.meshes.finish());
     Ok(Scene { problem, description, parts, warnings: loader.warnings, file: None })
+}
+
+/// The robot of all parts.
+fn compose(part_items: &Item<'_>, parts: &[part::LoadedPart<'_>]) -> Result<Robot, SceneError> {
+    let composed: Vec<_> = parts.iter().map(|p| (&p.model, p.placement.clone())).collect();
+    Robot::compose(&composed).map_err(|error| {
+        let at = parts.iter().find(|p| error.to_string().contains(&format!("`{}`", p.placement.name)));
+        match (&error, at.and_then(|part| follower_limits::again(&part.source.urdf))) {
+            (ComposeError::NoRoom { room, .. }, Some(urdf)) => follower_limits::refusal(&urdf, room),
+            _ => at.map_or(part_items, |p| &p.item).error(error.to_string()).because(error),
+        }
+    })
 }
 
 /// Reads the parts, those roots locked that `[locked]` names.

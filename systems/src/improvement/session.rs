@@ -1,9 +1,9 @@
 //! An improvement as a host embeds it: a world, a schedule of rounds, and the loop that steps it.
 
 use crate::events::StopSignal;
+use crate::improvement::changes::limbs::Limbs;
 use crate::improvement::cost::{PathCost, path_cost};
 use crate::improvement::leaf_motion::LeafMotion;
-use crate::improvement::limbs::Limbs;
 use crate::improvement::progress::{ImprovementEnding, Progress};
 use crate::improvement::proposal::{Incumbent, Proposal};
 use crate::improvement::settings::ImprovementSettings;

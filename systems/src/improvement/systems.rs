@@ -1,16 +1,16 @@
 //! The systems of a round: proposals are drawn, evaluated and committed, and the budget is looked at.
 
 use crate::events::StopSignal;
-use crate::improvement::context::{Context, ImprovementScratch};
+use crate::improvement::changes::context::{Context, ImprovementScratch};
+use crate::improvement::changes::limb_shortcut;
+use crate::improvement::changes::limbs::Limbs;
+use crate::improvement::changes::replan::{Replanning, replan};
+use crate::improvement::changes::{shortcut, waypoint_move};
 use crate::improvement::cost::{PathCost, path_cost};
 use crate::improvement::leaf_motion::{LeafMotion, grasp_changes, merged};
-use crate::improvement::limb_shortcut;
-use crate::improvement::limbs::Limbs;
 use crate::improvement::progress::{ImprovementEnding, Milestone, Progress};
 use crate::improvement::proposal::{Attempt, Change, Incumbent, Proposal};
-use crate::improvement::replan::{Replanning, replan};
 use crate::improvement::settings::ImprovementSettings;
-use crate::improvement::{shortcut, waypoint_move};
 use crate::planning_model::model::PlanningModel;
 use crate::runtime::parallel::each;
 use crate::runtime::random::{Purpose, stream};

@@ -10,4 +10,4 @@ pub(crate) mod stretch;
 pub mod timed_path;
 pub(crate) mod timing;
 
-pub use crate::trajectory::timed_path::{TrajectoryError, timed_path};
+pub use crate::trajectory::timed_path::{TimedPathError, timed_path};

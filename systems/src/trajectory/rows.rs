@@ -76,12 +76,14 @@ impl<'a> Rows<'a> {
             velocity.fill(0.0);
         }
         let Self { model, motions, segments, .. } = self;
-        let segment = |(motion, (knots, timing)): (&LeafMotion, _)| {
+        let segment = |(motion, (knots, timing)): (&LeafMotion, (Vec<Vec<f64>>, SegmentTiming))| {
+            // A motion that takes no time where the robot moves is no motion: the next one lies on the same leaf.
+            let is_none = knots.len() == 1 && timing.velocities[0].iter().any(|v| *v != 0.0);
             let mut segment = Segment { knots, timing: Some(timing), ..motion.segment(model) };
             at_least_two_knots(&mut segment);
-            segment
+            (!is_none).then_some(segment)
         };
-        motions.iter().zip(segments).map(segment).collect()
+        motions.iter().zip(segments).filter_map(segment).collect()
     }
 }
 

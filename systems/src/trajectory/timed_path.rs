@@ -15,7 +15,7 @@ use foliate_kernels::trajectory::{BlendError, TimingError, TimingScratch};
 /// Why a path gets no times.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum TrajectoryError {
+pub enum TimedPathError {
     /// A constraint of a state does not compile.
     #[error("a constraint of a state on the path does not compile")]
     Constraint,
@@ -50,13 +50,13 @@ const TRIES: usize = 64;
 /// refused the stretch is made again, closer to the path without times.
 ///
 /// # Errors
-/// See [`TrajectoryError`].
+/// See [`TimedPathError`].
 pub fn timed_path(
     model: &Model,
     settings: &SearchSettings,
     path: &ManipulationPath,
-) -> Result<ManipulationPath, TrajectoryError> {
-    let motions = LeafMotion::of_path(model, path).ok_or(TrajectoryError::Constraint)?;
+) -> Result<ManipulationPath, TimedPathError> {
+    let motions = LeafMotion::of_path(model, path).ok_or(TimedPathError::Constraint)?;
     let limits = RateLimits::of(&model.problem.robot, &model.problem.timing);
     let stretches = Stretch::of_path(model, &motions, &limits);
     let size = model.problem.robot.space.size();
@@ -90,9 +90,13 @@ pub fn timed_path(
             Ok(certificate) => return Ok(ManipulationPath { certificate, ..timed }),
             Err(fault) => fault,
         };
-        let is_in = |stretch: &Stretch| stretch.motions.contains(&fault.segment);
-        let Some(index) = stretches.iter().position(is_in).filter(|_| tries < TRIES) else {
-            return Err(TrajectoryError::Unproved { fault });
+        let mut segments = 0;
+        let is_in = |made: &Option<Made>| {
+            segments += made.as_ref().map_or(0, |made| made.segments.len());
+            fault.segment < segments
+        };
+        let Some(index) = made.iter().position(is_in).filter(|_| tries < TRIES) else {
+            return Err(TimedPathError::Unproved { fault });
         };
         let row = timed.segments[fault.segment].knots.get(fault.piece).cloned().unwrap_or_default();
         stretches[index].refuse_near(&row, &mut refusals[index]);
@@ -117,14 +121,13 @@ struct Maker<'a> {
 }
 
 impl Maker<'_> {
-    fn make(&mut self, stretch: &Stretch, refusals: &[usize]) -> Result<Made, TrajectoryError> {
+    fn make(&mut self, stretch: &Stretch, refusals: &[usize]) -> Result<Made, TimedPathError> {
         let segment = stretch.motions.start;
         let (model, settings, motions) = (self.model, self.settings, self.motions);
         let smoothing = Smoothing { model, settings, motions, stretch, refusals };
-        let paths =
-            smoothing.paths(&mut self.scratch).map_err(|error| TrajectoryError::Smoothing { segment, error })?;
+        let paths = smoothing.paths(&mut self.scratch).map_err(|error| TimedPathError::Smoothing { segment, error })?;
         let (segments, duration) = timing::segments(model, motions, (stretch, &paths), &mut self.timing)
-            .map_err(|error| TrajectoryError::Timing { segment, error })?;
+            .map_err(|error| TimedPathError::Timing { segment, error })?;
         Ok(Made { segments, duration })
     }
 }

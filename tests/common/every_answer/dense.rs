@@ -5,6 +5,7 @@
 use super::solve::Answer;
 use foliate::components::Pose;
 use foliate::components::path::{Attachment, Segment};
+use foliate::components::robot::configuration::Group;
 use foliate::components::robot::{JointIndex, LinkIndex, PartKind, Robot, RootJoint};
 use foliate::kernels::collision::{DistanceQuery, Solid, clearance};
 use foliate::kernels::kinematics::{Kinematics, RigidAttachment};
@@ -36,7 +37,10 @@ pub fn sampled(answer: &Answer) -> Result<(), String> {
         for (knot, ends) in segment.knots.windows(2).enumerate() {
             for step in 0..=between {
                 let t = step as f64 / between as f64;
-                let X_WJ = places.at(&ends[0], &ends[1], t);
+                let X_WJ = match curve_point(robot, segment, knot, t) {
+                    Some(q) => places.at(&q, &q, 0.0),
+                    None => places.at(&ends[0], &ends[1], t),
+                };
                 for (pair, hint) in pairs.iter().zip(&mut hints) {
                     let (a, b) = pair.shapes;
                     let ask = DistanceQuery {
@@ -67,6 +71,25 @@ pub fn sampled(answer: &Answer) -> Result<(), String> {
         }
     }
     Ok(())
+}
+
+/// The configuration on a segment's curve behind a knot; none where the segment has no times.
+fn curve_point(robot: &Robot, segment: &Segment, knot: usize, t: f64) -> Option<Vec<f64>> {
+    let timing = segment.timing.as_ref()?;
+    let width = timing.times[knot + 1] - timing.times[knot];
+    let number = |i: usize| {
+        let [a, b] = [knot, knot + 1].map(|k| segment.knots[k][i]);
+        let [v, w] = [knot, knot + 1].map(|k| timing.velocities[k][i] * width);
+        let (t2, t3) = (t * t, t * t * t);
+        (2.0 * t3 - 3.0 * t2 + 1.0) * a + (t3 - 2.0 * t2 + t) * v + (3.0 * t2 - 2.0 * t3) * b + (t3 - t2) * w
+    };
+    let mut q: Vec<f64> = (0..segment.knots[knot].len()).map(number).collect();
+    for factor in robot.space.factors.iter().filter(|factor| factor.group == Group::FreeFlyer) {
+        let numbers = &mut q[factor.q + 3..factor.q + 7];
+        let length = numbers.iter().map(|x| x * x).sum::<f64>().sqrt();
+        numbers.iter_mut().for_each(|x| *x /= length);
+    }
+    Some(q)
 }
 
 pub fn in_world(robot: &Robot, shape: usize, X_WJ: &[Pose]) -> Pose {

@@ -123,7 +123,8 @@ fn widest_window(curve: &Spline, limits: Limits<'_>) -> Result<f64, JerkError> {
             continue;
         }
         let at_rest = |knot: usize| curve.velocity(knot)[coordinate] == 0.0;
-        if !curve.is_empty() && !(at_rest(0) && at_rest(curve.len() - 1)) {
+        let moves_at_an_end = !curve.is_empty() && (!at_rest(0) || !at_rest(curve.len() - 1));
+        if moves_at_an_end {
             return Err(JerkError::NotAtRest { coordinate });
         }
         let tops = (0..curve.pieces()).map(|piece| curve.cubic(piece, coordinate).top_acceleration());

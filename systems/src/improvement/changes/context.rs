@@ -1,8 +1,8 @@
 //! What changes of a path read, and the buffers of a thread.
 
+use crate::improvement::changes::limbs::Limbs;
 use crate::improvement::cost::{PathCost, way_along};
 use crate::improvement::leaf_motion::LeafMotion;
-use crate::improvement::limbs::Limbs;
 use crate::planning_model::model::PlanningModel;
 use crate::search::path_extraction::unwrap_coordinates;
 use crate::settings::SearchSettings;

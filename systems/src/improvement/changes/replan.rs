@@ -2,11 +2,11 @@
 //! another branch of inverse kinematics. Its path is shortened before it is compared.
 
 use crate::events::{EventSink, StopSignal};
-use crate::improvement::context::{Context, ImprovementScratch};
+use crate::improvement::changes::context::{Context, ImprovementScratch};
+use crate::improvement::changes::limb_shortcut::{self, Changed};
+use crate::improvement::changes::{shortcut, waypoint_move};
 use crate::improvement::cost::path_cost;
 use crate::improvement::leaf_motion::LeafMotion;
-use crate::improvement::limb_shortcut::{self, Changed};
-use crate::improvement::{shortcut, waypoint_move};
 use crate::planning_model::model::PlanningModel;
 use crate::planning_model::state_classification::Feasible;
 use crate::search::Search;

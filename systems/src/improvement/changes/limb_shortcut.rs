@@ -2,10 +2,10 @@
 //! their values at one point of the path to those at another. So one arm moves to its next pregrasp while the other one still
 //! carries (partial shortcuts: Geraerts and Overmars, IJRR 2007).
 
-use crate::improvement::context::{Context, ImprovementScratch};
+use crate::improvement::changes::context::{Context, ImprovementScratch};
+use crate::improvement::changes::shortcut::LEAST_GAIN;
 use crate::improvement::cost::path_cost;
 use crate::improvement::leaf_motion::LeafMotion;
-use crate::improvement::shortcut::LEAST_GAIN;
 use crate::step::validation;
 use foliate_components::Pose;
 use foliate_components::graph::StateId;

@@ -2,11 +2,11 @@
 //! the motions before and behind and projected again, so that redundant joints, a mobile base or another branch of inverse kinematics
 //! make these motions shorter. The leaf stays, so that nothing else has to change.
 
-use crate::improvement::context::{Context, ImprovementScratch};
+use crate::improvement::changes::context::{Context, ImprovementScratch};
+use crate::improvement::changes::limb_shortcut::Changed;
+use crate::improvement::changes::shortcut::LEAST_GAIN;
 use crate::improvement::cost::path_cost;
 use crate::improvement::leaf_motion::LeafMotion;
-use crate::improvement::limb_shortcut::Changed;
-use crate::improvement::shortcut::LEAST_GAIN;
 use crate::planning_model::state_classification::{parameters_of, residual};
 use crate::step::{steering, validation};
 use foliate_components::Pose;

@@ -1,7 +1,7 @@
 //! Shortcuts: the straight motion between two points of one motion, in place of what lies between them (Geraerts and Overmars,
 //! "Creating high-quality paths for motion planning", IJRR 2007).
 
-use crate::improvement::context::{Context, ImprovementScratch};
+use crate::improvement::changes::context::{Context, ImprovementScratch};
 use crate::improvement::leaf_motion::LeafMotion;
 use crate::step::{steering, validation};
 use rand::{Rng, RngExt};
