@@ -263,7 +263,8 @@ fn claims_hold_beyond_the_margins_and_for_what_does_not_move() {
             let measured = report.min_clearance.unwrap().value;
             assert!(claim <= measured + 1e-9, "seed {seed}: {claim} claimed, {measured} measured");
             assert!(claim >= (0.9 * measured).min(measured - 1e-4) - 1e-9, "seed {seed}: {claim}, {measured}");
-            assert!(least.is_none_or(|least| (measured - least).abs() < 1e-6), "{measured}");
+            // The path may come closer to the wall than the pair that stands still.
+            assert!(least.is_none_or(|least| measured < least + 1e-6), "{measured}");
         }
     }
 }

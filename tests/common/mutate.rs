@@ -59,6 +59,11 @@ pub struct Run {
     pub largest: u64,
 }
 
+/// A seed from a name.
+fn hash(sum: u64, byte: u8) -> u64 {
+    sum.wrapping_mul(31).wrapping_add(u64::from(byte))
+}
+
 /// Changes good files at random and has each result read.
 ///
 /// # Panics
@@ -67,7 +72,7 @@ pub fn fuzz(name: &str, good: &[Vec<u8>], read: impl Fn(&[u8])) -> Run {
     let variable = |name: &str| std::env::var(name).ok().and_then(|value| value.parse::<u64>().ok());
     let seconds = variable("FOLIATE_FUZZ_SECONDS");
     let seed = variable("FOLIATE_FUZZ_SEED").unwrap_or(1);
-    let mut random = ChaCha8Rng::seed_from_u64(seed ^ name.bytes().fold(0, |sum, byte| sum * 31 + u64::from(byte)));
+    let mut random = ChaCha8Rng::seed_from_u64(seed ^ name.bytes().fold(0, hash));
     let started = Instant::now();
     let mut run = Run { inputs: 0, slowest: Duration::ZERO, largest: 0 };
     let goes_on = |inputs: u64| match seconds {

@@ -12,7 +12,7 @@ use super::random_scene::RandomScene;
 use foliate::check::{CheckOptions, Verdict, check};
 use foliate::path_file::save;
 use foliate::scene::PackagePath;
-use solve::{Answer, Ended, solve};
+use solve::{Answer, Ended, Wanted, solve};
 use std::path::Path;
 
 /// What became of a seed.
@@ -44,13 +44,13 @@ pub fn scheduler_of(seed: u64) -> &'static str {
 /// everything.
 pub fn examine_among_posts(seed: u64, folder: &Path) -> (RandomScene, Fate) {
     let scheduler = scheduler_of(seed);
-    let (bare, answer) = match first_answer(seed, folder) {
+    let (bare, answer) = match first_answer(seed, Wanted::First, folder) {
         Ok(found) => found,
         Err((scene, fate)) => return (scene, fate),
     };
     let scene = posts::among_posts(&bare, &answer);
     let file = scene.write(folder).expect("a folder for the problem");
-    let fate = match solve(&file, scheduler, seed, 1, &folder.join("path.json")) {
+    let fate = match solve(&file, Wanted::Timed, (scheduler, seed), 1, &folder.join("path.json")) {
         Ok(Ended::Solved(answer)) => proved(&scene, &file, scheduler, &answer),
         Ok(Ended::Infeasible(why)) => Fate::Infeasible(why),
         Ok(Ended::Refused(why)) => Fate::Refused(why),
@@ -62,7 +62,7 @@ pub fn examine_among_posts(seed: u64, folder: &Path) -> (RandomScene, Fate) {
 
 /// Draws the problem of a seed, solves it, and checks the answer in every way. All files stay in `folder`.
 pub fn examine(seed: u64, folder: &Path) -> (RandomScene, Fate) {
-    match first_answer(seed, folder) {
+    match first_answer(seed, Wanted::Timed, folder) {
         Ok((scene, answer)) => {
             let fate = proved(&scene, &folder.join("scene.toml"), scheduler_of(seed), &answer);
             (scene, fate)
@@ -73,7 +73,11 @@ pub fn examine(seed: u64, folder: &Path) -> (RandomScene, Fate) {
 
 /// The first attempt of a seed that is solved, in `folder`; or what became of all.
 #[allow(clippy::result_large_err, reason = "told once, by a test that ends")]
-pub fn first_answer(seed: u64, folder: &Path) -> Result<(RandomScene, Box<Answer>), (RandomScene, Fate)> {
+pub fn first_answer(
+    seed: u64,
+    wanted: Wanted,
+    folder: &Path,
+) -> Result<(RandomScene, Box<Answer>), (RandomScene, Fate)> {
     let (mut attempt, mut hard) = (0, 0);
     loop {
         let scene = RandomScene::new(seed, attempt);
@@ -81,7 +85,7 @@ pub fn first_answer(seed: u64, folder: &Path) -> Result<(RandomScene, Box<Answer
         let scene_file = scene.write(folder).expect("a folder for the problem");
         attempt += 1;
         let last = attempt == ATTEMPTS;
-        match solve(&scene_file, scheduler_of(seed), seed, 1, &folder.join("path.json")) {
+        match solve(&scene_file, wanted, (scheduler_of(seed), seed), 1, &folder.join("path.json")) {
             Err(error) => return Err((scene, Fate::Failed(error))),
             Ok(Ended::Solved(answer)) => return Ok((scene, answer)),
             Ok(Ended::Refused(why)) if last => return Err((scene, Fate::Refused(why))),
@@ -105,7 +109,7 @@ fn proved(scene: &RandomScene, file: &Path, scheduler: &str, answer: &Answer) ->
 /// All that is promised of an answer; what does not hold.
 fn prove(scene: &RandomScene, scene_file: &Path, scheduler: &str, answer: &Answer) -> Vec<String> {
     let again = answer.out.with_file_name("two-threads.json");
-    let second = match solve(scene_file, scheduler, scene.seed, 2, &again) {
+    let second = match solve(scene_file, Wanted::Timed, (scheduler, scene.seed), 2, &again) {
         Ok(Ended::Solved(second)) if second.bytes == answer.bytes => Ok(()),
         Ok(Ended::Solved(_)) => Err("two-threads: another file than one thread".into()),
         Ok(_) => Err("two-threads: no answer where one thread has one".into()),

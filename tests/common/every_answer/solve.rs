@@ -30,8 +30,23 @@ pub enum Ended {
     Solved(Box<Answer>),
 }
 
+/// Which path is wanted.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Wanted {
+    /// The first one, without times.
+    First,
+    /// An improved one with times.
+    Timed,
+}
+
 /// Loads, solves and writes. An error is something that a solve must never do.
-pub fn solve(scene_file: &Path, scheduler: &str, seed: u64, threads: usize, out: &Path) -> Result<Ended, String> {
+pub fn solve(
+    scene_file: &Path,
+    wanted: Wanted,
+    (scheduler, seed): (&str, u64),
+    threads: usize,
+    out: &Path,
+) -> Result<Ended, String> {
     let scene = match Scene::load(&scene_file.to_string_lossy(), &PackagePath::only(&[])) {
         Ok(scene) => scene,
         Err(error) => return Ok(Ended::Refused(error.to_string())),
@@ -42,6 +57,10 @@ pub fn solve(scene_file: &Path, scheduler: &str, seed: u64, threads: usize, out:
     };
     let settings = SearchSettings::default().with(|s| (s.seed, s.max_steps, s.goal_tries) = (seed, STEPS, GOAL_TRIES));
     let planner = planner.settings(settings).scheduler_named(scheduler).expect("a shipped scheduler");
+    let planner = match wanted {
+        Wanted::First => planner.first_path(),
+        Wanted::Timed => planner.improve_work(1000),
+    };
     match planner.solve_on(threads).map_err(|none| none.reason) {
         Ok(solution) => write(&scene, solution.model, scheduler, seed, solution.path, out),
         Err(NoSolutionReason::InfeasibleStart(why)) => Ok(Ended::Infeasible(format!("start: {why}"))),
