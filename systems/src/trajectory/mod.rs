@@ -11,3 +11,4 @@ pub mod timed_path;
 pub(crate) mod timing;
 
 pub use crate::trajectory::timed_path::{TimedPathError, timed_path};
+pub use crate::trajectory::timing::StretchError;

@@ -7,10 +7,10 @@ use crate::settings::SearchSettings;
 use crate::trajectory::rows::{follow_signs, share_joint_knots};
 use crate::trajectory::smoothing::{Smoothing, SmoothingScratch};
 use crate::trajectory::stretch::Stretch;
-use crate::trajectory::timing;
+use crate::trajectory::timing::{self, StretchError, TimingBuffers};
 use foliate_components::path::{ManipulationPath, Segment};
 use foliate_components::problem::RateLimits;
-use foliate_kernels::trajectory::{BlendError, TimingError, TimingScratch};
+use foliate_kernels::trajectory::BlendError;
 
 /// Why a path gets no times.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -33,7 +33,7 @@ pub enum TimedPathError {
         /// The first segment of the stretch, from 0.
         segment: usize,
         /// What is wrong.
-        error: TimingError,
+        error: StretchError,
     },
     /// The curve is not proved, however close it is to the path without times.
     #[error("the curve of segment {} is not proved: {:?} at piece {}", fault.segment, fault.kind, fault.piece)]
@@ -66,7 +66,7 @@ pub fn timed_path(
         settings,
         motions: &motions,
         scratch: SmoothingScratch::default(),
-        timing: TimingScratch::default(),
+        timing: TimingBuffers::default(),
     };
     maker.scratch.collision.set_level(settings.level);
     let mut made: Vec<Option<Made>> = vec![None; stretches.len()];
@@ -117,7 +117,7 @@ struct Maker<'a> {
     settings: &'a SearchSettings,
     motions: &'a [LeafMotion],
     scratch: SmoothingScratch,
-    timing: TimingScratch,
+    timing: TimingBuffers,
 }
 
 impl Maker<'_> {

@@ -9,7 +9,8 @@ use crate::trajectory::stretch::Stretch;
 use foliate_components::path::Segment;
 use foliate_components::robot::configuration::Group;
 use foliate_kernels::trajectory::{
-    Limits, Spline, TimedPath, TimingError, TimingScratch, TimingSettings, peak_rates, time_optimal,
+    JerkError, JerkScratch, Limits, Spline, TimedPath, TimingError, TimingScratch, TimingSettings, limit_jerk,
+    peak_rates, time_optimal,
 };
 
 /// How long a motion takes that is as short as rounding, seconds.
@@ -17,6 +18,28 @@ const HARDLY_MOVING: f64 = 1e-3;
 
 /// Knots that are closer than this are one, seconds.
 const APART: f64 = 1e-5;
+
+/// Buffers of one thread.
+#[derive(Debug, Default)]
+pub(crate) struct TimingBuffers {
+    timing: TimingScratch,
+    jerk: JerkScratch,
+    smoothed: Spline,
+}
+
+/// Why a stretch gets no times.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum StretchError {
+    /// Limits of velocity and acceleration allow no motion.
+    #[error(transparent)]
+    Timing(#[from] TimingError),
+    /// Limits of jerk allow none.
+    #[error(transparent)]
+    Jerk(#[from] JerkError),
+    /// The root of a robot turns, and there are limits of jerk.
+    #[error("limits of jerk cannot be kept by a root that turns freely; leave jerk_ramp out")]
+    TurningRoot,
+}
 
 /// The segments of a stretch, from time 0, and how long it takes.
 ///
@@ -26,8 +49,8 @@ pub(crate) fn segments(
     model: &Model,
     motions: &[LeafMotion],
     (stretch, paths): (&Stretch, &[SmoothPath]),
-    scratch: &mut TimingScratch,
-) -> Result<(Vec<Segment>, f64), TimingError> {
+    buffers: &mut TimingBuffers,
+) -> Result<(Vec<Segment>, f64), StretchError> {
     let size = model.problem.robot.space.size();
     let motions = &motions[stretch.motions.clone()];
     let mut now = 0.0;
@@ -41,8 +64,11 @@ pub(crate) fn segments(
     let limits = Limits { velocity: &stretch.velocity, acceleration: &stretch.acceleration, jerk: &stretch.jerk };
     let mut timed = TimedPath::default();
     for path in paths {
-        time_optimal(&path.path, limits, TimingSettings::default(), scratch, &mut timed)?;
-        let joints: Vec<usize> = path.joints.iter().map(|&joint| cut_at(&mut timed, joint)).collect();
+        time_optimal(&path.path, limits, TimingSettings::default(), &mut buffers.timing, &mut timed)?;
+        let mut joints: Vec<usize> = path.joints.iter().map(|&joint| cut_at(&mut timed, joint)).collect();
+        if limits.jerk.iter().any(|limit| limit.is_finite()) {
+            bound_jerk(model, stretch, limits, (&mut timed.curve, &mut joints), buffers)?;
+        }
         let curve = &mut timed.curve;
         normalise(model, &stretch.carried, curve);
         let slower = slow_down(curve, limits);
@@ -57,6 +83,30 @@ pub(crate) fn segments(
         rows.push(now, &stretch.knots[size..], &vec![0.0; size]);
     }
     Ok((rows.segments(motions[motions.len() - 1].end(size)), now))
+}
+
+/// Makes the acceleration continuous and bounds the jerk. The joints are the knots at which the curve passes them as late as the whole
+/// curve is.
+fn bound_jerk(
+    model: &Model,
+    stretch: &Stretch,
+    limits: Limits<'_>,
+    (curve, joints): (&mut Spline, &mut [usize]),
+    buffers: &mut TimingBuffers,
+) -> Result<(), StretchError> {
+    let factors = &model.problem.robot.space.factors;
+    if factors.iter().any(|factor| factor.group == Group::FreeFlyer && !stretch.carried[factor.q]) {
+        return Err(StretchError::TurningRoot);
+    }
+    let times: Vec<f64> = joints.iter().map(|&joint| curve.parameters()[joint]).collect();
+    let report = limit_jerk(curve, limits, &mut buffers.jerk, &mut buffers.smoothed)?;
+    std::mem::swap(curve, &mut buffers.smoothed);
+    for (joint, time) in joints.iter_mut().zip(times) {
+        let time = if time < curve.extent() - 2.0 * report.delay { time + report.delay } else { curve.extent() };
+        let near = curve.parameters().iter().position(|knot| (knot - time).abs() < APART);
+        *joint = near.unwrap_or_else(|| curve.cut(time));
+    }
+    Ok(())
 }
 
 /// Cuts a curve where it passes a parameter of its path, and returns the knot there. A knot that is close is taken.
