@@ -1,15 +1,19 @@
 //! A path that Foliate writes is certified as it is checked: both prove it, and both find a knot that was moved into something.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on says so")]
 
+#[path = "common/written.rs"]
+mod written;
+
 use foliate::Planner;
 use foliate::certify::formats::{ReadOptions, read};
 use foliate::certify::{Certifier, CertifyOptions, CertifyReport, Verdict};
 use foliate::check::{CheckOptions, Kind, check};
 use foliate::kernels::collision::CollisionScratch;
-use foliate::path_file::{PathContext, PathFile, save, write_path};
+use foliate::path_file::{PathFile, save};
 use foliate::scene::{PackagePath, Scene};
 use foliate::systems::settings::SearchSettings;
 use std::path::Path;
+use written::written;
 
 /// A planned path of an embedded scene, with the models beside it.
 fn planned(scene: &str, seed: u64, file: &Path) -> PathFile {
@@ -17,18 +21,8 @@ fn planned(scene: &str, seed: u64, file: &Path) -> PathFile {
     let settings = SearchSettings::default().with(|s| s.seed = seed);
     // Knots will be put in between: only a path without times takes them.
     let planner = Planner::new(scene.problem.clone()).unwrap().settings(settings).first_path();
-    let models = save::model_names(&scene, file).unwrap();
     let solution = planner.solve().unwrap();
-    let model = planner.model();
-    let context = PathContext {
-        problem: &model.problem,
-        graph: &model.graph,
-        models: &models,
-        seed,
-        scheduler: "sequence",
-        simd: "none",
-    };
-    write_path(&context, &solution.path)
+    written(&scene, &solution.model.graph, &solution.path, file)
 }
 
 fn certified(scene: &str, file: &Path) -> CertifyReport {

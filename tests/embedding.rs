@@ -140,3 +140,13 @@ fn an_error_of_reading_has_the_error_that_it_was_made_of() {
     assert!(source.is_some_and(|source| source.contains("TOML")), "{malformed:?}");
     assert_eq!(malformed, malformed.clone(), "errors can be compared");
 }
+
+#[test]
+fn a_time_limit_ends_an_improvement_and_keeps_its_path() {
+    let planner = Planner::new(swap_two_boxes().unwrap()).unwrap().improve_time(Duration::from_secs(600));
+    let started = std::time::Instant::now();
+    let solution = planner.time_limit(Duration::from_millis(300)).solve().unwrap();
+    assert!(started.elapsed() < Duration::from_secs(30), "{:?}", started.elapsed());
+    assert!(solution.report.improvement.is_some_and(|improvement| improvement.stopped));
+    assert!(solution.path.duration().is_some());
+}

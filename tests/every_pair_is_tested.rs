@@ -3,14 +3,18 @@
 //! too. A certificate over nothing has no clearance.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on says so")]
 
+#[path = "common/written.rs"]
+mod written;
+
 use foliate::check::{CheckOptions, CheckReport, check};
 use foliate::components::infeasibility::Infeasibility;
-use foliate::path_file::{PathContext, PathFile, save, write_path};
+use foliate::path_file::{PathFile, save};
 use foliate::scene::{PackagePath, Scene};
 use foliate::systems::settings::SearchSettings;
 use foliate::{NoSolution, NoSolutionReason, Planner, Solution};
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use written::written;
 
 /// A folder with the files of a scene, removed at the end.
 struct Folder(PathBuf);
@@ -46,17 +50,7 @@ impl Folder {
     /// Writes the path as the program does.
     fn write(&self, scene: &Scene, solution: &Solution) -> PathFile {
         let out = self.0.join("path.json");
-        let models = save::model_names(scene, &out).unwrap();
-        let model = &solution.model;
-        let context = PathContext {
-            problem: &model.problem,
-            graph: &model.graph,
-            models: &models,
-            seed: 1,
-            scheduler: "sequence",
-            simd: "any",
-        };
-        let file = write_path(&context, &solution.path);
+        let file = written(scene, &solution.model.graph, &solution.path, &out);
         save::save(&file, &out).unwrap();
         file
     }

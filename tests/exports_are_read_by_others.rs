@@ -3,6 +3,9 @@
 
 mod common;
 
+#[path = "common/written.rs"]
+mod written;
+
 use common::skip::{node_with, python_with};
 use common::timed::rest_to_rest;
 use foliate::certify::formats::{ReadOptions, read};
@@ -10,11 +13,12 @@ use foliate::certify::{Certifier, CertifyOptions, Verdict};
 use foliate::components::path::ManipulationPath;
 use foliate::components::problem::Problem;
 use foliate::kernels::collision::CollisionScratch;
-use foliate::path_file::{PathContext, save, write_path};
+use foliate::path_file::save;
 use foliate::scene::{PackagePath, Scene};
 use foliate::{Planner, Solution};
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use written::written;
 
 /// Scenes with what differs: boxes and two arms, objects that carry objects, a door of the environment, meshes of a published robot, a base
 /// that flies.
@@ -34,7 +38,7 @@ fn planned(scene: &str, packages: &PackagePath, file: &Path, spoil: impl Fn(&Pro
     let mut solution = planner.solve().unwrap_or_else(|e| panic!("{}: {e}", scene.problem.name));
     rest_to_rest(&scene.problem, &mut solution.path);
     spoil(&scene.problem, &mut solution.path);
-    written(&scene, &solution, file);
+    save_path(&scene, &solution, file);
     scene
 }
 
@@ -43,21 +47,11 @@ fn improved(scene: &str, packages: &PackagePath, file: &Path) {
     let scene = Scene::load(scene, packages).unwrap_or_else(|e| panic!("{e}"));
     let solution = Planner::new(scene.problem.clone()).unwrap().seed(1).solve().unwrap_or_else(|e| panic!("{e}"));
     assert!(solution.path.segments.iter().all(|s| s.timing.is_some()), "{:?}", solution.report.untimed);
-    written(&scene, &solution, file);
+    save_path(&scene, &solution, file);
 }
 
-fn written(scene: &Scene, solution: &Solution, file: &Path) {
-    let models = save::model_names(scene, file).unwrap();
-    let model = &solution.model;
-    let context = PathContext {
-        problem: &model.problem,
-        graph: &model.graph,
-        models: &models,
-        seed: 1,
-        scheduler: "sequence",
-        simd: "none",
-    };
-    save::save(&write_path(&context, &solution.path), file).unwrap();
+fn save_path(scene: &Scene, solution: &Solution, file: &Path) {
+    save::save(&written(scene, &solution.model.graph, &solution.path, file), file).unwrap();
 }
 
 /// Gives the knots inside of segments some velocity, so that a reader that takes it for zero is found.

@@ -10,17 +10,21 @@ mod mutate;
 #[path = "common/timed.rs"]
 mod timed;
 
+#[path = "common/written.rs"]
+mod written;
+
 use foliate::Planner;
 use foliate::certify::formats::{ReadOptions, read_bytes};
 use foliate::certify::{Certifier, CertifyOptions};
 use foliate::check::{CheckOptions, SceneChoice, check};
 use foliate::export::{ExportOptions, Format, export};
 use foliate::kernels::collision::CollisionScratch;
-use foliate::path_file::{LoadedPath, PathContext, save, write_path};
+use foliate::path_file::{LoadedPath, save};
 use foliate::scene::{MeshCache, PackagePath, Scene, UpAxis, read_model};
 use mutate::fuzz;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+use written::written;
 
 /// A fresh folder that goes when the test ends.
 struct Folder(PathBuf);
@@ -150,16 +154,7 @@ fn path() {
     let scene = Scene::load("demo", &PackagePath::default()).unwrap();
     let planner = Planner::new(scene.problem.clone()).unwrap();
     let solution = planner.solve().unwrap();
-    let models = save::model_names(&scene, &out).unwrap();
-    let context = PathContext {
-        problem: &planner.model().problem,
-        graph: &solution.model.graph,
-        models: &models,
-        seed: 1,
-        scheduler: "sequence",
-        simd: "any",
-    };
-    let mut file = write_path(&context, &solution.path);
+    let mut file = written(&scene, &solution.model.graph, &solution.path, &out);
     save::save(&file, &out).unwrap();
     let whole = std::fs::read(&out).unwrap();
     // A short one, of which more inputs are still JSON.
@@ -189,16 +184,7 @@ fn exported_path() {
     let planner = Planner::new(scene.problem.clone()).unwrap().first_path();
     let mut solution = planner.solve().unwrap();
     timed::rest_to_rest(&scene.problem, &mut solution.path);
-    let models = save::model_names(&scene, &out).unwrap();
-    let context = PathContext {
-        problem: &planner.model().problem,
-        graph: &solution.model.graph,
-        models: &models,
-        seed: 1,
-        scheduler: "sequence",
-        simd: "any",
-    };
-    let mut file = write_path(&context, &solution.path);
+    let mut file = written(&scene, &solution.model.graph, &solution.path, &out);
     file.segments.truncate(3);
     save::save(&file, &out).unwrap();
     let short = std::fs::read(&out).unwrap();

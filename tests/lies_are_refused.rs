@@ -15,13 +15,17 @@ mod lies;
 #[path = "common/lies_about_times.rs"]
 mod lies_about_times;
 
+#[path = "common/written.rs"]
+mod written;
+
 use foliate::Planner;
 use foliate::check::{CheckOptions, SceneChoice, Verdict, check};
-use foliate::path_file::{PathContext, save, write_path};
+use foliate::path_file::save;
 use foliate::scene::{PackagePath, Scene, sha256};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use written::written;
 
 /// A temporary folder; gone when dropped.
 struct Folder(PathBuf);
@@ -98,16 +102,7 @@ fn lie_about(scene_name: &str, folder: &Folder, times: Times) -> (usize, usize) 
         common::timed::rest_to_rest(&scene.problem, &mut solution.path);
     }
     let out = folder.0.join("honest.json");
-    let models = save::model_names(&scene, &out).unwrap();
-    let context = PathContext {
-        problem: &planner.model().problem,
-        graph: &solution.model.graph,
-        models: &models,
-        seed: 1,
-        scheduler: "sequence",
-        simd: "none",
-    };
-    let path = serde_json::to_value(write_path(&context, &solution.path)).unwrap();
+    let path = serde_json::to_value(written(&scene, &solution.model.graph, &solution.path, &out)).unwrap();
     let honest = say(&folder.0, &path, SceneChoice::Named);
     assert_eq!(honest.0, Said::Proved, "{scene_name}: {}", honest.1);
     assert_eq!(say(&folder.0, &path, SceneChoice::Nothing).0, Said::Relative);

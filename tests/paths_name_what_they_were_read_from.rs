@@ -2,13 +2,17 @@
 //! a checker of the path reads the same files.
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test that cannot go on says so")]
 
+#[path = "common/written.rs"]
+mod written;
+
 use foliate::Planner;
 use foliate::check::{CheckOptions, CheckReport, SceneChoice, check};
-use foliate::path_file::{PathContext, PathFile, save, write_path};
+use foliate::path_file::{PathFile, save};
 use foliate::scene::{ModelFile, Origin, PackagePath, Scene, UpAxis, read_model, sha256};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use written::written;
 
 /// A ball that moves in x, y and a little in z.
 const GANTRY: &str = r#"<robot name="g"><link name="base"/><link name="lx"/><link name="ly"/>
@@ -85,17 +89,8 @@ fn planned(scene: &Scene, out: &Path) -> PathFile {
     // Knots are changed below: a path without times takes that.
     let planner = Planner::new(scene.problem.clone()).unwrap().first_path();
     let solution = planner.solve().unwrap();
-    let models = save::model_names(scene, out).unwrap();
-    let context = PathContext {
-        problem: &scene.problem,
-        graph: &solution.model.graph,
-        models: &models,
-        seed: 1,
-        scheduler: "sequence",
-        simd: "any",
-    };
     let path = &solution.path;
-    save::save(&write_path(&context, path), out).unwrap();
+    save::save(&written(scene, &solution.model.graph, path, out), out).unwrap();
     save::read(out).unwrap()
 }
 

@@ -11,15 +11,19 @@ mod story;
 #[path = "common/timed_story.rs"]
 mod timed_story;
 
+#[path = "common/written.rs"]
+mod written;
+
 use common::timed::{rest_to_rest, stand_still_at_events};
 use foliate::Planner;
 use foliate::check::{CheckOptions, CheckReport, SceneChoice, Verdict, check};
-use foliate::path_file::{PathContext, PathFile, save, write_path};
+use foliate::path_file::{PathFile, save};
 use foliate::scene::{PackagePath, Scene};
 use serde_json::{Value, json};
 use std::time::Instant;
 use story::*;
 use timed_story::{DWELL, STEP, with_times};
+use written::written;
 
 fn timed() -> Value {
     with_times(story())
@@ -213,7 +217,7 @@ fn what_stands_still_has_no_velocity_between_knots_either() {
 }
 
 #[test]
-fn a_door_that_nobody_holds_does_not_swing_between_knots() {
+fn a_door_that_is_not_held_does_not_swing_between_knots() {
     let folder = Folder::new();
     let hinge = joint("hinge", "frame", "leaf", [0.0; 3], "");
     folder.write("door.urdf", &robot(&[link("frame", "", 0.0), link("leaf", &cuboid(0.2, 0.02, 0.2), 0.1), hinge]));
@@ -405,16 +409,7 @@ fn planned_paths_are_proved_whole_and_in_short_pieces() {
         let planner = Planner::new(scene.problem.clone()).unwrap().seed(1);
         let solution = planner.solve().unwrap();
         let out = folder.path.join(format!("{name}.json"));
-        let models = save::model_names(&scene, &out).unwrap();
-        let context = PathContext {
-            problem: &planner.model().problem,
-            graph: &solution.model.graph,
-            models: &models,
-            seed: 1,
-            scheduler: "sequence",
-            simd: "none",
-        };
-        let mut file = write_path(&context, &solution.path);
+        let mut file = written(&scene, &solution.model.graph, &solution.path, &out);
         let (report, whole) = prove(&file, &folder.path, &packages);
         assert_eq!(report.verdict(), Verdict::Proved, "{name}: {:#?}", report.violations);
         assert!(report.duration.is_some(), "{name} has no times");
@@ -449,18 +444,8 @@ fn solved_scenes_with_times_are_proved() {
         let planner = Planner::new(scene.problem.clone()).unwrap().seed(1).first_path();
         let solution = planner.solve().unwrap();
         let out = folder.path.join(format!("{name}.json"));
-        let models = save::model_names(&scene, &out).unwrap();
-        let write = |path: &foliate::components::path::ManipulationPath| {
-            let context = PathContext {
-                problem: &planner.model().problem,
-                graph: &solution.model.graph,
-                models: &models,
-                seed: 1,
-                scheduler: "sequence",
-                simd: "none",
-            };
-            write_path(&context, path)
-        };
+        let write =
+            |path: &foliate::components::path::ManipulationPath| written(&scene, &solution.model.graph, path, &out);
         let mut bare = solution.path.clone();
         let (report, before) = prove(&write(&bare), &folder.path, &packages);
         assert_eq!(report.verdict(), Verdict::Proved, "{name} without times: {:#?}", report.violations);

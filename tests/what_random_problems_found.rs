@@ -3,11 +3,15 @@
 
 #![allow(clippy::expect_used, reason = "a test that cannot go on says so")]
 
+#[path = "common/written.rs"]
+mod written;
+
 use foliate::Planner;
 use foliate::check::{CheckOptions, Verdict, check};
-use foliate::path_file::{PathContext, save, write_path};
+use foliate::path_file::save;
 use foliate::scene::{PackagePath, Scene};
 use std::path::{Path, PathBuf};
+use written::written;
 
 /// A folder of this test's own, removed at its end.
 struct Folder(PathBuf);
@@ -48,16 +52,8 @@ fn verdict(name: &str, files: &[(&str, &str)], keys: &str, parts: &str) -> (Verd
     let planner = Planner::new(scene.problem.clone()).expect("a problem");
     let solution = planner.solve_on(1).expect("the way is free");
     let out = folder.0.join("path.json");
-    let context = PathContext {
-        problem: &planner.model().problem,
-        graph: &solution.model.graph,
-        models: &save::model_names(&scene, &out).expect("names"),
-        seed: 1,
-        scheduler: "sequence",
-        simd: "any",
-    };
     let path = solution.path;
-    save::save(&write_path(&context, &path), &out).expect("a path file");
+    save::save(&written(&scene, &solution.model.graph, &path, &out), &out).expect("a path file");
     let file = save::read(&out).expect("a path file");
     let report = check(&file, &folder.0, &PackagePath::only(&[]), &CheckOptions::default()).expect("a path");
     (report.verdict(), report.violations.iter().map(ToString::to_string).collect())

@@ -85,9 +85,9 @@ impl fmt::Debug for BetterPath<'_> {
 pub struct ImprovementReport {
     /// What the costs are: `duration` (seconds), `length` (metres), or a host's own.
     pub cost: &'static str,
-    /// Cost of the first path.
+    /// Cost of the first path. That of `duration` is an estimate, without times; [`ManipulationPath::duration`] is exact.
     pub first_cost: f64,
-    /// Cost of the path that is answered.
+    /// Cost of the path that is answered, likewise.
     pub final_cost: f64,
     /// Counted work. As a budget it gives the same path again.
     pub work: u64,

@@ -172,7 +172,9 @@ impl Planner {
         self
     }
 
-    /// Gives up after this much wall time. A deadline can turn an answer into none, never into another.
+    /// Gives up after this much wall time. In the search a deadline can turn an answer into none, never into another. A path that is
+    /// being improved by then is answered as good as it is ([`ImprovementReport::stopped`](crate::planner::ImprovementReport::stopped));
+    /// smoothing and timing it takes milliseconds on top.
     #[must_use]
     pub fn time_limit(mut self, limit: Duration) -> Self {
         self.time_limit = Some(limit);
@@ -266,7 +268,7 @@ impl Planner {
         match path.filter(|_| outcome == SearchOutcome::Solved) {
             Some(path) if self.refinement.first => Ok(Solution { path, report, model }),
             Some(path) => {
-                let (model, path) = self.refine((model, path), &mut report);
+                let (model, path) = self.refine((model, path), started, &mut report);
                 Ok(Solution { path, report, model })
             }
             None => Err(NoSolution { reason: NoSolutionReason::of(outcome), report: Box::new(report), model }),
@@ -277,9 +279,12 @@ impl Planner {
     fn refine(
         &self,
         (model, path): (PlanningModel, ManipulationPath),
+        began: Instant,
         report: &mut Report,
     ) -> (PlanningModel, ManipulationPath) {
-        let deadline = self.refinement.time.and_then(|time| Instant::now().checked_add(time));
+        let of_improvement = self.refinement.time.and_then(|time| Instant::now().checked_add(time));
+        let of_solve = self.time_limit.and_then(|limit| began.checked_add(limit));
+        let deadline = of_improvement.into_iter().chain(of_solve).min();
         let memory = self.memory_limit.map(MemoryLimit::guard);
         let stop = StopSignal { deadline, token: self.token.clone(), memory };
         let (model, path, improvement) =

@@ -11,7 +11,7 @@ use foliate_components::constraint::{Constraint, Frame, Grasp, Reference, Relati
 use foliate_components::outcome::{Rejection, SearchOutcome, TransitionStatistics};
 use foliate_components::path::{Attachment, ManipulationPath};
 use foliate_components::pose::log_so3;
-use foliate_components::problem::{CostOptions, Goal, GraphOptions, ObjectOptions, Problem, Rule, TimingOptions};
+use foliate_components::problem::{Goal, GraphOptions, ObjectOptions, Problem, Rule};
 use foliate_components::roadmap::NodeId;
 use foliate_components::robot::{DisabledPair, GripperIndex, HandleIndex, PartIndex, Robot};
 use foliate_components::samples::models::{block, environment, fixed_robot, movable_object, seven_axis_arm, table};
@@ -120,15 +120,9 @@ impl Cell {
             ..GraphOptions::default()
         };
         Problem {
-            name: "a long box".into(),
-            robot: self.robot.clone(),
             graph,
             ignored_pairs: self.ignored.clone(),
-            margins: Vec::new(),
-            start,
-            goals: vec![Goal::Configuration(goal)],
-            timing: TimingOptions::default(),
-            cost: CostOptions::default(),
+            ..Problem::new("a long box", self.robot.clone(), start, vec![Goal::Configuration(goal)])
         }
     }
 

@@ -11,9 +11,7 @@ use foliate_components::Pose;
 use foliate_components::constraint::{Constraint, Frame, Reference, RelativePose, Row};
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::pose::pose_from_array;
-use foliate_components::problem::{
-    CostOptions, Goal, GraphOptions, NamedConstraint, ObjectOptions, PartialGoal, Problem, TimingOptions,
-};
+use foliate_components::problem::{Goal, GraphOptions, NamedConstraint, ObjectOptions, PartialGoal, Problem};
 use foliate_components::robot::{PartIndex, Robot};
 use foliate_components::samples::models::{block, environment, fixed_robot, movable_object, seven_axis_arm, table};
 use foliate_components::samples::{boxes_on_a_table, move_one_box, swap_with_crossed_foliations};
@@ -57,17 +55,7 @@ fn two_arms() -> Problem {
     start.extend([0.65, 0.0, -0.2 + 0.031, 0.0, 0.0, 0.0, 1.0]);
     let ignored_pairs =
         (0..robot.parts.len() as u32).flat_map(|part| adjacent_links(&robot, PartIndex(part))).collect();
-    Problem {
-        name: "two arms".into(),
-        robot,
-        graph,
-        ignored_pairs,
-        margins: Vec::new(),
-        start,
-        goals: Vec::new(),
-        timing: TimingOptions::default(),
-        cost: CostOptions::default(),
-    }
+    Problem { graph, ignored_pairs, ..Problem::new("two arms", robot, start, Vec::new()) }
 }
 
 fn end_of(search: &Search) -> Vec<f64> {

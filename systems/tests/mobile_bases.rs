@@ -11,7 +11,7 @@ use foliate_components::Pose;
 use foliate_components::candidate::CandidateArena;
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::pose::pose_from_array;
-use foliate_components::problem::{CostOptions, Goal, GraphOptions, ObjectOptions, Problem, TimingOptions};
+use foliate_components::problem::{Goal, GraphOptions, ObjectOptions, Problem};
 use foliate_components::robot::{PartIndex, PartKind, PartPlacement, Robot, RootJoint};
 use foliate_components::samples::models::{block, environment, movable_object, part, seven_axis_arm, table};
 use foliate_kernels::collision::adjacent_links;
@@ -59,17 +59,7 @@ fn mobile_arm(root: RootJoint, root_bounds: Vec<(f64, f64)>) -> Problem {
     let goals = vec![Goal::object_poses(vec![(robot.part("box").unwrap(), goal)])];
     let ignored_pairs =
         (0..robot.parts.len() as u32).flat_map(|part| adjacent_links(&robot, PartIndex(part))).collect();
-    Problem {
-        name: "mobile arm".into(),
-        robot,
-        graph,
-        ignored_pairs,
-        margins: Vec::new(),
-        start,
-        goals,
-        timing: TimingOptions::default(),
-        cost: CostOptions::default(),
-    }
+    Problem { graph, ignored_pairs, ..Problem::new("mobile arm", robot, start, goals) }
 }
 
 #[test]

@@ -34,6 +34,22 @@ pub struct Problem {
 }
 
 impl Problem {
+    /// A problem with a goal; nothing is margin or left out, and timing and cost are the usual ones. The rest can be set on it.
+    #[must_use]
+    pub fn new(name: impl Into<String>, robot: Robot, start: Vec<f64>, goals: Vec<Goal>) -> Self {
+        Self {
+            name: name.into(),
+            robot,
+            graph: GraphOptions::default(),
+            ignored_pairs: Vec::new(),
+            margins: Vec::new(),
+            start,
+            goals,
+            timing: TimingOptions::default(),
+            cost: CostOptions::default(),
+        }
+    }
+
     /// Sets where one joint or part starts, by name; see [`Robot::set`].
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! Drawers and lids: joints that move only while a gripper holds a handle beyond them.
 
 use crate::Pose;
-use crate::problem::{CostOptions, Goal, GraphOptions, JointRest, ObjectOptions, Problem, RestingJoint, TimingOptions};
+use crate::problem::{Goal, GraphOptions, JointRest, ObjectOptions, Problem, RestingJoint};
 use crate::robot::error::ComposeError;
 use crate::robot::hybrid_robot::Robot;
 use crate::samples::boxes::{bent_arm, neighbours, on_table, standing};
@@ -25,19 +25,9 @@ pub fn open_a_drawer(rest: JointRest, opened: f64) -> Result<Problem, ComposeErr
     ])?;
     let graph = drawer_options(&robot, rest);
     let (start, goal) = (beside_the_drawer(&robot, 0.0), beside_the_drawer(&robot, opened));
-    let (name, ignored_pairs) = ("open a drawer".into(), neighbours(&robot));
+    let ignored_pairs = neighbours(&robot);
     let goals = vec![Goal::Configuration(goal)];
-    Ok(Problem {
-        name,
-        robot,
-        graph,
-        ignored_pairs,
-        margins: Vec::new(),
-        start,
-        goals,
-        timing: TimingOptions::default(),
-        cost: CostOptions::default(),
-    })
+    Ok(Problem { graph, ignored_pairs, ..Problem::new("open a drawer", robot, start, goals) })
 }
 
 /// The same with a box in the drawer that no gripper can hold: it moves with the drawer.
@@ -68,19 +58,9 @@ pub fn open_a_drawer_with_a_box_in_it(opened: f64) -> Result<Problem, ComposeErr
         q
     };
     let (start, goal) = (at(0.0), at(opened));
-    let (name, ignored_pairs) = ("open a drawer with a box in it".into(), neighbours(&robot));
+    let ignored_pairs = neighbours(&robot);
     let goals = vec![Goal::Configuration(goal)];
-    Ok(Problem {
-        name,
-        robot,
-        graph,
-        ignored_pairs,
-        margins: Vec::new(),
-        start,
-        goals,
-        timing: TimingOptions::default(),
-        cost: CostOptions::default(),
-    })
+    Ok(Problem { graph, ignored_pairs, ..Problem::new("open a drawer with a box in it", robot, start, goals) })
 }
 
 fn drawer_options(robot: &Robot, rest: JointRest) -> GraphOptions {
@@ -137,17 +117,7 @@ pub fn open_a_box_and_move_it() -> Result<Problem, ComposeError> {
         bent_arm(&robot).into_iter().chain(standing(place)).chain([angle]).collect()
     };
     let (start, goal) = (at(on_table(0.6, 0.1, size.z, 1e-3), 0.0), at(on_table(0.65, -0.1, size.z, 1e-3), 0.6));
-    let (name, ignored_pairs) = ("open a box and move it".into(), neighbours(&robot));
+    let ignored_pairs = neighbours(&robot);
     let goals = vec![Goal::Configuration(goal)];
-    Ok(Problem {
-        name,
-        robot,
-        graph,
-        ignored_pairs,
-        margins: Vec::new(),
-        start,
-        goals,
-        timing: TimingOptions::default(),
-        cost: CostOptions::default(),
-    })
+    Ok(Problem { graph, ignored_pairs, ..Problem::new("open a box and move it", robot, start, goals) })
 }

@@ -2,7 +2,7 @@
 
 use crate::Pose;
 use crate::pose::pose_to_array;
-use crate::problem::{CostOptions, Goal, GraphOptions, ObjectOptions, Problem, RestingPlane, TimingOptions};
+use crate::problem::{Goal, GraphOptions, ObjectOptions, Problem, RestingPlane};
 use crate::robot::JoinedLinks;
 use crate::robot::error::ComposeError;
 use crate::robot::hybrid_robot::{DisabledPair, Robot};
@@ -81,15 +81,9 @@ pub fn boxes_on_a_table(starts: &[(f64, f64)], goals: &[(f64, f64)]) -> Result<P
     let (start, goal) = (configuration(starts), configuration(goals));
     let ignored_pairs = neighbours(&robot);
     Ok(Problem {
-        name: "boxes on a table".into(),
-        robot,
         graph,
         ignored_pairs,
-        margins: Vec::new(),
-        start,
-        goals: vec![Goal::Configuration(goal)],
-        timing: TimingOptions::default(),
-        cost: CostOptions::default(),
+        ..Problem::new("boxes on a table", robot, start, vec![Goal::Configuration(goal)])
     })
 }
 

@@ -1,7 +1,7 @@
 //! Many arms and many boxes: graphs that are too large to list.
 
 use crate::Pose;
-use crate::problem::{CostOptions, Goal, GraphOptions, ObjectOptions, Problem, TimingOptions};
+use crate::problem::{Goal, GraphOptions, ObjectOptions, Problem};
 use crate::robot::error::ComposeError;
 use crate::robot::hybrid_robot::Robot;
 use crate::samples::boxes::{SIDE, neighbours, standing};
@@ -60,15 +60,9 @@ pub fn crowd(arms: u32, boxes: u32) -> Result<Problem, ComposeError> {
     let goal = configuration(arms, boxes, moved);
     let ignored_pairs = neighbours(&robot);
     Ok(Problem {
-        name: format!("{arms} arms and {boxes} boxes"),
-        robot,
         graph,
         ignored_pairs,
-        margins: Vec::new(),
-        start,
-        goals: vec![Goal::Configuration(goal)],
-        timing: TimingOptions::default(),
-        cost: CostOptions::default(),
+        ..Problem::new(format!("{arms} arms and {boxes} boxes"), robot, start, vec![Goal::Configuration(goal)])
     })
 }
 

@@ -1,7 +1,7 @@
 //! Boxes on boxes: supports that move, and magnets.
 
 use crate::Pose;
-use crate::problem::{CostOptions, Goal, GraphOptions, ObjectOptions, Problem, TimingOptions};
+use crate::problem::{Goal, GraphOptions, ObjectOptions, Problem};
 use crate::robot::error::ComposeError;
 use crate::robot::hybrid_robot::Robot;
 use crate::robot::indices::{GripperIndex, HandleIndex, SurfaceIndex};
@@ -48,18 +48,8 @@ fn configuration(robot: &Robot, lower: DVec3, upper: DVec3) -> Vec<f64> {
 
 fn problem(name: &str, robot: Robot, graph: GraphOptions, start: Vec<f64>, goal: Vec<f64>) -> Problem {
     let ignored_pairs = neighbours(&robot);
-    let (name, goals) = (name.into(), vec![Goal::Configuration(goal)]);
-    Problem {
-        name,
-        robot,
-        graph,
-        ignored_pairs,
-        margins: Vec::new(),
-        start,
-        goals,
-        timing: TimingOptions::default(),
-        cost: CostOptions::default(),
-    }
+    let goals = vec![Goal::Configuration(goal)];
+    Problem { graph, ignored_pairs, ..Problem::new(name, robot, start, goals) }
 }
 
 fn options(

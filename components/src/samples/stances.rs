@@ -3,10 +3,7 @@
 use crate::Pose;
 use crate::constraint::kind::Constraint;
 use crate::constraint::{Frame, Reference, RelativePose, Row};
-use crate::problem::{
-    CostOptions, Goal, GraphOptions, NamedConstraint, Problem, TimingOptions, WrittenLeg, WrittenState,
-    WrittenTransition,
-};
+use crate::problem::{Goal, GraphOptions, NamedConstraint, Problem, WrittenLeg, WrittenState, WrittenTransition};
 use crate::robot::error::ComposeError;
 use crate::robot::hybrid_robot::Robot;
 use crate::robot::joint::JointType;
@@ -108,16 +105,6 @@ pub fn make_a_step() -> Result<Problem, ComposeError> {
         transitions: vec![transition("lift", 0, 1, 1), transition("step", 1, 0, 1)],
         ..GraphOptions::default()
     };
-    let (name, ignored_pairs, goals) = ("make a step".into(), neighbours(&robot), vec![Goal::Configuration(goal)]);
-    Ok(Problem {
-        name,
-        robot,
-        graph,
-        ignored_pairs,
-        margins: Vec::new(),
-        start,
-        goals,
-        timing: TimingOptions::default(),
-        cost: CostOptions::default(),
-    })
+    let (ignored_pairs, goals) = (neighbours(&robot), vec![Goal::Configuration(goal)]);
+    Ok(Problem { graph, ignored_pairs, ..Problem::new("make a step", robot, start, goals) })
 }

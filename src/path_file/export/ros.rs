@@ -123,7 +123,7 @@ fn none() -> Node {
     Node::List(Vec::new())
 }
 
-/// The root joint of a robot, where it is asked for and moves.
+/// The root joint of a robot, where the options include it and it moves.
 fn moving_root(trajectory: &Trajectory<'_>, columns: &[Column], part: PartIndex) -> Option<JointIndex> {
     let root = trajectory.robot().parts[part.at()].root_joint?;
     let numbers = columns.iter().filter(|column| column.part == part && !column.is_joint);

@@ -69,7 +69,7 @@ impl<'a> Trajectory<'a> {
         let value = |&joint: &JointIndex| match all[joint.at()].source {
             Source::Coordinates { q, .. } => Value { coordinate: q, multiplier: 1.0, offset: 0.0 },
             Source::Follows { leader, multiplier, offset } => {
-                // A leader follows nobody.
+                // A leader follows no joint.
                 let Source::Coordinates { q, .. } = all[leader.at()].source else {
                     return Value { coordinate: 0, multiplier: 0.0, offset };
                 };

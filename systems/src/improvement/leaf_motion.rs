@@ -101,12 +101,6 @@ impl LeafMotion {
         self.parameters.iter().zip(parameters).all(near)
     }
 
-    /// Counted work of one change: with implicit rows every configuration is projected.
-    #[must_use]
-    pub fn work(&self) -> u64 {
-        if self.is_implicit { 8 } else { 1 }
-    }
-
     /// The first configuration.
     #[must_use]
     pub fn start(&self, size: usize) -> &[f64] {
@@ -151,20 +145,31 @@ impl LeafMotion {
 /// Whether a configuration is a waypoint of some transitions, travelled in either direction. A path does not say of which leg its
 /// motions are, and the first leg may be a motion that was planned by itself.
 fn is_waypoint(model: &Model, q: &[f64], transitions: [TransitionId; 2]) -> bool {
+    let is_last = |&(id, leg): &(TransitionId, usize)| leg + 1 == model.graph.transition(id).legs.len();
+    legs_ending_at(model, q, transitions).iter().any(|leg| !is_last(leg))
+}
+
+/// Residual at which the constraints at the end of a leg hold, metres and radians.
+const HOLDS: f64 = 1e-5;
+
+/// The legs of some transitions, travelled in either direction, at whose end a configuration is: each with its transition.
+#[must_use]
+pub(crate) fn legs_ending_at(model: &Model, q: &[f64], transitions: [TransitionId; 2]) -> Vec<(TransitionId, usize)> {
     let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
     model.kinematics.forward(q, &mut X_WJ);
     let both_directions = |id: TransitionId| [Some(id), model.graph.transition(id).reverse];
-    transitions.into_iter().flat_map(both_directions).flatten().any(|id| {
-        let legs = &model.graph.transition(id).legs;
-        legs[..legs.len().saturating_sub(1)].iter().any(|leg| {
-            let holds = |&target: &ConstraintId| residual(model, target, q, &X_WJ) <= AT_WAYPOINT;
-            !leg.target.is_empty() && leg.target.iter().all(holds)
-        })
-    })
+    let mut found = Vec::new();
+    for id in transitions.into_iter().flat_map(both_directions).flatten() {
+        for (number, leg) in model.graph.transition(id).legs.iter().enumerate() {
+            let holds = |&target: &ConstraintId| residual(model, target, q, &X_WJ) <= HOLDS;
+            let ends_here = !leg.target.is_empty() && leg.target.iter().all(holds);
+            if ends_here && !found.contains(&(id, number)) {
+                found.push((id, number));
+            }
+        }
+    }
+    found
 }
-
-/// Residual at which a waypoint's constraints hold, metres and radians.
-const AT_WAYPOINT: f64 = 1e-5;
 
 /// Motions that follow one another on one leaf become one, except at waypoints.
 #[must_use]

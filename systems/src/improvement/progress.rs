@@ -1,5 +1,6 @@
 //! How far an improvement has come, and how it has ended.
 
+use crate::improvement::changes::local_change::LocalChange;
 use crate::improvement::proposal::{Attempt, Proposal};
 use bevy_ecs::prelude::{Mut, Resource};
 
@@ -85,9 +86,9 @@ impl Progress {
 impl Changes {
     pub(crate) fn count(&mut self, attempt: Option<&Attempt>) {
         match attempt {
-            Some(Attempt::Shortcut(_)) => self.shortcuts += 1,
-            Some(Attempt::LimbShortcut) => self.limb_shortcuts += 1,
-            Some(Attempt::WaypointMove) => self.waypoint_moves += 1,
+            Some(Attempt::Local(LocalChange::Shortcut(_))) => self.shortcuts += 1,
+            Some(Attempt::Local(LocalChange::LimbShortcut)) => self.limb_shortcuts += 1,
+            Some(Attempt::Local(LocalChange::WaypointMove)) => self.waypoint_moves += 1,
             Some(Attempt::Replan { .. }) => self.replanned += 1,
             None => {}
         }

@@ -1,5 +1,6 @@
 //! Proposals: changes of a path that are drawn, evaluated in parallel, and committed in order.
 
+use crate::improvement::changes::local_change::LocalChange;
 use crate::improvement::leaf_motion::LeafMotion;
 use crate::planning_model::model::PlanningModel;
 use crate::search::path_clearance::pair_counts;
@@ -45,12 +46,8 @@ impl Incumbent {
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Attempt {
-    /// A straight line between two points of this motion.
-    Shortcut(usize),
-    /// A straight line of some coordinates, whatever the others do.
-    LimbShortcut,
-    /// Other configurations for the waypoints of a grasp change.
-    WaypointMove,
+    /// A change that leaves the leaves as they are.
+    Local(LocalChange),
     /// Another search between the ends of these motions, of at most so many steps.
     Replan {
         /// The motions that it replaces.
@@ -78,6 +75,8 @@ pub struct Proposal {
 /// A change that is certified.
 #[derive(Clone, Debug)]
 pub struct Change {
+    /// What was tried.
+    pub attempt: Attempt,
     /// The motions that it replaces.
     pub range: Range<usize>,
     /// What stands in their place.

@@ -2,10 +2,10 @@
 
 use crate::events::StopSignal;
 use crate::improvement::changes::context::{Context, ImprovementScratch};
-use crate::improvement::changes::limb_shortcut;
 use crate::improvement::changes::limbs::Limbs;
+use crate::improvement::changes::local_change::LocalChange;
 use crate::improvement::changes::replan::{Replanning, replan};
-use crate::improvement::changes::{shortcut, waypoint_move};
+use crate::improvement::changes::shortcut::LEAST_GAIN;
 use crate::improvement::cost::{PathCost, path_cost};
 use crate::improvement::leaf_motion::{LeafMotion, grasp_changes, merged};
 use crate::improvement::progress::{ImprovementEnding, Milestone, Progress};
@@ -19,6 +19,7 @@ use crate::search::scheduler::Scheduler;
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Local, Query, Res, ResMut, Resource};
 use rand::{Rng, RngExt};
+use std::cmp::Reverse;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -56,13 +57,13 @@ pub fn propose(
             }
             None => {
                 let drawn: f64 = rng.random_range(0.0..1.0);
-                if drawn < settings.limb_probability {
-                    Attempt::LimbShortcut
+                Attempt::Local(if drawn < settings.limb_probability {
+                    LocalChange::LimbShortcut
                 } else if drawn < settings.limb_probability + settings.waypoint_probability {
-                    Attempt::WaypointMove
+                    LocalChange::WaypointMove
                 } else {
-                    Attempt::Shortcut(draw_motion(&incumbent.motions, &mut rng))
-                }
+                    LocalChange::Shortcut(draw_motion(&incumbent.motions, &mut rng))
+                })
             }
         });
     }
@@ -161,39 +162,30 @@ fn evaluate_one(
     scratch: &mut ImprovementScratch,
 ) {
     let motions = &incumbent.motions;
-    let (found, model) = match proposal.attempt.clone() {
-        None => return,
-        Some(Attempt::Shortcut(index)) => {
-            proposal.work = motions[index].work();
-            let shorter = shortcut::attempt(context, &motions[index], rng, scratch);
-            (shorter.map(|shorter| (index..index + 1, vec![shorter])), None)
-        }
-        Some(Attempt::LimbShortcut) => {
-            proposal.work = 1;
-            let changed = limb_shortcut::attempt(context, motions, incumbent.cost, rng, scratch);
+    let Some(attempt) = proposal.attempt.clone() else { return };
+    let (found, model) = match &attempt {
+        Attempt::Local(change) => {
+            proposal.work = change.work(motions);
+            let changed = change.attempt(context, (motions, incumbent.cost), rng, scratch);
             (changed.map(|changed| (changed.range, changed.motions)), None)
         }
-        Some(Attempt::WaypointMove) => {
-            proposal.work = motions[0].work();
-            let changed = waypoint_move::attempt(context, motions, incumbent.cost, rng, scratch);
-            (changed.map(|changed| (changed.range, changed.motions)), None)
-        }
-        Some(Attempt::Replan { range, max_steps }) => {
-            let replanned = replan(context, motions, range.clone(), &Replanning { max_steps, ..*how }, rng, scratch);
+        Attempt::Replan { range, max_steps } => {
+            let how = Replanning { max_steps: *max_steps, ..*how };
+            let replanned = replan(context, motions, range.clone(), &how, rng, scratch);
             proposal.work = replanned.work;
             proposal.is_solved = replanned.motions.is_some();
             let model = context.model.graph.lazy.then_some(replanned.model);
-            (replanned.motions.map(|motions| (range, motions)), model)
+            (replanned.motions.map(|motions| (range.clone(), motions)), model)
         }
     };
     let Some((range, changed)) = found else { return };
     let model_of_change = model.as_ref().unwrap_or(context.model);
     let mut whole = [&motions[..range.start], &changed, &motions[range.end..]].concat();
-    context.unwrap(&mut whole);
+    context.unwrap_angles(&mut whole);
     let cost = path_cost(context.cost, model_of_change, &whole);
     // Compared so that NaN is no gain.
-    if cost < incumbent.cost - shortcut::LEAST_GAIN {
-        proposal.change = Some(Change { range, motions: changed, cost, model });
+    if cost < incumbent.cost - LEAST_GAIN {
+        proposal.change = Some(Change { attempt, range, motions: changed, cost, model });
     }
 }
 
@@ -228,28 +220,44 @@ pub fn commit(
         // Two models that have grown apart cannot be joined.
         let grows = change.model.is_some();
         if accepted.iter().all(is_apart) && !(grows && accepted.iter().any(|other| other.model.is_some())) {
-            progress.changes.count(proposal.attempt.as_ref());
             accepted.push(change);
         }
     }
     if accepted.is_empty() {
         return;
     }
-    accepted.sort_by_key(|change| std::cmp::Reverse(change.range.start));
-    for change in accepted {
-        if let Some(grown) = change.model {
-            *model = grown;
-        }
-        incumbent.motions.splice(change.range, change.motions);
-    }
     let with_room = with_room(&search, &settings);
+    let (best, others) = (accepted[0].cost, accepted.len() > 1);
+    let grown = accepted.iter().find_map(|change| change.model.clone());
+    if let Some(grown) = grown {
+        *model = grown;
+    }
     let context =
         Context { model: &model, settings: &search, with_room: &with_room, cost: cost.0.as_ref(), limbs: &limbs };
-    incumbent.motions = merged(&model, std::mem::take(&mut incumbent.motions));
-    context.unwrap(&mut incumbent.motions);
-    incumbent.cost = path_cost(context.cost, &model, &incumbent.motions);
+    let (mut motions, mut total) = with_changes(&context, &incumbent.motions, &accepted);
+    // Where two changes meet on one stretch they may cost more together than one of them alone.
+    if others && total > best {
+        accepted.truncate(1);
+        (motions, total) = with_changes(&context, &incumbent.motions, &accepted);
+    }
+    accepted.iter().for_each(|change| progress.changes.count(Some(&change.attempt)));
+    (incumbent.motions, incumbent.cost) = (motions, total);
     let milestone = Milestone { work: progress.work, cost: incumbent.cost };
     progress.history.push(milestone);
+}
+
+/// The path with some changes that do not touch the same motions, and what it costs.
+fn with_changes(context: &Context<'_>, motions: &[LeafMotion], changes: &[Change]) -> (Vec<LeafMotion>, f64) {
+    let mut motions = motions.to_vec();
+    let mut changes: Vec<&Change> = changes.iter().collect();
+    changes.sort_by_key(|change| Reverse(change.range.start));
+    for change in changes {
+        motions.splice(change.range.clone(), change.motions.iter().cloned());
+    }
+    motions = merged(context.model, motions);
+    context.unwrap_angles(&mut motions);
+    let cost = path_cost(context.cost, context.model, &motions);
+    (motions, cost)
 }
 
 /// Ends the improvement where its work is spent.

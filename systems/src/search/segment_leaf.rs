@@ -5,7 +5,7 @@
 use crate::planning_model::graph::attachment_order::pose_on_carrier;
 use crate::planning_model::leg_program::LegProgram;
 use crate::planning_model::model::Model;
-use crate::planning_model::state_classification::parameter_of;
+use crate::planning_model::state_classification::parameters_of;
 use foliate_components::Pose;
 use foliate_components::candidate::LegParameter;
 use foliate_components::graph::leaf::{LeafIndex, Parameter};
@@ -16,10 +16,9 @@ use foliate_kernels::kinematics::RigidAttachment;
 /// What carries each object along a segment, and its pose on the carrier at the first knot.
 pub(crate) fn attachments_as_written(model: &Model, segment: &Segment) -> Vec<RigidAttachment> {
     let X_WJ = poses_at_start(model, segment);
-    let parameters = parameters_at_start(model, segment, &X_WJ);
-    let mut rigid_attachments = model.rigid_attachments(segment.state, |constraint| {
-        parameters.iter().find(|(c, _)| *c == constraint).map(|(_, parameter)| parameter)
-    });
+    let parameters = parameters_of(model, segment.state, &segment.knots[0], &X_WJ);
+    let mut rigid_attachments =
+        model.rigid_attachments(segment.state, |constraint| parameters.iter().find(|p| p.constraint == constraint));
     for rigid_attachment in &mut rigid_attachments {
         rigid_attachment.X_CO = pose_on_carrier(rigid_attachment.object, rigid_attachment.carrier, &X_WJ);
     }
@@ -39,10 +38,11 @@ pub(crate) fn arguments_as_written(model: &Model, segment: &Segment, interior: &
             _ => None,
         }
     };
-    let parameter = |(id, at_start): (ConstraintId, Parameter)| {
-        LegParameter::Fresh(Parameter { value: written(id).unwrap_or(at_start.value), ..at_start })
+    let parameter = |at_start: Parameter| {
+        LegParameter::Fresh(Parameter { value: written(at_start.constraint).unwrap_or(at_start.value), ..at_start })
     };
-    let parameters: Vec<_> = parameters_at_start(model, segment, &X_WJ).into_iter().map(parameter).collect();
+    let at_start = parameters_of(model, segment.state, &segment.knots[0], &X_WJ);
+    let parameters: Vec<_> = at_start.into_iter().map(parameter).collect();
     interior.arguments(model, &LeafIndex::default(), segment.state, &parameters, None)
 }
 
@@ -50,9 +50,4 @@ fn poses_at_start(model: &Model, segment: &Segment) -> Vec<Pose> {
     let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
     model.kinematics.forward(&segment.knots[0], &mut X_WJ);
     X_WJ
-}
-
-fn parameters_at_start(model: &Model, segment: &Segment, X_WJ: &[Pose]) -> Vec<(ConstraintId, Parameter)> {
-    let foliation = &model.graph.state(segment.state).foliation;
-    foliation.iter().map(|&c| (c, parameter_of(model, c, &segment.knots[0], X_WJ))).collect()
 }

@@ -2,13 +2,13 @@
 
 use crate::improvement::leaf_motion::LeafMotion;
 use crate::planning_model::model::Model;
-use crate::search::timed_certificate::{TimedFault, TimedScratch, certify_timed_path};
+use crate::search::timed_certificate::{TimedFault, TimedScratch, certify_timed_path, certify_timed_segment};
 use crate::settings::SearchSettings;
 use crate::trajectory::rows::{follow_signs, share_joint_knots};
 use crate::trajectory::smoothing::{Smoothing, SmoothingScratch};
 use crate::trajectory::stretch::Stretch;
 use crate::trajectory::timing::{self, StretchError, TimingBuffers};
-use foliate_components::path::{ManipulationPath, Segment};
+use foliate_components::path::{Certificate, ManipulationPath, Segment};
 use foliate_components::problem::RateLimits;
 use foliate_kernels::trajectory::BlendError;
 
@@ -59,50 +59,50 @@ pub fn timed_path(
     let motions = LeafMotion::of_path(model, path).ok_or(TimedPathError::Constraint)?;
     let limits = RateLimits::of(&model.problem.robot, &model.problem.timing);
     let stretches = Stretch::of_path(model, &motions, &limits);
-    let size = model.problem.robot.space.size();
-    let mut refusals: Vec<Vec<usize>> = stretches.iter().map(|stretch| vec![0; stretch.knots.len() / size]).collect();
     let mut maker = Maker {
         model,
         settings,
         motions: &motions,
-        scratch: SmoothingScratch::default(),
+        smoothing: SmoothingScratch::default(),
         timing: TimingBuffers::default(),
+        proof: TimedScratch::default(),
+        tries: 0,
     };
-    maker.scratch.collision.set_level(settings.level);
-    let mut made: Vec<Option<Made>> = vec![None; stretches.len()];
-    let mut proof = TimedScratch::default();
-    let mut tries = 0;
+    maker.smoothing.collision.set_level(settings.level);
+    let size = model.problem.robot.space.size();
+    let mut refusals: Vec<Vec<usize>> = stretches.iter().map(|stretch| vec![0; stretch.knots.len() / size]).collect();
+    let mut made = Vec::with_capacity(stretches.len());
+    for (stretch, refusals) in stretches.iter().zip(&refusals) {
+        made.push(maker.make(stretch, refusals)?);
+    }
     loop {
-        for ((stretch, made), refusals) in stretches.iter().zip(&mut made).zip(&refusals) {
-            if made.is_none() {
-                *made = Some(maker.make(stretch, refusals)?);
-            }
-        }
-        let mut timed = ManipulationPath { segments: Vec::new(), certificate: path.certificate };
-        let mut now = 0.0;
-        for made in made.iter().flatten() {
-            timed.segments.extend(made.segments.iter().map(|segment| later(segment, now)));
-            now += made.duration;
-        }
-        share_joint_knots(&mut timed.segments);
-        follow_signs(model, &mut timed.segments);
-        let fault = match certify_timed_path(model, settings, &timed, &mut proof) {
+        let timed = whole(model, &made, path.certificate);
+        let fault = match certify_timed_path(model, settings, &timed, &mut maker.proof) {
             Ok(certificate) => return Ok(ManipulationPath { certificate, ..timed }),
             Err(fault) => fault,
         };
         let mut segments = 0;
-        let is_in = |made: &Option<Made>| {
-            segments += made.as_ref().map_or(0, |made| made.segments.len());
+        let is_in = |made: &Made| {
+            segments += made.segments.len();
             fault.segment < segments
         };
-        let Some(index) = made.iter().position(is_in).filter(|_| tries < TRIES) else {
-            return Err(TimedPathError::Unproved { fault });
-        };
-        let row = timed.segments[fault.segment].knots.get(fault.piece).cloned().unwrap_or_default();
-        stretches[index].refuse_near(&row, &mut refusals[index]);
-        made[index] = None;
-        tries += 1;
+        let index = made.iter().position(is_in).ok_or(TimedPathError::Unproved { fault })?;
+        let knot = timed.segments[fault.segment].knots.get(fault.piece).cloned().unwrap_or_default();
+        made[index] = maker.make_again(&stretches[index], &mut refusals[index], (knot, fault))?;
     }
+}
+
+/// The stretches, one after the other.
+fn whole(model: &Model, made: &[Made], certificate: Certificate) -> ManipulationPath {
+    let mut path = ManipulationPath { segments: Vec::new(), certificate };
+    let mut now = 0.0;
+    for made in made {
+        path.segments.extend(made.segments.iter().map(|segment| later(segment, now)));
+        now += made.duration;
+    }
+    share_joint_knots(&mut path.segments);
+    follow_signs(model, &mut path.segments);
+    path
 }
 
 /// A stretch with times that begin at 0.
@@ -116,8 +116,11 @@ struct Maker<'a> {
     model: &'a Model,
     settings: &'a SearchSettings,
     motions: &'a [LeafMotion],
-    scratch: SmoothingScratch,
+    smoothing: SmoothingScratch,
     timing: TimingBuffers,
+    proof: TimedScratch,
+    /// How often a curve was refused.
+    tries: usize,
 }
 
 impl Maker<'_> {
@@ -125,10 +128,37 @@ impl Maker<'_> {
         let segment = stretch.motions.start;
         let (model, settings, motions) = (self.model, self.settings, self.motions);
         let smoothing = Smoothing { model, settings, motions, stretch, refusals };
-        let paths = smoothing.paths(&mut self.scratch).map_err(|error| TimedPathError::Smoothing { segment, error })?;
+        let paths =
+            smoothing.paths(&mut self.smoothing).map_err(|error| TimedPathError::Smoothing { segment, error })?;
         let (segments, duration) = timing::segments(model, motions, (stretch, &paths), &mut self.timing)
             .map_err(|error| TimedPathError::Timing { segment, error })?;
         Ok(Made { segments, duration })
+    }
+}
+
+impl Maker<'_> {
+    /// Makes a stretch again that was refused near a knot, until its own segments are proved.
+    fn make_again(
+        &mut self,
+        stretch: &Stretch,
+        refusals: &mut [usize],
+        (mut knot, mut fault): (Vec<f64>, TimedFault),
+    ) -> Result<Made, TimedPathError> {
+        loop {
+            self.tries += 1;
+            if self.tries > TRIES {
+                return Err(TimedPathError::Unproved { fault });
+            }
+            stretch.refuse_near(&knot, refusals);
+            let made = self.make(stretch, refusals)?;
+            let refused = made.segments.iter().find_map(|segment| {
+                let found = certify_timed_segment(self.model, self.settings, segment, &mut self.proof).err()?;
+                Some((segment, found))
+            });
+            let Some((segment, found)) = refused else { return Ok(made) };
+            knot = segment.knots.get(found.piece).cloned().unwrap_or_default();
+            fault = TimedFault { segment: fault.segment, ..found };
+        }
     }
 }
 

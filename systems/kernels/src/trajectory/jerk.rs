@@ -68,7 +68,7 @@ pub enum JerkError {
 ///
 /// It takes 1.25 windows longer, and leaves the place of the given curve by about 0.05 a w², where a is the acceleration there and w the
 /// window; straight lines it does not leave. The window is at most twice the longest time in which an acceleration that the curve reaches
-/// is built up at the jerk limit; shorter ones are tried. Whoever needs the curve free of collisions proves it again.
+/// is built up at the jerk limit; shorter ones are tried. A caller that needs the curve free of collisions proves it again.
 ///
 /// # Errors
 /// See [`JerkError`]. Then `out` holds no curve.

@@ -51,7 +51,7 @@ impl Context<'_> {
     }
 
     /// Makes the numbers of all motions continuous.
-    pub(crate) fn unwrap(&self, motions: &mut [LeafMotion]) {
+    pub(crate) fn unwrap_angles(&self, motions: &mut [LeafMotion]) {
         let size = self.size();
         unwrap_coordinates(self.model, motions.iter_mut().flat_map(|motion| motion.knots.chunks_exact_mut(size)));
     }

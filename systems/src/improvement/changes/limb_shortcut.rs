@@ -3,6 +3,7 @@
 //! carries (partial shortcuts: Geraerts and Overmars, IJRR 2007).
 
 use crate::improvement::changes::context::{Context, ImprovementScratch};
+use crate::improvement::changes::local_change::Changed;
 use crate::improvement::changes::shortcut::LEAST_GAIN;
 use crate::improvement::cost::path_cost;
 use crate::improvement::leaf_motion::LeafMotion;
@@ -15,12 +16,6 @@ use std::ops::Range;
 
 /// Numbers of a configuration that differ by less are the same where two motions meet: metres and radians.
 const SAME: f64 = 1e-9;
-
-/// Motions of a path in place of those of a range.
-pub(crate) struct Changed {
-    pub range: Range<usize>,
-    pub motions: Vec<LeafMotion>,
-}
 
 /// Where a shortcut begins and ends: in ways along the whole path.
 struct Span {

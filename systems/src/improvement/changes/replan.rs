@@ -3,8 +3,7 @@
 
 use crate::events::{EventSink, StopSignal};
 use crate::improvement::changes::context::{Context, ImprovementScratch};
-use crate::improvement::changes::limb_shortcut::{self, Changed};
-use crate::improvement::changes::{shortcut, waypoint_move};
+use crate::improvement::changes::local_change::{Changed, LocalChange};
 use crate::improvement::cost::path_cost;
 use crate::improvement::leaf_motion::LeafMotion;
 use crate::planning_model::model::PlanningModel;
@@ -103,20 +102,17 @@ fn polish(
             break;
         }
         for _ in 0..CHANGES * motions.len() {
-            work += motions[0].work();
             let change = match rng.random_range(0..3) {
-                0 => {
-                    let index = rng.random_range(0..motions.len());
-                    let shorter = shortcut::attempt(context, &motions[index], rng, scratch);
-                    shorter.map(|shorter| Changed { range: index..index + 1, motions: vec![shorter] })
-                }
-                1 => limb_shortcut::attempt(context, motions, own, rng, scratch),
-                _ => waypoint_move::attempt(context, motions, own, rng, scratch),
+                0 => LocalChange::Shortcut(rng.random_range(0..motions.len())),
+                1 => LocalChange::LimbShortcut,
+                _ => LocalChange::WaypointMove,
             };
+            work += change.work(motions);
+            let change = change.attempt(context, (motions, own), rng, scratch);
             let Some(Changed { range, motions: changed }) = change else { continue };
             let mut better = motions.clone();
             better.splice(range, changed);
-            context.unwrap(&mut better);
+            context.unwrap_angles(&mut better);
             let cost = path_cost(context.cost, context.model, &better);
             if cost < own {
                 (*motions, own) = (better, cost);

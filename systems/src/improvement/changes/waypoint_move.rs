@@ -3,23 +3,19 @@
 //! make these motions shorter. The leaf stays, so that nothing else has to change.
 
 use crate::improvement::changes::context::{Context, ImprovementScratch};
-use crate::improvement::changes::limb_shortcut::Changed;
+use crate::improvement::changes::local_change::Changed;
 use crate::improvement::changes::shortcut::LEAST_GAIN;
 use crate::improvement::cost::path_cost;
-use crate::improvement::leaf_motion::LeafMotion;
+use crate::improvement::leaf_motion::{LeafMotion, legs_ending_at};
 use crate::planning_model::state_classification::{parameters_of, residual};
 use crate::step::{steering, validation};
 use foliate_components::Pose;
 use foliate_components::candidate::LegParameter;
 use foliate_components::graph::leaf::LeafIndex;
-use foliate_components::graph::{StateId, TransitionId};
 use foliate_components::robot::configuration::Group;
 use foliate_kernels::constrained_motion::{Settings, project};
 use rand::{Rng, RngExt};
 use std::ops::RangeInclusive;
-
-/// Residual at which a waypoint's constraints hold, metres and radians.
-const HOLDS: f64 = 1e-5;
 
 /// Tries to move the waypoints of one grasp change. `cost` is what the path costs.
 pub(crate) fn attempt(
@@ -120,7 +116,7 @@ impl Wish {
         q
     }
 
-    /// A projection moves all coordinates. What one of them is to be is asked for again so often.
+    /// A projection moves all coordinates. So often one of them is set to its value again.
     fn rounds(&self) -> usize {
         if matches!(self, Self::All(_)) { 1 } else { 3 }
     }
@@ -202,8 +198,13 @@ fn projected(
 ) -> Option<Vec<f64>> {
     let sides = [&motions[index], &motions[index - 1]];
     let was = motions[index].start(context.size());
+    let legs = legs_ending_at(context.model, was, sides.map(|side| side.transition));
     for side in sides {
-        for (transition, leg) in legs_to(context, was, side.state, sides.map(|side| side.transition)) {
+        for &(transition, leg) in &legs {
+            let record = &context.model.graph.transition(transition).legs[leg];
+            if record.state != side.state || !record.drawn.is_empty() {
+                continue;
+            }
             let Ok(program) = context.model.leg_program(transition, leg) else { continue };
             let fresh: Vec<_> = side.parameters.iter().map(|p| LegParameter::Fresh(*p)).collect();
             let arguments = program.arguments(context.model, &LeafIndex::default(), side.state, &fresh, None);
@@ -220,31 +221,6 @@ fn projected(
         }
     }
     None
-}
-
-/// Legs of some transitions, travelled in either direction, that lie in a state and at whose end a configuration is.
-fn legs_to(
-    context: &Context<'_>,
-    q: &[f64],
-    state: StateId,
-    transitions: [TransitionId; 2],
-) -> Vec<(TransitionId, usize)> {
-    let model = context.model;
-    let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
-    model.kinematics.forward(q, &mut X_WJ);
-    let both_directions = |id: TransitionId| [Some(id), model.graph.transition(id).reverse];
-    let mut found = Vec::new();
-    for id in transitions.into_iter().flat_map(both_directions).flatten() {
-        for (number, leg) in model.graph.transition(id).legs.iter().enumerate() {
-            let ends_here = !leg.target.is_empty()
-                && leg.drawn.is_empty()
-                && leg.target.iter().all(|&target| residual(model, target, q, &X_WJ) <= HOLDS);
-            if leg.state == state && ends_here && !found.contains(&(id, number)) {
-                found.push((id, number));
-            }
-        }
-    }
-    found
 }
 
 /// Whether a configuration lies on the leaf of a motion.

@@ -38,8 +38,8 @@ const LEAST_DURATION: f64 = 1e-6;
 /// Writes the curve over time that follows a path from rest to rest as fast as limits of velocity and acceleration allow.
 ///
 /// The curve goes through the grid points with the path's tangents. Between them it is a cubic polynomial over time and may leave the path
-/// by about q⁗ h⁴ / 384, where h is the time of a piece; straight pieces are followed exactly. Whoever needs the curve free of collisions
-/// proves the curve. It keeps its limits over the continuum (see [`peak_rates`](crate::trajectory::peak_rates)), also when its times are
+/// by about q⁗ h⁴ / 384, where h is the time of a piece; straight pieces are followed exactly. A caller that needs the curve free of
+/// collisions proves the curve. It keeps its limits over the continuum (see [`peak_rates`](crate::trajectory::peak_rates)), also when its times are
 /// shifted by up to 100 s and rounded.
 ///
 /// Knots of the path are grid points, except within straight runs. Coordinates without limits are evaluated at the grid points and do
