@@ -6,9 +6,9 @@
 mod common;
 
 use common::{model, seeded};
-use foliate_components::path::{ManipulationPath, events};
+use foliate_components::path::{ManipulationPath, Segment, events};
 use foliate_components::problem::{JointRest, Problem, RateLimits};
-use foliate_components::samples::{open_a_drawer, swap_two_boxes};
+use foliate_components::samples::{move_one_box, open_a_drawer, swap_two_boxes};
 use foliate_kernels::trajectory::{Limits, Spline, acceleration_jump, peak_rates};
 use foliate_schedulers::sequence::Sequence;
 use foliate_systems::planning_model::PlanningModel;
@@ -95,4 +95,28 @@ fn bounded_jerk_takes_longer() {
     };
     let (none, some, more) = (duration(0.0), duration(0.05), duration(0.2));
     assert!(none < some && some < more, "{none} {some} {more}");
+}
+
+/// Two hands that hold one object have it in two places, which differ by what projections leave. A path that takes a box and lets go of
+/// it at once stands for both.
+#[test]
+fn an_object_that_changes_hands_at_once_has_both_dwells() {
+    let (_, search) = common::search(&model(move_one_box().unwrap()), &Sequence, seeded(1), 1);
+    let (model, first) = (search.model().clone(), search.path().unwrap());
+    let held = |segment: &Segment| !model.graph.state(segment.state).grasps.is_empty();
+    let grasp = first.segments.iter().position(held).unwrap();
+    let approach = &first.segments[grasp - 1];
+    let reverse = model.graph.transition(approach.transition).reverse.unwrap();
+    let object = approach.knots[0].len() - 7;
+    let moved =
+        |knot: &Vec<f64>| knot.iter().enumerate().map(|(i, x)| if i == object { x + 3e-9 } else { *x }).collect();
+    let still = vec![first.segments[grasp].knots[0].clone(), moved(&first.segments[grasp].knots[0])];
+    let still = Segment { knots: still, ..first.segments[grasp].clone() };
+    let back: Vec<Vec<f64>> = approach.knots.iter().rev().map(moved).collect();
+    let back = Segment { transition: reverse, knots: back, ..approach.clone() };
+    let segments = vec![approach.clone(), still, back];
+    let path = timed_path(&model, &seeded(1), &ManipulationPath { segments, ..first.clone() }).unwrap();
+    let dwells: Vec<f64> = events(&path).iter().map(|event| event.dwell).collect();
+    assert_eq!(dwells.len(), 2);
+    assert!(dwells.iter().all(|dwell| (dwell - model.problem.timing.dwell).abs() < 1e-9), "{dwells:?}");
 }

@@ -185,7 +185,7 @@ fn goes_on(model: &Model, before: &Segment, segment: &Segment) -> bool {
 }
 
 /// The numbers of movable objects' roots.
-fn object_numbers(model: &Model) -> Vec<Range<usize>> {
+pub(crate) fn object_numbers(model: &Model) -> Vec<Range<usize>> {
     let roots = model.objects().iter().filter_map(|object| object.root);
     let numbers = |root: foliate_components::robot::JointIndex| match model.problem.robot.joints[root.at()].source {
         Source::Coordinates { q, .. } => q..q + 7,

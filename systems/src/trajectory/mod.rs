@@ -4,6 +4,7 @@
 //! a spline through its dense knots. `timing` finds the fastest motion along it and writes its `rows`. `timed_path` puts stretches together, has the curve
 //! certified, and makes a stretch anew that is refused.
 
+pub(crate) mod rounding;
 pub(crate) mod rows;
 pub(crate) mod smoothing;
 pub(crate) mod stretch;

@@ -2,10 +2,12 @@
 
 use crate::improvement::leaf_motion::LeafMotion;
 use crate::planning_model::model::Model;
+use crate::search::timed_certificate::object_numbers;
 use crate::trajectory::smoothing::write_carried;
 use crate::trajectory::stretch::Stretch;
 use foliate_components::path::{Segment, SegmentTiming};
 use foliate_components::robot::configuration::Group;
+use std::ops::Range;
 
 /// Knots, times and velocities of the segments of a stretch.
 pub(crate) struct Rows<'a> {
@@ -118,12 +120,13 @@ pub(crate) fn follow_signs(model: &Model, segments: &mut [Segment]) {
 
 /// Makes segments share their joint knots bit for bit: objects are where the later segment has them, which differs by rounding. A
 /// segment that stands still stands where the next one begins.
-pub(crate) fn share_joint_knots(segments: &mut [Segment]) {
+pub(crate) fn share_joint_knots(model: &Model, segments: &mut [Segment]) {
+    let objects = object_numbers(model);
     for index in (0..segments.len()).rev() {
         let next = segments.get(index + 1).map(|next| next.knots[0].clone());
         let segment = &mut segments[index];
         let Some(joint) = next.or_else(|| segment.knots.last().cloned()) else { continue };
-        if is_still(segment) {
+        if is_still(&objects, segment) {
             segment.knots.iter_mut().for_each(|knot| knot.clone_from(&joint));
         } else if let Some(last) = segment.knots.last_mut() {
             last.clone_from(&joint);
@@ -134,9 +137,17 @@ pub(crate) fn share_joint_knots(segments: &mut [Segment]) {
 /// Numbers that differ by less differ by rounding: metres and radians.
 const ROUNDING: f64 = 1e-9;
 
+/// An object that two hands hold is written where one of them has it, and then where the other has it. These differ by what projections
+/// leave, metres and radians.
+const HANDED_OVER: f64 = 1e-5;
+
 /// Whether nothing moves along a segment.
-fn is_still(segment: &Segment) -> bool {
+fn is_still(objects: &[Range<usize>], segment: &Segment) -> bool {
     let at_rest = segment.timing.as_ref().is_some_and(|t| t.velocities.iter().flatten().all(|v| *v == 0.0));
-    let near = |pair: &[Vec<f64>]| pair[0].iter().zip(&pair[1]).all(|(a, b)| (a - b).abs() <= ROUNDING);
+    let room = |i: usize| if objects.iter().any(|numbers| numbers.contains(&i)) { HANDED_OVER } else { ROUNDING };
+    let near = |pair: &[Vec<f64>]| {
+        let mut numbers = pair[0].iter().zip(&pair[1]).enumerate();
+        numbers.all(|(i, (a, b))| (a - b).abs() <= room(i))
+    };
     at_rest && segment.knots.windows(2).all(near)
 }

@@ -5,9 +5,11 @@ use crate::improvement::leaf_motion::LeafMotion;
 use crate::planning_model::model::Model;
 use crate::settings::SearchSettings;
 use crate::step::validation::certificate_settings;
+use crate::trajectory::rounding::{Rounded, Rounding, is_given_up};
 use crate::trajectory::stretch::Stretch;
 use foliate_components::Pose;
 use foliate_kernels::collision::{CollisionScratch, CurveVerdict, certify_curve};
+use foliate_kernels::constrained_motion::Scratch;
 use foliate_kernels::curve::HermiteCurve;
 use foliate_kernels::trajectory::{
     BlendError, Spline, ThroughScratch, blend_corner, blend_polyline, spline_through, time_at_full_speed,
@@ -22,10 +24,10 @@ pub(crate) struct SmoothPath {
 }
 
 /// How much of the edges next to a corner its arc may take: half at most, since an edge has two ends.
-const SHARES: [f64; 4] = [0.48, 0.24, 0.1, 0.03];
+pub(crate) const SHARES: [f64; 4] = [0.48, 0.24, 0.1, 0.03];
 
 /// At a waypoint, such as a pregrasp, the arc takes less: the straight approach is there for a reason.
-const AT_WAYPOINT: f64 = 0.3;
+pub(crate) const AT_WAYPOINT: f64 = 0.3;
 
 /// A stretch that is not longer has no smooth path, in seconds at full speed.
 const STILL: f64 = 1e-9;
@@ -34,6 +36,7 @@ const STILL: f64 = 1e-9;
 #[derive(Debug, Default)]
 pub(crate) struct SmoothingScratch {
     pub collision: CollisionScratch,
+    solve: Scratch,
     through: ThroughScratch,
     arc: Spline,
 }
@@ -59,7 +62,7 @@ impl Smoothing<'_> {
         self.stretch.knots.len() / self.size()
     }
 
-    fn knot(&self, number: usize) -> &[f64] {
+    pub(crate) fn knot(&self, number: usize) -> &[f64] {
         &self.stretch.knots[number * self.size()..][..self.size()]
     }
 
@@ -90,10 +93,10 @@ impl Smoothing<'_> {
         Ok(paths)
     }
 
-    /// Splines through the knots of a leaf of implicit rows, and straight lines where splines were refused.
+    /// Splines through the rounded knots of a leaf of implicit rows, and straight lines where splines were refused for good.
     fn through_knots(&self, scratch: &mut SmoothingScratch) -> Result<Vec<SmoothPath>, BlendError> {
         let last = self.knots() - 1;
-        let is_straight = |edge: usize| self.refusals[edge] > 0 && self.refusals[edge + 1] > 0;
+        let is_straight = |edge: usize| [edge, edge + 1].iter().all(|&knot| is_given_up(self.refusals[knot]));
         let mut paths = Vec::new();
         let mut start = 0;
         while start < last {
@@ -101,16 +104,32 @@ impl Smoothing<'_> {
                 true => start + 1,
                 false => (start..last).find(|&edge| is_straight(edge)).unwrap_or(last),
             };
-            let mut path = Spline::new(self.size());
-            let knots = &self.stretch.knots[start * self.size()..(end + 1) * self.size()];
-            spline_through(knots, &self.stretch.velocity, &mut scratch.through, &mut path)?;
-            self.keep_bounds(&mut path);
-            let inside = self.stretch.joints.iter().filter(|joint| **joint > start && **joint <= end);
-            let joints = inside.map(|&joint| path.parameters()[joint - start]).collect();
-            paths.push(SmoothPath { path, joints });
+            paths.push(self.through((start, end), scratch)?);
             start = end;
         }
         Ok(paths)
+    }
+
+    /// The spline between two stops of a leaf of implicit rows.
+    fn through(&self, ends: (usize, usize), scratch: &mut SmoothingScratch) -> Result<SmoothPath, BlendError> {
+        let (start, end) = ends;
+        let rounded = match end - start {
+            1 => None,
+            _ => Rounding::between(self, ends).rounded(&mut scratch.solve),
+        };
+        let inside = self.stretch.joints.iter().filter(|joint| **joint > start && **joint < end);
+        let rounded = rounded.unwrap_or_else(|| Rounded {
+            knots: self.stretch.knots[start * self.size()..(end + 1) * self.size()].to_vec(),
+            joints: inside.map(|&joint| joint - start).collect(),
+        });
+        let mut path = Spline::new(self.size());
+        spline_through(&rounded.knots, &self.stretch.velocity, &mut scratch.through, &mut path)?;
+        self.keep_bounds(&mut path);
+        let mut joints: Vec<f64> = rounded.joints.iter().map(|&joint| path.parameters()[joint]).collect();
+        // A motion that ends at the stop.
+        let at_end = self.stretch.joints.iter().filter(|joint| **joint == end);
+        joints.extend(at_end.map(|_| path.extent()));
+        Ok(SmoothPath { path, joints })
     }
 
     /// Where a spline leaves the bounds of a coordinate between two knots, its derivatives there become those of a monotone piece
@@ -164,7 +183,8 @@ impl Smoothing<'_> {
         (from..to).map(|k| self.edge(k)).sum()
     }
 
-    fn edge(&self, k: usize) -> f64 {
+    /// Seconds at full speed from a knot to the next.
+    pub(crate) fn edge(&self, k: usize) -> f64 {
         time_at_full_speed(self.knot(k), self.knot(k + 1), &self.stretch.velocity)
     }
 

@@ -100,7 +100,7 @@ fn whole(model: &Model, made: &[Made], certificate: Certificate) -> Manipulation
         path.segments.extend(made.segments.iter().map(|segment| later(segment, now)));
         now += made.duration;
     }
-    share_joint_knots(&mut path.segments);
+    share_joint_knots(model, &mut path.segments);
     follow_signs(model, &mut path.segments);
     path
 }
