@@ -19,7 +19,9 @@ use foliate_systems::improvement::proposal::Incumbent;
 use foliate_systems::improvement::{Improvement, ImprovementEnding, ImprovementSettings};
 use foliate_systems::planning_model::PlanningModel;
 use foliate_systems::planning_model::state_classification::residual;
+use foliate_systems::search::scheduler::Scheduler;
 use foliate_systems::step::validation::certify_whole;
+use foliate_systems::trajectory::timed_path;
 use std::sync::Arc;
 
 fn first_path(problem: Problem, seed: u64) -> (PlanningModel, ManipulationPath) {
@@ -56,6 +58,10 @@ fn is_sound(model: &PlanningModel, path: &ManipulationPath, first: &Manipulation
         for q in motion.knots.chunks_exact(space.size()) {
             assert_eq!(space.first_out_of_bounds(q, 1e-9), None);
         }
+        let (leaf, leaves) = motion.leaf();
+        let knots: Vec<Vec<f64>> = motion.knots.chunks_exact(space.size()).map(<[f64]>::to_vec).collect();
+        let gap = model.carrier_gap(&leaf, &leaves, &knots);
+        assert!(gap.written <= 1e-5 && gap.residual <= path.certificate.path_tolerance, "{gap:?}");
         let along = (motion.transition, motion.state);
         let certified = certify_whole(model, &seeded(1), along, &motion.rigid_attachments, &motion.knots, &mut scratch);
         assert!(certified.is_ok(), "{certified:?}");
@@ -94,6 +100,29 @@ fn improved_paths_are_certified_and_cost_less() {
         }
     }
     assert!(sums.1 < 0.9 * sums.0, "{sums:?}");
+}
+
+/// A box that is put aside is put elsewhere.
+#[test]
+fn objects_are_put_down_where_that_is_cheaper() {
+    let mut moves = 0;
+    for seed in 1..=4 {
+        let (model, first) = first_path(swap_two_boxes().unwrap(), seed);
+        let only_leaves = ImprovementSettings::default().with(|s| {
+            (s.replanning_share, s.limb_probability, s.waypoint_probability) = (0.0, 0.0, 0.0);
+            (s.leaf_probability, s.max_work) = (1.0, 300);
+        });
+        let how = (Arc::new(Sequence) as Arc<dyn Scheduler>, cost_of(&model));
+        let settings = (seeded(seed), only_leaves);
+        let mut improvement = Improvement::new(&model, &first, how, settings, StopSignal::default()).unwrap();
+        let before = improvement.cost();
+        improvement.run(|better| is_sound(better.model(), &better.path(), &first));
+        let changes = improvement.progress().changes;
+        moves += changes.leaf_moves;
+        assert_eq!(improvement.cost() < before, changes.leaf_moves > 0);
+        timed_path(improvement.model(), &seeded(seed), &improvement.path()).unwrap();
+    }
+    assert!(moves >= 4, "{moves}");
 }
 
 #[test]

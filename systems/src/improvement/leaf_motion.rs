@@ -60,26 +60,29 @@ impl LeafMotion {
         let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
         model.kinematics.forward(q, &mut X_WJ);
         let parameters = parameters_of(model, state, q, &X_WJ);
-        let value = |constraint| parameters.iter().find(|p| p.constraint == constraint);
-        let rigid_attachments = model.rigid_attachments(state, value);
-        let interior = model.interior_program(state).ok()?;
-        let is_implicit = interior.program.rows() > 0;
-        let fresh: Vec<_> = parameters.iter().map(|p| LegParameter::Fresh(*p)).collect();
-        let arguments = match is_implicit {
-            true => interior.arguments(model, &LeafIndex::default(), state, &fresh, None),
-            false => Vec::new(),
-        };
-        Some(Self {
+        let motion = Self {
             transition: segment.transition,
             state,
-            parameters,
-            rigid_attachments,
-            arguments,
-            is_implicit,
+            parameters: Vec::new(),
+            rigid_attachments: Vec::new(),
+            arguments: Vec::new(),
+            is_implicit: model.interior_program(state).ok()?.program.rows() > 0,
             knots: segment.knots.concat(),
             residual: 0.0,
             starts_at_waypoint: false,
-        })
+        };
+        motion.on_leaf(model, parameters)
+    }
+
+    /// The same on another leaf of the state; knots stay as they are. `None` where a constraint of the state does not compile.
+    pub(crate) fn on_leaf(self, model: &Model, parameters: Vec<Parameter>) -> Option<Self> {
+        let value = |constraint| parameters.iter().find(|p| p.constraint == constraint);
+        let rigid_attachments = model.rigid_attachments(self.state, value);
+        let arguments = match self.is_implicit {
+            true => interior_arguments(model, self.state, &parameters)?,
+            false => Vec::new(),
+        };
+        Some(Self { parameters, rigid_attachments, arguments, ..self })
     }
 
     /// Whether another motion lies on the same leaf.
@@ -91,14 +94,7 @@ impl LeafMotion {
     /// Whether the leaf has these values of the state's foliating constraints.
     #[must_use]
     pub fn has_parameters(&self, parameters: &[Parameter]) -> bool {
-        let near = |(a, b): (&Parameter, &Parameter)| {
-            let turn = log_so3(a.value.rotation.conjugate() * b.value.rotation).length();
-            a.constraint == b.constraint
-                && a.carrier == b.carrier
-                && a.value.translation.distance(b.value.translation) <= SAME_LEAF
-                && turn <= SAME_LEAF
-        };
-        self.parameters.iter().zip(parameters).all(near)
+        self.parameters.iter().zip(parameters).all(|(a, b)| same_value(a, b))
     }
 
     /// The first configuration.
@@ -140,6 +136,22 @@ impl LeafMotion {
             timing: None,
         }
     }
+}
+
+/// Right-hand sides of a state's rows on a leaf. `None` where a constraint of the state does not compile.
+pub(crate) fn interior_arguments(model: &Model, state: StateId, parameters: &[Parameter]) -> Option<Vec<Pose>> {
+    let fresh: Vec<_> = parameters.iter().map(|p| LegParameter::Fresh(*p)).collect();
+    Some(model.interior_program(state).ok()?.arguments(model, &LeafIndex::default(), state, &fresh, None))
+}
+
+/// Whether two values are of one constraint, and the same.
+#[must_use]
+pub(crate) fn same_value(a: &Parameter, b: &Parameter) -> bool {
+    let turn = log_so3(a.value.rotation.conjugate() * b.value.rotation).length();
+    a.constraint == b.constraint
+        && a.carrier == b.carrier
+        && a.value.translation.distance(b.value.translation) <= SAME_LEAF
+        && turn <= SAME_LEAF
 }
 
 /// Whether a configuration is a waypoint of some transitions, travelled in either direction. A path does not say of which leg its

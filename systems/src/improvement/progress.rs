@@ -41,6 +41,8 @@ pub struct Changes {
     pub limb_shortcuts: u64,
     /// Grasp changes whose waypoints were moved.
     pub waypoint_moves: u64,
+    /// Leaves that were moved.
+    pub leaf_moves: u64,
     /// Stretches that were planned again.
     pub replanned: u64,
 }
@@ -89,6 +91,7 @@ impl Changes {
             Some(Attempt::Local(LocalChange::Shortcut(_))) => self.shortcuts += 1,
             Some(Attempt::Local(LocalChange::LimbShortcut)) => self.limb_shortcuts += 1,
             Some(Attempt::Local(LocalChange::WaypointMove)) => self.waypoint_moves += 1,
+            Some(Attempt::Local(LocalChange::LeafMove)) => self.leaf_moves += 1,
             Some(Attempt::Replan { .. }) => self.replanned += 1,
             None => {}
         }

@@ -46,7 +46,7 @@ impl Incumbent {
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Attempt {
-    /// A change that leaves the leaves as they are.
+    /// A change that needs no search.
     Local(LocalChange),
     /// Another search between the ends of these motions, of at most so many steps.
     Replan {

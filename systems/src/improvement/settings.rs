@@ -15,8 +15,11 @@ pub struct ImprovementSettings {
     pub replanning_share: f64,
     /// How often some coordinates alone are shortened, of all that is not planned again.
     pub limb_probability: f64,
-    /// How often the waypoints of a grasp change are moved, of all that is not planned again. The rest are shortcuts of all coordinates.
+    /// How often the waypoints of a grasp change are moved, of all that is not planned again.
     pub waypoint_probability: f64,
+    /// How often a leaf is moved, of all that is not planned again, where the path has one that can be moved. The rest are
+    /// shortcuts of all coordinates.
+    pub leaf_probability: f64,
     /// Clearance that shortcuts keep beyond every margin, metres: corners will be rounded, and curves leave the straight line.
     pub shortcut_clearance: f64,
     /// Steps of the first search, by which the length of the others is measured.
@@ -30,7 +33,8 @@ impl Default for ImprovementSettings {
             proposals: 8,
             replanning_share: 0.5,
             limb_probability: 0.3,
-            waypoint_probability: 0.4,
+            waypoint_probability: 0.3,
+            leaf_probability: 0.1,
             shortcut_clearance: 5e-4,
             first_steps: 16,
         }

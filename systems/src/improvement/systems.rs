@@ -2,6 +2,7 @@
 
 use crate::events::StopSignal;
 use crate::improvement::changes::context::{Context, ImprovementScratch};
+use crate::improvement::changes::leaf_move;
 use crate::improvement::changes::limbs::Limbs;
 use crate::improvement::changes::local_change::LocalChange;
 use crate::improvement::changes::replan::{Replanning, replan};
@@ -55,17 +56,26 @@ pub fn propose(
                 planned_work += max_steps * search.candidates as u64;
                 Attempt::Replan { range, max_steps }
             }
-            None => {
-                let drawn: f64 = rng.random_range(0.0..1.0);
-                Attempt::Local(if drawn < settings.limb_probability {
-                    LocalChange::LimbShortcut
-                } else if drawn < settings.limb_probability + settings.waypoint_probability {
-                    LocalChange::WaypointMove
-                } else {
-                    LocalChange::Shortcut(draw_motion(&incumbent.motions, &mut rng))
-                })
-            }
+            None => Attempt::Local(draw_change(&settings, &incumbent.motions, &mut rng)),
         });
+    }
+}
+
+/// A change that needs no search.
+fn draw_change(settings: &ImprovementSettings, motions: &[LeafMotion], rng: &mut impl Rng) -> LocalChange {
+    let mut drawn: f64 = rng.random_range(0.0..1.0);
+    let mut is = |probability: f64| {
+        drawn -= probability;
+        drawn < 0.0
+    };
+    if is(settings.limb_probability) {
+        LocalChange::LimbShortcut
+    } else if is(settings.waypoint_probability) {
+        LocalChange::WaypointMove
+    } else if is(settings.leaf_probability) && leaf_move::is_possible(motions) {
+        LocalChange::LeafMove
+    } else {
+        LocalChange::Shortcut(draw_motion(motions, rng))
     }
 }
 

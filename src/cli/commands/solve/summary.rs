@@ -112,10 +112,10 @@ pub(crate) fn name<'a>(loaded: &'a Loaded<'_>, shape: ShapeIndex) -> &'a str {
 fn refinement(report: &Report, path: &ManipulationPath) -> String {
     let mut out = String::new();
     if let Some(improved) = &report.improvement {
-        let Changes { shortcuts, limb_shortcuts, waypoint_moves, replanned } = improved.changes;
+        let Changes { shortcuts, limb_shortcuts, waypoint_moves, leaf_moves, replanned } = improved.changes;
         let _ = writeln!(
             out,
-            "  improvement: estimated cost {:.2} -> {:.2} in {} (--improve-work {}): {} stretches planned again, {} shortcuts, {} of single limbs, {} grasps moved{}",
+            "  improvement: estimated cost {:.2} -> {:.2} in {} (--improve-work {}): {} stretches planned again, {} shortcuts, {} of single limbs, {} grasps and {} leaves moved{}",
             improved.first_cost,
             improved.final_cost,
             duration(improved.time),
@@ -124,6 +124,7 @@ fn refinement(report: &Report, path: &ManipulationPath) -> String {
             shortcuts,
             limb_shortcuts,
             waypoint_moves,
+            leaf_moves,
             if improved.stopped { "; stopped before its budget was spent" } else { "" }
         );
     }

@@ -86,6 +86,7 @@ fn improvement_json(report: &ImprovementReport) -> Value {
         "shortcuts": report.changes.shortcuts,
         "limb_shortcuts": report.changes.limb_shortcuts,
         "waypoint_moves": report.changes.waypoint_moves,
+        "leaf_moves": report.changes.leaf_moves,
         "replanned": report.changes.replanned,
         "stopped": report.stopped,
         "history": report.history.iter().map(row).collect::<Vec<_>>(),

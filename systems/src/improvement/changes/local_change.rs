@@ -1,12 +1,12 @@
-//! The changes that leave the leaves of a path as they are, by kind.
+//! The changes that need no search, by kind.
 
 use crate::improvement::changes::context::{Context, ImprovementScratch};
-use crate::improvement::changes::{limb_shortcut, shortcut, waypoint_move};
+use crate::improvement::changes::{leaf_move, limb_shortcut, shortcut, waypoint_move};
 use crate::improvement::leaf_motion::LeafMotion;
 use rand::Rng;
 use std::ops::Range;
 
-/// A change that leaves the leaves of a path as they are.
+/// A change that needs no search: the path goes on through the same states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum LocalChange {
@@ -16,6 +16,8 @@ pub enum LocalChange {
     LimbShortcut,
     /// Other configurations for the waypoints of a grasp change.
     WaypointMove,
+    /// Another leaf: another place for an object that is put down on the way, or another grasp.
+    LeafMove,
 }
 
 /// Motions of a path in place of those of a range.
@@ -43,6 +45,7 @@ impl LocalChange {
             }
             Self::LimbShortcut => limb_shortcut::attempt(context, motions, cost, rng, scratch),
             Self::WaypointMove => waypoint_move::attempt(context, motions, cost, rng, scratch),
+            Self::LeafMove => leaf_move::attempt(context, motions, cost, rng, scratch),
         }
     }
 
@@ -52,7 +55,7 @@ impl LocalChange {
             Self::Shortcut(index) => motions[index].is_implicit,
             // Implicit rows do not depend on the coordinates that it moves.
             Self::LimbShortcut => false,
-            Self::WaypointMove => motions.iter().any(|motion| motion.is_implicit),
+            Self::WaypointMove | Self::LeafMove => motions.iter().any(|motion| motion.is_implicit),
         };
         if projects { PROJECTING } else { 1 }
     }

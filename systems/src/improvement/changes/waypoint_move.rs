@@ -5,15 +5,10 @@
 use crate::improvement::changes::context::{Context, ImprovementScratch};
 use crate::improvement::changes::local_change::Changed;
 use crate::improvement::changes::shortcut::LEAST_GAIN;
+use crate::improvement::changes::waypoint_chain::{draw_chain, draw_steps, is_still, keep_rotations, projected};
 use crate::improvement::cost::path_cost;
-use crate::improvement::leaf_motion::{LeafMotion, legs_ending_at};
-use crate::planning_model::state_classification::{parameters_of, residual};
+use crate::improvement::leaf_motion::LeafMotion;
 use crate::step::{steering, validation};
-use foliate_components::Pose;
-use foliate_components::candidate::LegParameter;
-use foliate_components::graph::leaf::LeafIndex;
-use foliate_components::robot::configuration::Group;
-use foliate_kernels::constrained_motion::{Settings, project};
 use rand::{Rng, RngExt};
 use std::ops::RangeInclusive;
 
@@ -65,37 +60,6 @@ pub(crate) fn attempt(
         validation::certify_whole(model, settings, along, attachments, &motion.knots, &mut scratch.collision).is_ok()
     };
     changed.iter().all(is_free).then_some(Changed { range: first - 1..last + 1, motions: whole })
-}
-
-/// The joint knots of one grasp change, by the number of the motion that begins there: the knot where the leaf changes, and those to
-/// either side up to a waypoint.
-fn draw_chain(motions: &[LeafMotion], rng: &mut impl Rng) -> Option<RangeInclusive<usize>> {
-    let changes_leaf = |index: usize| !motions[index - 1].is_on_leaf_of(&motions[index]);
-    let changes: Vec<usize> = (1..motions.len()).filter(|&index| changes_leaf(index)).collect();
-    let at = *changes.get(rng.random_range(0..changes.len().max(1)))?;
-    let (mut first, mut last) = (at, at);
-    while first > 1 && changes_leaf(first) && (motions[first - 1].starts_at_waypoint || is_still(&motions[first - 1])) {
-        first -= 1;
-    }
-    while last + 1 < motions.len()
-        && changes_leaf(last)
-        && (motions[last + 1].starts_at_waypoint || is_still(&motions[last]))
-    {
-        last += 1;
-    }
-    Some(first..=last)
-}
-
-/// Whether a motion stands still.
-fn is_still(motion: &LeafMotion) -> bool {
-    let half = motion.knots.len() / 2;
-    motion.knots[..half] == motion.knots[half..]
-}
-
-/// How many knots away from a waypoint a motion is left: often one.
-fn draw_steps(motion: &LeafMotion, size: usize, rng: &mut impl Rng) -> usize {
-    let knots = motion.knots.len() / size;
-    if rng.random_bool(0.5) { 1 } else { rng.random_range(1..knots.max(2)) }
 }
 
 /// Where the waypoints of a chain are wanted.
@@ -171,65 +135,9 @@ fn moved_knots(
         }
         let mut q = motions[index].start(size).to_vec();
         for _ in 0..wish.rounds() {
-            q = projected(context, motions, index, &wish.of(&q), scratch)?;
+            q = projected(context, motions, (index, None), &wish.of(&q), scratch)?;
         }
         moved.push(q);
     }
     Some(moved)
-}
-
-/// Quaternions are not moved: numbers of theirs cannot be added.
-fn keep_rotations(context: &Context<'_>, by: &mut [f64]) {
-    let factors = &context.model.problem.robot.space.factors;
-    factors
-        .iter()
-        .filter(|factor| factor.group == Group::FreeFlyer)
-        .for_each(|factor| by[factor.q + 3..factor.q + 7].fill(0.0));
-}
-
-/// A configuration near `target` at which motion `index` may begin and the one before may end: on both leaves, and with the constraints
-/// of the waypoint that was there.
-fn projected(
-    context: &Context<'_>,
-    motions: &[LeafMotion],
-    index: usize,
-    target: &[f64],
-    scratch: &mut ImprovementScratch,
-) -> Option<Vec<f64>> {
-    let sides = [&motions[index], &motions[index - 1]];
-    let was = motions[index].start(context.size());
-    let legs = legs_ending_at(context.model, was, sides.map(|side| side.transition));
-    for side in sides {
-        for &(transition, leg) in &legs {
-            let record = &context.model.graph.transition(transition).legs[leg];
-            if record.state != side.state || !record.drawn.is_empty() {
-                continue;
-            }
-            let Ok(program) = context.model.leg_program(transition, leg) else { continue };
-            let fresh: Vec<_> = side.parameters.iter().map(|p| LegParameter::Fresh(*p)).collect();
-            let arguments = program.arguments(context.model, &LeafIndex::default(), side.state, &fresh, None);
-            let (tolerance, iterations) =
-                (context.settings.projection_tolerance, context.settings.projection_iterations);
-            let settings = Settings { tolerance, iterations, level: context.settings.level, ..Settings::default() };
-            let mut q = target.to_vec();
-            let outcome = project(&program.program, &mut q, &arguments, &settings, &mut scratch.solve);
-            if outcome.is_converged() && sides.iter().all(|side| is_on_leaf(context, side, &q)) {
-                // Objects are where the motion that begins here has them.
-                context.carry(&motions[index].rigid_attachments, &mut q);
-                return Some(q);
-            }
-        }
-    }
-    None
-}
-
-/// Whether a configuration lies on the leaf of a motion.
-fn is_on_leaf(context: &Context<'_>, motion: &LeafMotion, q: &[f64]) -> bool {
-    let model = context.model;
-    let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
-    model.kinematics.forward(q, &mut X_WJ);
-    let tolerance = 2.0 * context.settings.projection_tolerance;
-    let holds = |constraint: &_| residual(model, *constraint, q, &X_WJ) <= tolerance;
-    model.graph.state(motion.state).manifold.iter().all(holds)
-        && motion.has_parameters(&parameters_of(model, motion.state, q, &X_WJ))
 }
