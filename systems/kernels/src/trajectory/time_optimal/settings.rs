@@ -18,6 +18,6 @@ pub struct TimingSettings {
 
 impl Default for TimingSettings {
     fn default() -> Self {
-        Self { turn: 0.25, bulge: 1e-3, stretch: 2e-4, rounds: 12 }
+        Self { turn: 0.25, bulge: 1e-3, stretch: 1e-3, rounds: 12 }
     }
 }
