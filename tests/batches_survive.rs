@@ -50,6 +50,7 @@ fn settings(threads: usize, seconds: f64) -> Settings {
         threads,
         time_limit: Duration::from_secs_f64(seconds),
         search: SearchSettings::default(),
+        improvement: None,
     }
 }
 

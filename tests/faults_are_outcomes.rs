@@ -235,8 +235,13 @@ fn no_listener_changes_an_answer() {
 #[test]
 fn a_batch_that_has_no_memory_has_its_rows() {
     let folder = std::env::temp_dir().join(format!("foliate-faults-batch-{}", std::process::id()));
-    let settings =
-        |search| Settings { seeds: Seeds::new(1, 6).unwrap(), threads: 2, time_limit: Duration::from_secs(60), search };
+    let settings = |search| Settings {
+        seeds: Seeds::new(1, 6).unwrap(),
+        threads: 2,
+        time_limit: Duration::from_secs(60),
+        search,
+        improvement: None,
+    };
     let entry = || Entry::of_problem(swap_two_boxes().unwrap()).unwrap();
     let run = |name: &str, search: SearchSettings, limit: u64| {
         let batch = Batch::new(vec![entry()], settings(search)).unwrap().memory_limit(MemoryLimit::bytes(limit));

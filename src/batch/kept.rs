@@ -87,16 +87,29 @@ fn read_text(path: &Path) -> Result<String, BatchError> {
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// The whole rows of a `results.csv`. What stands behind the last line break is dropped: its line was not finished.
+/// The whole rows of a `results.csv`.
 pub(crate) fn read(path: &Path) -> Result<Vec<Row>, BatchError> {
-    let text = read_text(path)?;
-    let damaged = |line: usize, what: &str| BatchError::Damaged { path: path.to_owned(), line, what: what.into() };
-    let mut lines = records(&text).into_iter();
-    let Some((_, head)) = lines.next() else { return Ok(Vec::new()) };
-    if head != COLUMNS {
-        return Err(damaged(1, "has other columns"));
+    let row = |(line, cells): (usize, Vec<String>)| {
+        let damaged = || BatchError::Damaged { path: path.to_owned(), line, what: "is no row".into() };
+        Row::of_cells(&cells).ok_or_else(damaged)
+    };
+    table(path, &COLUMNS)?.into_iter().map(row).collect()
+}
+
+/// The whole rows of a table with these columns, and the line in which each begins. What stands behind the last line break is
+/// dropped: its line was not finished.
+pub(crate) fn table(path: &Path, columns: &[&str]) -> Result<Vec<(usize, Vec<String>)>, BatchError> {
+    let mut rows = records(&read_text(path)?);
+    match rows.first() {
+        None => return Ok(rows),
+        Some((_, head)) if head == columns => {}
+        Some(_) => {
+            let what = "has other columns".into();
+            return Err(BatchError::Damaged { path: path.to_owned(), line: 1, what });
+        }
     }
-    lines.map(|(line, cells)| Row::of_cells(&cells).ok_or_else(|| damaged(line, "is no row"))).collect()
+    rows.remove(0);
+    Ok(rows)
 }
 
 /// Whether a solve ended as it would again: a row that could not start, or whose path could not be written, says nothing, and a

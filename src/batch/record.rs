@@ -1,6 +1,7 @@
 //! The files of a batch.
 
 use crate::batch::error::{BatchError, text, write_whole};
+use crate::batch::improvement::files::{ImprovementFiles, join};
 use crate::batch::kept;
 use crate::batch::kept::Identity;
 use crate::batch::row::{COLUMNS, Row, csv_line};
@@ -14,6 +15,8 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Recorder {
     path: PathBuf,
     lines: Lines,
+    /// What rows have beyond their cells, where the batch improves paths.
+    improvement: Option<ImprovementFiles>,
     rows: Vec<(usize, Row)>,
 }
 
@@ -24,7 +27,7 @@ pub(crate) fn path_file(out: &Path, scene: &str, seed: u64) -> PathBuf {
 
 impl Recorder {
     /// Makes the folder and begins `results.csv`, which must not be there yet: the paths beside it belong to its rows.
-    pub(crate) fn create(out: &Path, identity: &Identity) -> Result<Self, BatchError> {
+    pub(crate) fn create(out: &Path, identity: &Identity, improves: bool) -> Result<Self, BatchError> {
         let folder = out.join("paths");
         std::fs::create_dir_all(&folder).map_err(|source| BatchError::Io { path: folder.clone(), source })?;
         let path = out.join("results.csv");
@@ -32,7 +35,8 @@ impl Recorder {
             ErrorKind::AlreadyExists => BatchError::Exists { path: path.clone() },
             _ => BatchError::Io { path: path.clone(), source },
         })?;
-        let mut recorder = Self { path, lines, rows: Vec::new() };
+        let improvement = if improves { Some(ImprovementFiles::begin(out, std::iter::empty())?) } else { None };
+        let mut recorder = Self { path, lines, improvement, rows: Vec::new() };
         recorder.append(&csv_line(&COLUMNS))?;
         identity.write(out)?;
         Ok(recorder)
@@ -43,13 +47,14 @@ impl Recorder {
     pub(crate) fn resume(
         out: &Path,
         identity: &Identity,
+        improves: bool,
         index: impl Fn(&Row) -> Option<usize>,
         has_path: impl Fn(&Row) -> bool,
     ) -> Result<Self, BatchError> {
         let path = out.join("results.csv");
         let failed = |source| BatchError::Io { path: path.clone(), source };
         if !path.try_exists().map_err(failed)? {
-            return Self::create(out, identity);
+            return Self::create(out, identity, improves);
         }
         identity.compare(out)?;
         // No other process may append between reading and writing.
@@ -65,11 +70,18 @@ impl Recorder {
         let mut rows = rows.into_iter().map(numbered).collect::<Result<Vec<_>, _>>()?;
         let mut seen = HashSet::new();
         rows.retain(|(index, row)| kept::is_final(row) && has_path(row) && seen.insert(*index));
+        let improvement = match improves {
+            true => {
+                join(out, &mut rows)?;
+                Some(ImprovementFiles::begin(out, rows.iter().map(|(_, row)| row))?)
+            }
+            false => None,
+        };
         output::write(&path, text(rows.iter().map(|(_, row)| row)).as_bytes()).map_err(failed)?;
         // The file has been replaced by its whole rows; what was held is gone with the old one.
         let lines = Lines::open(&path).map_err(failed)?;
         drop(held);
-        Ok(Self { path, lines, rows })
+        Ok(Self { path, lines, improvement, rows })
     }
 
     /// Numbers of the solves that have their row already.
@@ -79,6 +91,9 @@ impl Recorder {
 
     /// Adds the row of the solve with that number. It is in the file when this returns.
     pub(crate) fn record(&mut self, index: usize, row: &Row) -> Result<(), BatchError> {
+        if let Some(files) = &mut self.improvement {
+            files.append(row)?;
+        }
         self.append(&row.csv())?;
         self.rows.push((index, row.clone()));
         Ok(())
@@ -92,6 +107,9 @@ impl Recorder {
     pub(crate) fn finish(mut self) -> Result<Vec<Row>, BatchError> {
         self.rows.sort_by_key(|(index, _)| *index);
         let rows: Vec<Row> = self.rows.into_iter().map(|(_, row)| row).collect();
+        if let Some(files) = self.improvement {
+            files.finish(rows.iter())?;
+        }
         write_whole(&self.path, &text(&rows))?;
         Ok(rows)
     }

@@ -1,12 +1,17 @@
 //! One solve of a batch, as a row of `results.csv`.
 
 use super::entry::Entry;
+use crate::batch::improvement::numbers::AnswerNumbers;
 use crate::planner::answer::NoSolutionReason;
 use serde_json::{Value, json};
 use std::time::Duration;
 
 /// The columns of `results.csv`. Cells are empty where there is nothing to say, as there is no path length without a path.
-pub const COLUMNS: [&str; 16] = [
+///
+/// Columns from `solve_ms` to `edges`, `path_length` and `roadmap` are of the search and its first path. `segments`, `min_clearance` and
+/// `max_residual` are of the path that is written. Columns after `message` are of the improvement, and empty where the batch wants
+/// first paths.
+pub const COLUMNS: [&str; 24] = [
     "scene",
     "seed",
     "scheduler",
@@ -23,7 +28,18 @@ pub const COLUMNS: [&str; 16] = [
     "max_residual",
     "roadmap",
     "message",
+    "grasp_changes",
+    "first_cost",
+    "final_cost",
+    "duration",
+    "improve_work",
+    "improve_ms",
+    "timing_ms",
+    "untimed",
 ];
+
+/// Columns of searches.
+const SEARCH_COLUMNS: usize = COLUMNS.len() - AnswerNumbers::CELLS;
 
 /// How a solve of a batch ended. [`Row::message`] tells more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,9 +83,9 @@ pub struct Work {
 /// What a path is like.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathNumbers {
-    /// Segments.
+    /// Segments of the path that is written.
     pub segments: usize,
-    /// Weighted length, metres.
+    /// Weighted length of the first path, metres.
     pub length: f64,
     /// Proven clearance beyond the margins, metres; none where no pair was tested.
     pub min_clearance: Option<f64>,
@@ -96,6 +112,8 @@ pub struct Row {
     pub work: Option<Work>,
     /// What the path is like, where there is one.
     pub path: Option<PathNumbers>,
+    /// What has become of the first path, where the batch improves it.
+    pub answer: Option<AnswerNumbers>,
     /// Why there is no answer, where there is a reason to tell.
     pub message: String,
 }
@@ -158,12 +176,14 @@ impl Row {
             load_time: entry.load_time(),
             work: None,
             path: None,
+            answer: None,
             message: String::new(),
         }
     }
 
     /// Reads the cells of [`Self::cells`] back; `None` where they are no row.
     pub(crate) fn of_cells(cells: &[String]) -> Option<Self> {
+        let (cells, answer) = cells.split_at_checked(SEARCH_COLUMNS)?;
         let [
             scene,
             seed,
@@ -213,6 +233,7 @@ impl Row {
             load_time: time(load_ms)?,
             work: if steps.is_empty() { None } else { Some(work()?) },
             path: if segments.is_empty() { None } else { Some(path()?) },
+            answer: AnswerNumbers::of_cells(answer)?,
             message: message.clone(),
         })
     }
@@ -228,7 +249,7 @@ impl Row {
     pub fn cells(&self) -> [String; COLUMNS.len()] {
         let work = |cell: fn(&Work) -> String| self.work.as_ref().map(cell).unwrap_or_default();
         let path = |cell: fn(&PathNumbers) -> String| self.path.as_ref().map(cell).unwrap_or_default();
-        [
+        let search: [String; SEARCH_COLUMNS] = [
             self.scene.clone(),
             self.seed.to_string(),
             self.scheduler.clone(),
@@ -245,7 +266,10 @@ impl Row {
             path(|p| format!("{:?}", p.max_residual)),
             work(|w| format!("{:016x}", w.fingerprint)),
             self.message.clone(),
-        ]
+        ];
+        let answer = self.answer.as_ref().map(AnswerNumbers::cells).unwrap_or_default();
+        let mut cells = search.into_iter().chain(answer);
+        std::array::from_fn(|_| cells.next().unwrap_or_default())
     }
 
     /// The row as a line of CSV.
@@ -274,6 +298,7 @@ impl Row {
             "max_residual": self.path.map(|p| p.max_residual),
             "roadmap": self.work.map(|w| format!("{:016x}", w.fingerprint)),
             "message": self.message,
+            "answer": self.answer.as_ref().map(AnswerNumbers::json),
         })
     }
 }

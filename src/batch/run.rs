@@ -1,41 +1,25 @@
-//! The run of a batch: its settings, and the threads that solve and record.
+//! The run of a batch: the threads that solve and record.
 
 use crate::batch::entry::Entry;
 use crate::batch::error::{BatchError, MOST_SOLVES};
+use crate::batch::improvement::plots;
+use crate::batch::improvement::plots::Plot;
+use crate::batch::improvement::summary::{BestDurations, ImprovementTable};
 use crate::batch::kept::Identity;
 use crate::batch::machine::{Machine, today};
 use crate::batch::record::Recorder;
-use crate::batch::row::{PathNumbers, Row, RowOutcome, Work};
-use crate::batch::seeds::Seeds;
+use crate::batch::row::{Row, RowOutcome};
+use crate::batch::settings::Settings;
+use crate::batch::solve::Solve;
 use crate::batch::table::{SceneSummary, Table};
 use crate::batch::{error, kept, record};
 use crate::memory::MemoryLimit;
-use crate::path_file::save;
-use crate::path_file::write::{PathContext, write_path};
-use crate::planner::answer::{NoSolution, NoSolutionReason, Solution};
-use crate::planner::report::Report;
-use crate::planner::solving::{Planner, panic_message};
+use foliate_components::problem::cost::MotionCost;
 use foliate_schedulers::Scheduler;
 use foliate_systems::events::CancelToken;
-use foliate_systems::settings::SearchSettings;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
-
-/// What all solves of a batch share.
-#[derive(Clone, Debug)]
-pub struct Settings {
-    /// The seeds, both ends included.
-    pub seeds: Seeds,
-    /// Solves side by side; each of them uses one thread.
-    pub threads: usize,
-    /// Wall time after which one solve gives up. The time that its problem took to load, once for all its solves, counts for each.
-    pub time_limit: Duration,
-    /// Settings of every search; the seed in them is not used.
-    pub search: SearchSettings,
-}
 
 /// Problems and seeds to solve.
 pub struct Batch {
@@ -44,6 +28,7 @@ pub struct Batch {
     scheduler: Arc<dyn Scheduler>,
     token: CancelToken,
     memory_limit: Option<MemoryLimit>,
+    best: BestDurations,
 }
 
 impl Batch {
@@ -65,7 +50,14 @@ impl Batch {
             return Err(BatchError::TooMany(solves));
         }
         let scheduler = foliate_schedulers::default_scheduler().into();
-        Ok(Self { entries, settings, scheduler, token: CancelToken::default(), memory_limit: None })
+        Ok(Self {
+            entries,
+            settings,
+            scheduler,
+            token: CancelToken::default(),
+            memory_limit: None,
+            best: BestDurations::default(),
+        })
     }
 
     /// Uses another scheduler.
@@ -90,6 +82,13 @@ impl Batch {
         self
     }
 
+    /// Compares the improved paths with the shortest durations of other runs too: see [`BestDurations::read`].
+    #[must_use]
+    pub fn best(mut self, best: BestDurations) -> Self {
+        self.best = best;
+        self
+    }
+
     /// Number of solves.
     #[must_use]
     pub fn solves(&self) -> usize {
@@ -97,7 +96,7 @@ impl Batch {
     }
 
     /// Solves everything. Writes `results.csv`, `paths/SCENE-SEED.json`, `settings.json` and `table.md` into the folder `out`,
-    /// which is made where it is missing.
+    /// which is made where it is missing; where paths are improved also `improvement.csv`, `history.csv` and `plots/SCENE.svg`.
     ///
     /// While the batch runs, rows stand in `results.csv` in the order in which solves end, each written as soon as it is
     /// known; in the end they are put in the order of scenes and seeds. `on_row` hears of each. Rows come back in order; of a
@@ -106,7 +105,7 @@ impl Batch {
     /// # Errors
     /// `out` holds results already or cannot be written.
     pub fn run(&self, out: &Path, on_row: impl Fn(&Row) + Sync) -> Result<Vec<Row>, BatchError> {
-        self.go_on(Recorder::create(out, &self.identity())?, out, on_row)
+        self.go_on(Recorder::create(out, &self.identity(), self.settings.improvement.is_some())?, out, on_row)
     }
 
     /// As [`Self::run`], in a folder in which the same batch was begun: rows that are there are kept, the others are added. A
@@ -126,7 +125,8 @@ impl Batch {
             let entry = self.entries.iter().find(|entry| entry.name() == row.scene && entry.scene().is_some());
             row.path.is_none() || entry.is_none_or(|e| record::path_file(out, &e.file_stem(), row.seed).is_file())
         };
-        self.go_on(Recorder::resume(out, &self.identity(), index, has_path)?, out, on_row)
+        let improves = self.settings.improvement.is_some();
+        self.go_on(Recorder::resume(out, &self.identity(), improves, index, has_path)?, out, on_row)
     }
 
     fn go_on(&self, recorder: Recorder, out: &Path, on_row: impl Fn(&Row) + Sync) -> Result<Vec<Row>, BatchError> {
@@ -148,7 +148,23 @@ impl Batch {
         }
         let rows = recorder.into_inner().unwrap_or_else(PoisonError::into_inner).finish()?;
         error::write_whole(&out.join("table.md"), &self.table(&rows).markdown())?;
+        if self.settings.improvement.is_some() {
+            plots::write(out, &self.plots(), &rows)?;
+        }
         Ok(rows)
+    }
+
+    /// The plots of the scenes.
+    fn plots(&self) -> Vec<Plot> {
+        let plot = |entry: &Entry| Plot {
+            scene: entry.name().into(),
+            file: entry.file_stem() + ".svg",
+            unit: match entry.model().problem.cost.motion {
+                MotionCost::Length => "m",
+                _ => "s",
+            },
+        };
+        self.entries.iter().map(plot).collect()
     }
 
     /// What decides the rows.
@@ -160,6 +176,7 @@ impl Batch {
             ("scheduler", self.scheduler.name().to_owned()),
             ("seeds", settings.seeds.to_string()),
             ("time_limit_s", format!("{:?}", settings.time_limit.as_secs_f64())),
+            ("improvement", settings.improvement.as_ref().map_or_else(|| "none".into(), ToString::to_string)),
             ("search", format!("{:?}", settings.search.clone().with(|s| s.seed = 0))),
         ];
         Identity(scenes.chain(common.map(|(name, value)| (name.to_owned(), value))).collect())
@@ -168,6 +185,8 @@ impl Batch {
     /// The table of some rows of this batch.
     #[must_use]
     pub fn table(&self, rows: &[Row]) -> Table {
+        let names: Vec<&str> = self.entries.iter().map(Entry::name).collect();
+        let measurement = self.settings.improvement.as_ref();
         Table {
             machine: Machine::here(),
             date: today(),
@@ -177,6 +196,7 @@ impl Batch {
             threads: self.settings.threads,
             time_limit: self.settings.time_limit,
             scenes: self.entries.iter().map(|entry| SceneSummary::of(entry.name(), rows)).collect(),
+            improvement: measurement.map(|how| ImprovementTable::of(how, &names, rows, &self.best)),
         }
     }
 
@@ -194,110 +214,21 @@ impl Batch {
             let index = waiting.get(next.fetch_add(1, Ordering::Relaxed)).copied();
             let Some(index) = index.filter(|_| !self.token.is_cancelled()) else { return Ok(()) };
             let seed = self.settings.seeds.first() + (index % seeds) as u64;
-            let row = self.solve(&self.entries[index / seeds], seed, out);
+            let row = Solve {
+                entry: &self.entries[index / seeds],
+                seed,
+                settings: &self.settings,
+                scheduler: &self.scheduler,
+                token: &self.token,
+                memory_limit: self.memory_limit,
+                out,
+            }
+            .row();
             if row.outcome == RowOutcome::Cancelled {
                 return Ok(());
             }
             recorder.lock().unwrap_or_else(PoisonError::into_inner).record(index, &row)?;
             on_row(&row);
         }
-    }
-
-    /// One solve, to its row.
-    fn solve(&self, entry: &Entry, seed: u64, out: &Path) -> Row {
-        let started = Instant::now();
-        let mut row = Row::new(entry, seed, self.scheduler.name());
-        // Nothing that a panic may leave half done is used again: a search owns its world, and what solves share is
-        // immutable or filled in whole.
-        let solved = catch_unwind(AssertUnwindSafe(|| {
-            let mut search = self.settings.search.clone();
-            let share = self.memory_limit.map_or(u64::MAX, |limit| limit.counted(self.settings.threads));
-            search.max_bytes = search.max_bytes.min(share);
-            // Nothing but what follows from files is shared by solves: their times are those of the first.
-            let planner = Planner::from_tables(Arc::clone(entry.model().tables()))
-                .map_err(|error| error.to_string())?
-                .settings(search)
-                .seed(seed)
-                .first_path()
-                .scheduler(Arc::clone(&self.scheduler))
-                .cancelled_by(self.token.clone())
-                .time_limit(self.settings.time_limit.saturating_sub(entry.load_time()));
-            let planner = match self.memory_limit {
-                Some(limit) => planner.memory_limit(limit),
-                None => planner,
-            };
-            let answer = planner.solve_on(1);
-            row.fill(&answer);
-            let Ok(solution) = &answer else { return Ok(()) };
-            self.write_path(entry, seed, solution, out).map_err(|error| format!("path not written: {error}"))
-        }));
-        match solved {
-            Ok(Ok(())) => {}
-            Ok(Err(message)) => row.fail(RowOutcome::Failed, message),
-            Err(panic) => {
-                row = Row::new(entry, seed, self.scheduler.name());
-                row.solve_time = started.elapsed();
-                row.fail(RowOutcome::Crashed, panic_message(panic.as_ref()));
-            }
-        }
-        row
-    }
-
-    /// Writes `paths/SCENE-SEED.json`, where there is a path and its models have names.
-    fn write_path(
-        &self,
-        entry: &Entry,
-        seed: u64,
-        solution: &Solution,
-        out: &Path,
-    ) -> Result<(), crate::path_file::error::PathFileError> {
-        let Some(scene) = entry.scene() else { return Ok(()) };
-        let file = record::path_file(out, &entry.file_stem(), seed);
-        let models = save::model_names(scene, &file)?;
-        let context = PathContext {
-            problem: &entry.model().problem,
-            graph: &solution.model.graph,
-            models: &models,
-            seed,
-            scheduler: self.scheduler.name(),
-            simd: self.settings.search.level.name(),
-        };
-        save::save(&write_path(&context, &solution.path), &file)
-    }
-}
-
-impl Row {
-    /// Takes over what a solve has found.
-    fn fill(&mut self, answer: &Result<Solution, NoSolution>) {
-        let report = Report::of(answer);
-        self.solve_time = report.time();
-        self.work = Some(Work {
-            steps: report.steps,
-            candidates: report.candidates,
-            nodes: report.nodes,
-            edges: report.edges,
-            fingerprint: report.fingerprint,
-        });
-        match answer {
-            Ok(solution) => {
-                self.outcome = RowOutcome::Solved;
-                self.path = Some(PathNumbers {
-                    segments: solution.path.segments.len(),
-                    length: report.path_length.unwrap_or_default(),
-                    min_clearance: solution.certificate().min_clearance,
-                    max_residual: solution.certificate().max_residual,
-                });
-            }
-            Err(none) => {
-                self.fail(RowOutcome::of_reason(&none.reason), none.reason.detail().unwrap_or_default());
-                if matches!(none.reason, NoSolutionReason::Threads { .. }) {
-                    self.work = None;
-                }
-            }
-        }
-    }
-
-    fn fail(&mut self, outcome: RowOutcome, message: String) {
-        (self.outcome, self.message) = (outcome, message);
     }
 }

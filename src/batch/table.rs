@@ -1,5 +1,6 @@
 //! The table that the papers give: minimum, median and maximum of time and nodes.
 
+use super::improvement::summary::ImprovementTable;
 use super::machine::Machine;
 use super::row::Row;
 use super::seeds::Seeds;
@@ -52,6 +53,8 @@ pub struct Table {
     pub time_limit: Duration,
     /// The lines.
     pub scenes: Vec<SceneSummary>,
+    /// What the improvement has made of the paths, where there was one.
+    pub improvement: Option<ImprovementTable>,
 }
 
 impl Spread {
@@ -100,10 +103,11 @@ impl Table {
         );
         let _ = writeln!(
             out,
-            "seeds {}, each solve on one thread, {} side by side, at most {} s each; times without loading\n",
+            "seeds {}, each solve on one thread, {} side by side, at most {} s each; times without loading{}\n",
             self.seeds,
             self.threads,
-            self.time_limit.as_secs_f64()
+            self.time_limit.as_secs_f64(),
+            if self.improvement.is_some() { ", up to the first path" } else { "" }
         );
         out.push_str("| scene | solved | time (s): min / median / max | nodes: min / median / max |\n");
         out.push_str("| :-- | --: | --: | --: |\n");
@@ -114,6 +118,9 @@ impl Table {
         }
         if self.scenes.iter().any(|line| line.solved < line.runs) {
             out.push_str("\nTimes and nodes are those of the solves that gave a path.\n");
+        }
+        if let Some(improvement) = &self.improvement {
+            out.push_str(&improvement.markdown());
         }
         out
     }

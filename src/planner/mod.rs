@@ -7,7 +7,7 @@ pub(crate) mod solving;
 pub mod trajectory;
 
 pub use crate::planner::answer::{NoSolution, NoSolutionReason, Solution, outcome_name};
-pub use crate::planner::refinement::{BetterPath, CostRow, ImprovementReport};
+pub use crate::planner::refinement::{BetterPath, CostRow, ImprovementReport, KeptPath};
 pub use crate::planner::report::{FunnelRow, GoalReport, Report, StateRow};
 pub use crate::planner::solving::Planner;
 pub use crate::planner::trajectory::{Trajectory, TrajectoryError};

@@ -4,6 +4,7 @@ use foliate_components::path::ManipulationPath;
 use foliate_schedulers::Scheduler;
 use foliate_systems::events::StopSignal;
 use foliate_systems::improvement::progress::Changes;
+use foliate_systems::improvement::proposal::Incumbent;
 use foliate_systems::improvement::{Improvement, ImprovementEnding, ImprovementSettings, PathCost, cost};
 use foliate_systems::planning_model::PlanningModel;
 use foliate_systems::settings::SearchSettings;
@@ -22,9 +23,14 @@ pub(crate) struct Refinement {
     pub time: Option<Duration>,
     /// What is minimised; the problem's own where there is none.
     pub cost: Option<Arc<dyn PathCost>>,
+    /// Called with the first path.
+    pub found: Option<FirstPathCallback>,
     /// Called with each better path.
     pub better: Option<BetterPathCallback>,
 }
+
+/// A host's function that sees the first path, and the model of its ids.
+pub(crate) type FirstPathCallback = Arc<dyn Fn(&PlanningModel, &ManipulationPath) + Send + Sync>;
 
 /// A host's function that sees each better path.
 pub(crate) type BetterPathCallback = Arc<dyn Fn(&BetterPath<'_>) + Send + Sync>;
@@ -70,6 +76,58 @@ impl BetterPath<'_> {
     #[must_use]
     pub fn path(&self) -> ManipulationPath {
         self.improvement.path()
+    }
+
+    /// The model of the path's ids: where the graph is lazy it has grown with what was planned again.
+    #[must_use]
+    pub fn model(&self) -> &PlanningModel {
+        self.improvement.model()
+    }
+
+    /// Takes the path along, to be made after the improvement has ended. It costs less time than [`Self::path`].
+    #[must_use]
+    pub fn keep(&self) -> KeptPath {
+        KeptPath {
+            incumbent: self.improvement.incumbent().clone(),
+            model: self.improvement.model().clone(),
+            settings: self.improvement.search_settings().clone(),
+            work: self.work(),
+        }
+    }
+}
+
+/// A better path that outlives its round.
+#[derive(Clone, Debug)]
+pub struct KeptPath {
+    incumbent: Incumbent,
+    model: PlanningModel,
+    settings: SearchSettings,
+    work: u64,
+}
+
+impl KeptPath {
+    /// What the path costs.
+    #[must_use]
+    pub fn cost(&self) -> f64 {
+        self.incumbent.cost
+    }
+
+    /// Counted work until it was found. As a budget it gives this path again.
+    #[must_use]
+    pub fn work(&self) -> u64 {
+        self.work
+    }
+
+    /// The path, certified, without times. [`Planner::timed_path`](crate::planner::Planner::timed_path) gives it times.
+    #[must_use]
+    pub fn path(&self) -> ManipulationPath {
+        self.incumbent.path(&self.model, &self.settings)
+    }
+
+    /// The model of the path's ids.
+    #[must_use]
+    pub fn model(&self) -> &PlanningModel {
+        &self.model
     }
 }
 

@@ -14,7 +14,7 @@ use foliate_systems::improvement::{ImprovementSettings, PathCost};
 use foliate_systems::planning_model::{Model, ModelError, PlanningModel, ProblemTables};
 use foliate_systems::search::Search;
 use foliate_systems::settings::SearchSettings;
-use foliate_systems::trajectory::timed_path;
+use foliate_systems::trajectory::{TimedPathError, timed_path};
 use std::any::Any;
 use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -165,6 +165,14 @@ impl Planner {
         self
     }
 
+    /// Calls a function with the first path, certified and without times, and with the model of its ids. The improvement begins when
+    /// the function returns: its time counts neither for the search nor for the improvement.
+    #[must_use]
+    pub fn on_first_path(mut self, first: impl Fn(&PlanningModel, &ManipulationPath) + Send + Sync + 'static) -> Self {
+        self.refinement.found = Some(Arc::new(first));
+        self
+    }
+
     /// Calls a function with each better path. It may cancel by the planner's token: the best path so far is the answer then.
     #[must_use]
     pub fn on_better_path(mut self, better: impl Fn(&BetterPath<'_>) + Send + Sync + 'static) -> Self {
@@ -265,6 +273,9 @@ impl Planner {
         let solve_time = started.elapsed();
         let mut report = Report { graph_time: self.graph_time, solve_time, ..Report::on(&mut search, path.as_ref()) };
         let model = search.model().clone();
+        if let (Some(path), Some(found), SearchOutcome::Solved) = (&path, &self.refinement.found, &outcome) {
+            found(&model, path);
+        }
         match path.filter(|_| outcome == SearchOutcome::Solved) {
             Some(path) if self.refinement.first => Ok(Solution { path, report, model }),
             Some(path) => {
@@ -291,7 +302,7 @@ impl Planner {
             self.refinement.improve((model, path), &self.scheduler, &self.search_settings(), report.steps, stop);
         report.improvement = improvement;
         let started = Instant::now();
-        let timed = timed_path(&model, &self.settings, &path);
+        let timed = self.timed_path(&model, &path);
         report.timing_time = started.elapsed();
         match timed {
             Ok(timed) => (model, timed),
@@ -300,6 +311,19 @@ impl Planner {
                 (model, path)
             }
         }
+    }
+
+    /// Smooths, times and certifies a path without times, as [`Self::solve`] does with its answer. The model is that of the path's ids:
+    /// [`BetterPath::model`], [`KeptPath::model`](crate::planner::KeptPath::model).
+    ///
+    /// # Errors
+    /// See [`TimedPathError`].
+    pub fn timed_path(
+        &self,
+        model: &PlanningModel,
+        path: &ManipulationPath,
+    ) -> Result<ManipulationPath, TimedPathError> {
+        timed_path(model, &self.settings, path)
     }
 
     /// The answer of a solve that has no search to report on.

@@ -100,6 +100,18 @@ impl Improvement {
         incumbent.path(model, self.world.resource::<SearchSettings>())
     }
 
+    /// The motions of the path so far, from which [`Incumbent::path`] makes it at any later time.
+    #[must_use]
+    pub fn incumbent(&self) -> &Incumbent {
+        self.world.resource::<Incumbent>()
+    }
+
+    /// The settings of the searches that plan stretches again.
+    #[must_use]
+    pub fn search_settings(&self) -> &SearchSettings {
+        self.world.resource::<SearchSettings>()
+    }
+
     /// What the path so far costs.
     #[must_use]
     pub fn cost(&self) -> f64 {

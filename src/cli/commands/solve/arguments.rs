@@ -3,6 +3,7 @@
 use crate::cli::console::interrupt;
 use crate::cli::console::print::Refusal;
 use foliate::Planner;
+use foliate::batch::improvement::Budget;
 use foliate::kernels::lanes::Level;
 use foliate::memory::MemoryLimit;
 use foliate::schedulers;
@@ -36,8 +37,15 @@ pub(crate) struct SearchArguments {
 #[derive(clap::Args, Clone, Copy, Debug)]
 pub(crate) struct RefinementArguments {
     /// Answer with the first path: no improvement, no times
-    #[arg(long, conflicts_with_all = ["improve_work", "improve_time"])]
+    #[arg(long, conflicts_with = "BudgetArguments")]
     pub first: bool,
+    #[command(flatten)]
+    pub budget: BudgetArguments,
+}
+
+/// How much is spent on a better path than the first.
+#[derive(clap::Args, Clone, Copy, Debug)]
+pub(crate) struct BudgetArguments {
     /// Counted work to spend on a better path; the answer does not depend on threads or machine
     #[arg(long, value_name = "N", conflicts_with = "improve_time")]
     pub improve_work: Option<u64>,
@@ -49,14 +57,21 @@ pub(crate) struct RefinementArguments {
 impl RefinementArguments {
     fn apply(self, planner: Planner) -> Result<Planner, Refusal> {
         let planner = if self.first { planner.first_path() } else { planner };
-        let planner = match self.improve_work {
-            Some(work) => planner.improve_work(work),
+        Ok(match self.budget.budget()? {
+            Some(Budget::Work(work)) => planner.improve_work(work),
+            Some(Budget::Time(time)) => planner.improve_time(time),
             None => planner,
-        };
-        let Some(seconds) = self.improve_time else { return Ok(planner) };
+        })
+    }
+}
+
+impl BudgetArguments {
+    /// The budget that is asked for, where there is one.
+    pub(crate) fn budget(self) -> Result<Option<Budget>, Refusal> {
+        let Some(seconds) = self.improve_time else { return Ok(self.improve_work.map(Budget::Work)) };
         let time = Duration::try_from_secs_f64(seconds)
             .map_err(|_| Refusal(format!("--improve-time {seconds} is not a number of seconds")))?;
-        Ok(planner.improve_time(time))
+        Ok(Some(Budget::Time(time)))
     }
 }
 
