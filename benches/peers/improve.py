@@ -98,14 +98,20 @@ class Run:
         if "error" in told[0]:
             raise SolverError(f"{scene}: {told[0]['error']}")
         judge = _Judge(scene, template)
-        rows = []
+        rows, first, before = [], told[0], {}
         for known in told:
             row = {"scene": scene, "planner": HPP, "solver": solver, "seed": seed, "method": known["method"],
                    "version": self.hpp, "outcome": known["outcome"], "seconds": known["cpu_s"],
                    "own_s": known.get("own_s"), "reason": known.get("reason", known.get("own_reason", ""))}
             file = folder / f"{known['method']}.npz"
             solved = known["outcome"] == SOLVED and "samples" in known
-            rows.append(self._row(row, **(judge.measure(file) if solved else {})))
+            if solved and known is not first and all(known[key] == first[key] for key in ("length", "segments", "samples")):
+                measured = before  # nothing was changed
+            else:
+                measured = judge.measure(file) if solved else {}
+            if known is first:
+                before = measured
+            rows.append(self._row(row, **measured))
         return rows
 
     @staticmethod

@@ -15,9 +15,12 @@ import argparse
 import datetime
 import json
 import os
+import resource
+import signal
 import sys
 import time
 import xml.etree.ElementTree as ElementTree
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from statistics import median
 
@@ -37,14 +40,20 @@ FINE = 1e-3
 """Resolution of OMPL's motion tests in `ompl-fine`, a share of the space's extent; its default is 0.01."""
 SCENE_NAMES = ("panda-table", "panda-shelf", "panda-box", "panda-cage")
 LIMIT_S = 60.0
+CHILD_S = 30
+"""Seconds for a search, and processor time for search and simplifications together."""
 SAMPLE = 2e-3
 """No point of any body moves farther (m) between samples that are tested."""
+ITERATIONS = 20000
+"""Of VAMP's search, and samples; its scripts have a million."""
 SKIPPED = 1000
 """Samples of VAMP's Halton sequence that lie between two seeds: its random numbers have no seed."""
+BELOW = 0.021
+"""VAMP's spheres of the fixed base reach 3 cm below the ground, so for VAMP the floors of the scenes (1 cm below) lie lower (m)."""
 OURS = {FIRST: ["--first"], "0.02 s": ["--improve-time", 0.02], "0.1 s": ["--improve-time", 0.1], "default": []}
 
 
-def ompl_paths(world, seed: int, resolution: float | None = None) -> list[dict]:
+def ompl_paths(world, seed: int, resolution: float | None = None) -> Iterator[dict]:
     """RRT-Connect as it comes, states tested by pinocchio and coal; `simplifyMax`, once and ten times. `resolution` of motion
     tests, None for OMPL's default."""
     from ompl import base, geometric, util
@@ -71,29 +80,31 @@ def ompl_paths(world, seed: int, resolution: float | None = None) -> list[dict]:
     setup.solve(LIMIT_S)
     seconds = time.process_time() - used
     if not setup.haveExactSolutionPath():
-        return [{"method": FIRST, "outcome": "timeout", "seconds": seconds}]
+        yield {"method": FIRST, "outcome": "timeout", "seconds": seconds}
+        return
     states = lambda path: [[state[i] for i in range(size)] for state in path.getStates()]  # noqa: E731
     path = setup.getSolutionPath()
-    told = [{"method": FIRST, "outcome": SOLVED, "seconds": seconds, "states": states(path)}]
+    yield {"method": FIRST, "outcome": SOLVED, "seconds": seconds, "states": states(path)}
     simplifier = geometric.PathSimplifier(setup.getSpaceInformation())
     for method, times in (("simplifyMax", 1), ("simplifyMax, 10 times", 10)):
         copy = geometric.PathGeometric(path)
         used = time.process_time()
         for _ in range(times):
             simplifier.simplifyMax(copy)
-        told.append({"method": method, "outcome": SOLVED, "seconds": time.process_time() - used, "states": states(copy)})
-    return told
+        yield {"method": method, "outcome": SOLVED, "seconds": time.process_time() - used, "states": states(copy)}
 
 
-def vamp_paths(world, seed: int) -> list[dict]:
-    """RRT-Connect and `simplify` with the settings of its own scripts, and with every routine and a hundred rounds. Robot as its
-    spheres; a cylinder is a capsule."""
+def vamp_paths(world, seed: int) -> Iterator[dict]:
+    """RRT-Connect and `simplify` with the settings of its own scripts (5 rounds of shortcuts and B-splines), and with 100 rounds. The
+    robot is its spheres, a cylinder a capsule, and the floor lies lower."""
     import vamp
 
     robot, plan, settings, simplification = vamp.configure_robot_and_planner_with_kwargs("panda", "rrtc")
+    settings.max_iterations = settings.max_samples = ITERATIONS
     environment = vamp.Environment()
     for kind, centre, turn, sizes in obstacles(world.name):
         if kind == "box":
+            centre = lowered(centre, sizes)
             environment.add_cuboid(vamp.Cuboid(centre, turn, [size / 2.0 for size in sizes]))
         elif kind == "cylinder":
             environment.add_capsule(vamp.Cylinder(centre, turn, sizes[0], sizes[1]))
@@ -102,21 +113,20 @@ def vamp_paths(world, seed: int) -> list[dict]:
     start, goal = (state.astype(np.float32) for state in (world.start, world.goal))
     for name, state in (("start", start), ("goal", goal)):
         if not robot.validate(state, environment):
-            return [{"method": FIRST, "outcome": "failed", "seconds": 0.0, "reason": f"the {name} is in collision with its spheres"}]
+            yield {"method": FIRST, "outcome": "failed", "seconds": 0.0, "reason": f"its spheres collide in the {name}"}
+            return
     random = robot.halton()
     random.skip(SKIPPED * (seed - 1))
     result = plan(start, goal, environment, settings, random)
     if not result.solved:
-        return [{"method": FIRST, "outcome": "failed", "seconds": result.nanoseconds / 1e9, "reason": "gave up"}]
-    told = [{"method": FIRST, "outcome": SOLVED, "seconds": result.nanoseconds / 1e9, "states": _states(result.path)}]
-    routines = vamp.SimplifyRoutine
+        yield {"method": FIRST, "outcome": "failed", "seconds": result.nanoseconds / 1e9, "reason": "gave up"}
+        return
+    yield {"method": FIRST, "outcome": SOLVED, "seconds": result.nanoseconds / 1e9, "states": _states(result.path)}
     long = vamp.SimplifySettings()
     long.max_iterations = 100
-    long.operations = [routines.SHORTCUT, routines.BSPLINE, routines.REDUCE, routines.PERTURB]
-    for method, chosen in (("simplify", simplification), ("simplify, all routines, 100 rounds", long)):
+    for method, chosen in (("simplify", simplification), ("simplify, 100 rounds", long)):
         simple = robot.simplify(result.path, environment, chosen, random)
-        told.append({"method": method, "outcome": SOLVED, "seconds": simple.nanoseconds / 1e9, "states": _states(simple.path)})
-    return told
+        yield {"method": method, "outcome": SOLVED, "seconds": simple.nanoseconds / 1e9, "states": _states(simple.path)}
 
 
 def _states(path) -> list[list[float]]:
@@ -139,6 +149,12 @@ def obstacles(scene: str, folder: Path = SCENES_FOLDER) -> list[tuple[str, list[
     return found
 
 
+def lowered(centre: list[float], sizes: list[float]) -> list[float]:
+    """A box below the ground moves down by `BELOW`."""
+    under = centre[2] + sizes[2] / 2.0 < 0.0
+    return [*centre[:2], centre[2] - BELOW] if under else centre
+
+
 def _numbers(element, key: str) -> list[float]:
     text = element.get(key) if element is not None else None
     return [float(number) for number in (text or "0 0 0").split()]
@@ -147,22 +163,31 @@ def _numbers(element, key: str) -> list[float]:
 PATHS = {OMPL: ompl_paths, OMPL_FINE: lambda world, seed: ompl_paths(world, seed, FINE), VAMP: vamp_paths}
 
 
-def in_child(work) -> list[dict]:
-    """What a function tells, made in a process of its own: OMPL's seed can be set once in a process."""
+def in_child(work: Callable[[], Iterator[dict]], limit_s: int = CHILD_S) -> list[dict]:
+    """What an iterator tells, made in a process of its own: OMPL's seed can be set once in a process, and what does not end within
+    `limit_s` of processor time (VAMP's simplification, once in a while) is ended. Then the last entry says so."""
     reading, writing = os.pipe()
     child = os.fork()
     if child == 0:
         try:
             os.close(reading)
+            resource.setrlimit(resource.RLIMIT_CPU, (limit_s, limit_s))
             with os.fdopen(writing, "w") as pipe:
-                json.dump(work(), pipe)
+                for told in work():
+                    pipe.write(json.dumps(told) + "\n")
+                    pipe.flush()
         finally:
             os._exit(0)
     os.close(writing)
     with os.fdopen(reading) as pipe:
-        text = pipe.read()
+        told = [json.loads(line) for line in pipe if line.endswith("\n")]
     _, status = os.waitpid(child, 0)
-    return json.loads(text) if text else [{"method": FIRST, "outcome": "crashed", "seconds": 0.0, "reason": f"status {status}"}]
+    if os.WIFSIGNALED(status):
+        after = f"after {told[-1]['method']}" if told else FIRST
+        late = os.WTERMSIG(status) in (signal.SIGKILL, signal.SIGXCPU)
+        told.append({"method": after, "outcome": "timeout" if late else "crashed", "seconds": float(limit_s) if late else 0.0,
+                     "reason": signal.Signals(os.WTERMSIG(status)).name})
+    return told
 
 
 class Run:

@@ -168,6 +168,10 @@ class Obstacles(unittest.TestCase):
     def test_a_shape_is_where_its_urdf_says(self):
         self.assertIn(("cylinder", [0.66, -0.33, 0.92], [0.0, 0.0, 0.0], [0.035, 0.22]), plain.obstacles("panda-shelf"))
 
+    def test_only_what_lies_under_the_ground_is_lowered(self):
+        self.assertAlmostEqual(plain.lowered([0.4, 0.0, -0.03], [1.6, 1.6, 0.04])[2], -0.03 - plain.BELOW)
+        self.assertEqual(plain.lowered([0.4, 0.0, 0.01], [1.0, 1.0, 0.04]), [0.4, 0.0, 0.01])
+
     def test_a_mesh_is_refused(self):
         with tempfile.TemporaryDirectory() as folder:
             (Path(folder) / "odd").mkdir()
@@ -176,9 +180,27 @@ class Obstacles(unittest.TestCase):
             with self.assertRaises(SolverError):
                 plain.obstacles("odd", Path(folder))
 
-    def test_a_child_that_crashes_is_told(self):
-        self.assertEqual(plain.in_child(lambda: [{"seconds": 1}]), [{"seconds": 1}])
-        self.assertEqual(plain.in_child(lambda: os.kill(os.getpid(), 9))[0]["outcome"], "crashed")
+
+class Children(unittest.TestCase):
+    def test_what_was_told_before_a_crash_is_kept(self):
+        def work():
+            yield {"method": FIRST, "seconds": 1.0}
+            os.kill(os.getpid(), 11)
+
+        first, last = plain.in_child(work)
+        self.assertEqual(first, {"method": FIRST, "seconds": 1.0})
+        self.assertEqual((last["method"], last["outcome"], last["reason"]), ("after first", "crashed", "SIGSEGV"))
+
+    def test_what_does_not_end_is_ended(self):
+        def work():
+            while True:
+                pass
+            yield {}
+
+        self.assertEqual([told["outcome"] for told in plain.in_child(work, 1)], ["timeout"])
+
+    def test_what_ends_tells_all(self):
+        self.assertEqual(plain.in_child(lambda: iter([{"seconds": 1}, {"seconds": 2}])), [{"seconds": 1}, {"seconds": 2}])
 
 
 if __name__ == "__main__":
