@@ -105,6 +105,13 @@ class AnswerCheck:
         finding.goal_off = float(np.abs(_difference(self.scene, configurations[-1], np.array(self.scene.goal))).max())
         return finding
 
+    def grasp_changes(self, configurations: np.ndarray, pieces: np.ndarray) -> int:
+        """How many grasps and releases there are: how often some handle begins or ceases to be where a gripper holds it."""
+        motion = SegmentMotion(self.models, Segment(0, "", "", [], [], self._in_file_order(configurations), None))
+        kept = _coarse(motion.knots, pieces)
+        held = self._grasps(motion, motion.written_body_poses(kept), Finding())
+        return sum(int(np.count_nonzero(samples[1:] != samples[:-1])) for samples in held.values())
+
     def _in_file_order(self, configurations: np.ndarray) -> np.ndarray:
         order = {name: column for column, name in enumerate(self.scene.coordinates)}
         return configurations[:, [order[name] for name in self.models.path.coordinates]]

@@ -86,11 +86,12 @@ def foliate_version(program: Path, commit: str) -> str:
     return f"{told} {commit}".strip()
 
 
-def solve_with_foliate(program: Path, scene: str, seed: int, answer: Path) -> dict:
-    """One process of `foliate solve` with default settings: what it tells, and the process's own times."""
+def solve_with_foliate(program: Path, scene: str, seed: int, answer: Path, options: list | None = None) -> dict:
+    """One process of `foliate solve` with default settings, or `options` besides: what it tells, and the process's own
+    times."""
     answer.parent.mkdir(parents=True, exist_ok=True)
     command = [program, "solve", scene_file(scene), "--seed", seed, "--threads", 1, "--time-limit", FOLIATE_LIMIT_S,
-               "--json", "--out", answer]
+               "--json", "--out", answer, *(options or [])]
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     done = subprocess.run(
         [str(word) for word in command], capture_output=True, text=True, check=False, preexec_fn=_cap_memory
