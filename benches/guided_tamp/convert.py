@@ -25,7 +25,8 @@ def main() -> int:
     parser.add_argument("--only", default="", help="instances whose name contains this")
     options = parser.parse_args()
     models = Models(options.out / "models")
-    index = {}
+    file = options.out / "instances.json"
+    index = json.loads(file.read_text()) if file.is_file() else {}
     for name in instances():
         if options.only not in name.text:
             continue
@@ -39,10 +40,10 @@ def main() -> int:
             "collisions": {end: colliding(task, configuration) for end, configuration in at.items()},
         }
         print(name.text, {end: len(pairs) for end, pairs in index[name.text]["collisions"].items()}, flush=True)
-    if not index:
+    if not any(options.only in name for name in index):
         print(f"no instance has {options.only!r} in its name", file=sys.stderr)
         return 2
-    (options.out / "instances.json").write_text(json.dumps(index, indent=1) + "\n")
+    file.write_text(json.dumps(index, indent=1) + "\n")
     return 0
 
 

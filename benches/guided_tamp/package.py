@@ -130,6 +130,9 @@ def convert(name: InstanceName, task: BaseTask, models: Models) -> Converted:
         parts.append(Part(object.name, "object", urdf, srdf))
         changes += more
     for piece in task.furniture:
+        if flat := _without_volume(Path(piece.urdfFilename)):
+            changes.append(f"{piece.name}: left out, its box of {flat} has no volume")
+            continue
         own = name.text if piece.name == "box" else f"{name.task}-{name.demo}"
         urdf, srdf, more = models.add(f"{own}-{piece.name}", Path(piece.urdfFilename), Path(piece.srdfFilename))
         parts.append(Part(piece.name, "environment", urdf, srdf))
@@ -184,6 +187,15 @@ def supports(task: BaseTask) -> list[tuple[str, np.ndarray]]:
     return [(f"{piece.name}/{contact.get('name')}", polygon @ pose[:3, :3].T + pose[:3, 3])
             for piece, pose in zip(task.furniture, task.demo.furniture_poses)
             for contact in ET.parse(piece.srdfFilename).getroot().iter("contact") for polygon in polygons(contact)]
+
+
+def _without_volume(urdf: Path) -> str:
+    """The size of the first box that is not positive in all directions; empty where there is none.
+
+    The package puts a box under the base of a fixed robot. Where its base has no pose (the first of each list is the
+    identity) that box has a height of zero or less."""
+    sizes = [box.get("size") for box in ET.parse(urdf).getroot().iter("box")]
+    return next((size for size in sizes if min(map(float, size.split())) <= 0.0), "")
 
 
 def object_surfaces(object) -> list[np.ndarray]:

@@ -51,12 +51,12 @@ def main() -> int:
     index = json.loads((options.scenes / "instances.json").read_text())
     options.out.mkdir(parents=True, exist_ok=True)
     for name, about in index.items():
-        if options.only not in name or (options.out / name).exists():
+        file = options.out / name / "results.csv"
+        if options.only not in name or file.is_file():
             continue
         command = [str(options.foliate), "bench", str(options.scenes / f"{name}.toml"), "--seeds", options.seeds,
-                   "--time-limit", str(options.time_limit), "--out", str(options.out / name), *options.rest]
+                   "--time-limit", str(options.time_limit), "--out", str(file.parent), *options.rest]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
-        file = options.out / name / "results.csv"
         if not file.is_file():
             print(f"{name}: {done.stderr.strip()}", file=sys.stderr)
             return 1
