@@ -81,11 +81,29 @@ def worst_overhang(task: BaseTask, path: KnotPath) -> float:
 
 
 def _remember(task: BaseTask) -> None:
-    """The package reads SRDF files anew for every configuration. Their content is kept instead."""
+    """The package reads SRDF files anew for every configuration; their content is kept instead. So is what it says of the
+    configurations of one path, which both verdicts ask for."""
     for thing in [*task.objects, *task.furniture, task.robot]:
         for name in ("get_contacts_info", "get_handles_info", "get_grippers_info"):
             if hasattr(thing, name):
                 setattr(thing, name, lambda known=getattr(thing, name)(): known)
+    for name in ("is_config_valid", "is_config_grasp", "is_config_placement"):
+        setattr(task.collision, name, _once(getattr(task.collision, name)))
+
+
+def _once(check):
+    """`check` of a configuration, asked once for each with the same further arguments."""
+    known = {}
+
+    def answer(configuration, *rest, **named):
+        key = (configuration.to_numpy().tobytes(), rest, tuple(sorted(named.items())))
+        if key not in known:
+            if len(known) > 20_000:
+                known.clear()
+            known[key] = check(configuration, *rest, **named)
+        return known[key]
+
+    return answer
 
 
 def main() -> int:
