@@ -106,6 +106,26 @@ fn every_other_scene_is_solved_once_and_proven_again() {
     }
 }
 
+/// Waypoints are moved by shares of the ways to their neighbours, which together may lead beyond a joint's limit. A projection does
+/// not look at joints that its rows do not depend on, such as fingers.
+#[test]
+fn moved_waypoints_keep_joint_limits() {
+    if common::published_models("moved_waypoints_keep_joint_limits").is_none() {
+        return;
+    }
+    let folder = Folder::new("limits");
+    for (seed, work) in [(20, "0"), (22, "2000")] {
+        let path = folder.0.join(format!("{seed}.json"));
+        let (seed, out) = (seed.to_string(), path.to_string_lossy().into_owned());
+        let scene = "pr2-manipulation-two-hand";
+        let solved =
+            foliate(&["solve", scene, "--seed", &seed, "--threads", "1", "--improve-work", work, "--out", &out]);
+        assert!(solved.status.success(), "{}", String::from_utf8_lossy(&solved.stdout));
+        let output = foliate(&["check", &out]);
+        assert!(output.status.success(), "seed {seed}: {}", String::from_utf8_lossy(&output.stdout));
+    }
+}
+
 #[test]
 fn files_do_not_depend_on_threads() {
     let folder = Folder::new("threads");

@@ -5,6 +5,7 @@ use crate::improvement::cost::{PathCost, way_along};
 use crate::improvement::leaf_motion::LeafMotion;
 use crate::planning_model::model::PlanningModel;
 use crate::search::path_extraction::unwrap_coordinates;
+use crate::search::timed_certificate::object_numbers;
 use crate::settings::SearchSettings;
 use foliate_components::Pose;
 use foliate_kernels::collision::CollisionScratch;
@@ -30,6 +31,9 @@ pub struct ImprovementScratch {
     pub(crate) solve: Scratch,
 }
 
+/// How far beyond its bounds a coordinate may be: rounding, radians and metres.
+const ROUNDING: f64 = 1e-12;
+
 impl Context<'_> {
     /// Length of a configuration.
     pub(crate) fn size(&self) -> usize {
@@ -48,6 +52,20 @@ impl Context<'_> {
         kinematics.forward(q, &mut X_WJ);
         kinematics.carry(q, rigid_attachments, &mut X_WJ);
         kinematics.write_back(rigid_attachments, &X_WJ, q);
+    }
+
+    /// Whether all coordinates of a motion are within their bounds, but for objects that something carries. Motions are straight between
+    /// knots, and dense where they are not.
+    pub(crate) fn is_within_bounds(&self, motion: &LeafMotion) -> bool {
+        let space = &self.model.problem.robot.space;
+        let objects = object_numbers(self.model);
+        let is_within = |q: &[f64]| {
+            (0..space.size()).all(|i| {
+                let is_in = q[i] >= space.lower[i] - ROUNDING && q[i] <= space.upper[i] + ROUNDING;
+                is_in || objects.iter().any(|numbers| numbers.contains(&i))
+            })
+        };
+        motion.knots.chunks_exact(space.size()).all(is_within)
     }
 
     /// Makes the numbers of all motions continuous.
