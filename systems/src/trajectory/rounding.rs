@@ -1,7 +1,7 @@
 //! Rounds the corners of a motion on a leaf of implicit rows: each place becomes the mean of the motion around it, projected onto the
 //! leaf. The mean around a corner of two straight lines is a quadratic arc, the same as where no rows are.
 
-use crate::trajectory::smoothing::{AT_WAYPOINT, SHARES, Smoothing};
+use crate::trajectory::smoothing_problem::{AT_WAYPOINT, SHARES, SmoothingProblem};
 use foliate_components::candidate::LegParameter;
 use foliate_components::graph::leaf::LeafIndex;
 use foliate_kernels::constrained_motion::{Scratch, Settings, project};
@@ -39,7 +39,7 @@ pub(crate) struct Rounded {
 
 /// A part of a stretch between two stops.
 pub(crate) struct Rounding<'a> {
-    smoothing: &'a Smoothing<'a>,
+    problem: &'a SmoothingProblem<'a>,
     /// Its first knot and its last.
     ends: (usize, usize),
     /// Seconds at full speed from the first knot to each.
@@ -52,14 +52,14 @@ pub(crate) struct Rounding<'a> {
 
 impl<'a> Rounding<'a> {
     /// The part between two knots at which the robot stops.
-    pub(crate) fn between(smoothing: &'a Smoothing<'a>, ends: (usize, usize)) -> Self {
-        let stretch = smoothing.stretch;
+    pub(crate) fn between(problem: &'a SmoothingProblem<'a>, ends: (usize, usize)) -> Self {
+        let stretch = problem.stretch;
         let mut ways = vec![0.0];
         for k in ends.0..ends.1 {
-            ways.push(ways[k - ends.0] + smoothing.edge(k));
+            ways.push(ways[k - ends.0] + problem.edge(k));
         }
         let full = full_radius(&stretch.velocity, &stretch.acceleration);
-        let mut rounding = Self { smoothing, ends, ways, radii: Vec::new(), full };
+        let mut rounding = Self { problem, ends, ways, radii: Vec::new(), full };
         rounding.radii = rounding.all_radii();
         rounding
     }
@@ -67,7 +67,7 @@ impl<'a> Rounding<'a> {
     /// By knot: as large as the refusals near it, the stops and the waypoints allow.
     fn all_radii(&self) -> Vec<f64> {
         let last = self.ways.len() - 1;
-        let refusals = &self.smoothing.refusals[self.ends.0..=self.ends.1];
+        let refusals = &self.problem.refusals[self.ends.0..=self.ends.1];
         let share = |refusals: &usize| RADII.get(*refusals).copied().unwrap_or(0.0);
         let mut radii: Vec<f64> = refusals.iter().map(|refusals| self.full * share(refusals)).collect();
         (radii[0], radii[last]) = (0.0, 0.0);
@@ -90,8 +90,7 @@ impl<'a> Rounding<'a> {
 
     /// Joints of motions inside, counted from the first knot.
     fn joints(&self) -> Vec<usize> {
-        let inside =
-            self.smoothing.stretch.joints.iter().filter(|joint| **joint > self.ends.0 && **joint < self.ends.1);
+        let inside = self.problem.stretch.joints.iter().filter(|joint| **joint > self.ends.0 && **joint < self.ends.1);
         inside.map(|joint| joint - self.ends.0).collect()
     }
 
@@ -101,7 +100,7 @@ impl<'a> Rounding<'a> {
     }
 
     fn with_radii(&self, scale: f64, scratch: &mut Scratch) -> Option<Rounded> {
-        let Smoothing { model, settings, motions, stretch, .. } = *self.smoothing;
+        let SmoothingProblem { model, settings, motions, stretch, .. } = *self.problem;
         let motion = &motions[stretch.motions.start];
         let program = model.interior_program(motion.state).ok()?;
         let fresh: Vec<_> = motion.parameters.iter().map(|p| LegParameter::Fresh(*p)).collect();
@@ -136,13 +135,13 @@ impl<'a> Rounding<'a> {
 
     /// Whether knots are so far apart that their directions mean something.
     fn is_apart(&self, rounded: &Rounded) -> bool {
-        let velocity = &self.smoothing.stretch.velocity;
+        let velocity = &self.problem.stretch.velocity;
         let knots: Vec<&[f64]> = rounded.knots.chunks_exact(velocity.len()).collect();
         knots.windows(2).all(|pair| time_at_full_speed(pair[0], pair[1], velocity) > NEAREST)
     }
 
     fn knot(&self, k: usize) -> &[f64] {
-        self.smoothing.knot(self.ends.0 + k)
+        self.problem.knot(self.ends.0 + k)
     }
 
     /// Ways of the knots to be, behind knot `from` and up to knot `to`; the end of the part is left out.
@@ -167,7 +166,7 @@ impl<'a> Rounding<'a> {
     /// The distance between knots at a way.
     fn spacing(&self, way: f64, scale: f64) -> f64 {
         let (piece, _) = self.piece(way);
-        let refusals = &self.smoothing.refusals[self.ends.0 + piece..=self.ends.0 + piece + 1];
+        let refusals = &self.problem.refusals[self.ends.0 + piece..=self.ends.0 + piece + 1];
         let halvings = refusals.iter().max().map_or(0, |most| *most).min(RADII.len()) as i32;
         let coarse = self.full / KNOTS_IN_RADIUS * 0.5_f64.powi(halvings);
         (scale * self.radius(way) / KNOTS_IN_RADIUS).clamp(0.25 * coarse, coarse)
@@ -195,7 +194,7 @@ impl<'a> Rounding<'a> {
     /// The mean of the motion around a way. Differences are summed, so that a coordinate that rests keeps its value.
     fn mean(&self, way: f64, scale: f64) -> Vec<f64> {
         let radius = scale * self.radius(way);
-        let size = self.smoothing.stretch.velocity.len();
+        let size = self.problem.stretch.velocity.len();
         let here: Vec<f64> = (0..size).map(|i| self.at(way, i)).collect();
         if radius <= 0.0 {
             return here;

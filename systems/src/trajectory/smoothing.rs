@@ -3,17 +3,14 @@
 
 use crate::improvement::leaf_motion::LeafMotion;
 use crate::planning_model::model::Model;
-use crate::settings::SearchSettings;
 use crate::step::validation::certificate_settings;
 use crate::trajectory::rounding::{Rounded, Rounding, is_given_up};
-use crate::trajectory::stretch::Stretch;
+use crate::trajectory::smoothing_problem::{AT_WAYPOINT, SHARES, SmoothingProblem};
 use foliate_components::Pose;
 use foliate_kernels::collision::{CollisionScratch, CurveVerdict, certify_curve};
 use foliate_kernels::constrained_motion::Scratch;
 use foliate_kernels::curve::HermiteCurve;
-use foliate_kernels::trajectory::{
-    BlendError, Spline, ThroughScratch, blend_corner, blend_polyline, spline_through, time_at_full_speed,
-};
+use foliate_kernels::trajectory::{BlendError, Spline, ThroughScratch, blend_corner, blend_polyline, spline_through};
 
 /// A smooth path from a stop to the next. Its parameter is seconds at full speed.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,12 +19,6 @@ pub(crate) struct SmoothPath {
     /// Where one motion ends and the next begins: parameters of the path, rising.
     pub joints: Vec<f64>,
 }
-
-/// How much of the edges next to a corner its arc may take: half at most, since an edge has two ends.
-pub(crate) const SHARES: [f64; 4] = [0.48, 0.24, 0.1, 0.03];
-
-/// At a waypoint, such as a pregrasp, the arc takes less: the straight approach is there for a reason.
-pub(crate) const AT_WAYPOINT: f64 = 0.3;
 
 /// A stretch that is not longer has no smooth path, in seconds at full speed.
 const STILL: f64 = 1e-9;
@@ -41,31 +32,7 @@ pub(crate) struct SmoothingScratch {
     arc: Spline,
 }
 
-/// What smoothing reads.
-#[derive(Clone, Copy)]
-pub(crate) struct Smoothing<'a> {
-    pub model: &'a Model,
-    pub settings: &'a SearchSettings,
-    pub motions: &'a [LeafMotion],
-    pub stretch: &'a Stretch,
-    /// By knot of the stretch: how often the curve was refused near it. Every time its arc is smaller, and at last the robot stops
-    /// there. With implicit rows it stops at once and goes straight to the next knot, as the path without times does.
-    pub refusals: &'a [usize],
-}
-
-impl Smoothing<'_> {
-    fn size(&self) -> usize {
-        self.model.problem.robot.space.size()
-    }
-
-    fn knots(&self) -> usize {
-        self.stretch.knots.len() / self.size()
-    }
-
-    pub(crate) fn knot(&self, number: usize) -> &[f64] {
-        &self.stretch.knots[number * self.size()..][..self.size()]
-    }
-
+impl SmoothingProblem<'_> {
     /// The stretch as smooth paths between stops: one, or more where a corner leaves no room for an arc; none where it hardly moves.
     ///
     /// # Errors
@@ -181,11 +148,6 @@ impl Smoothing<'_> {
     /// Seconds at full speed from one knot to another. Arcs are as long as the corners that they replace.
     fn length(&self, from: usize, to: usize) -> f64 {
         (from..to).map(|k| self.edge(k)).sum()
-    }
-
-    /// Seconds at full speed from a knot to the next.
-    pub(crate) fn edge(&self, k: usize) -> f64 {
-        time_at_full_speed(self.knot(k), self.knot(k + 1), &self.stretch.velocity)
     }
 
     /// The radius of the arc at a corner: the largest of some shares of its edges whose arc is free of collisions.

@@ -5,7 +5,8 @@ use crate::planning_model::model::Model;
 use crate::search::timed_certificate::{TimedFault, TimedScratch, certify_timed_path, certify_timed_segment};
 use crate::settings::SearchSettings;
 use crate::trajectory::rows::{follow_signs, share_joint_knots};
-use crate::trajectory::smoothing::{Smoothing, SmoothingScratch};
+use crate::trajectory::smoothing::SmoothingScratch;
+use crate::trajectory::smoothing_problem::SmoothingProblem;
 use crate::trajectory::stretch::Stretch;
 use crate::trajectory::timing::{self, StretchError, TimingBuffers};
 use foliate_components::path::{Certificate, ManipulationPath, Segment};
@@ -127,9 +128,8 @@ impl Maker<'_> {
     fn make(&mut self, stretch: &Stretch, refusals: &[usize]) -> Result<Made, TimedPathError> {
         let segment = stretch.motions.start;
         let (model, settings, motions) = (self.model, self.settings, self.motions);
-        let smoothing = Smoothing { model, settings, motions, stretch, refusals };
-        let paths =
-            smoothing.paths(&mut self.smoothing).map_err(|error| TimedPathError::Smoothing { segment, error })?;
+        let problem = SmoothingProblem { model, settings, motions, stretch, refusals };
+        let paths = problem.paths(&mut self.smoothing).map_err(|error| TimedPathError::Smoothing { segment, error })?;
         let (segments, duration) = timing::segments(model, motions, (stretch, &paths), &mut self.timing)
             .map_err(|error| TimedPathError::Timing { segment, error })?;
         Ok(Made { segments, duration })

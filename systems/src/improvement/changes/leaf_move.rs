@@ -2,8 +2,8 @@
 //! waypoints at which the leaf is reached are drawn towards their neighbours. What the leaf's value becomes follows from them, and the
 //! waypoints at which it is left follow the value.
 
+use crate::improvement::changes::changed::Changed;
 use crate::improvement::changes::context::{Context, ImprovementScratch};
-use crate::improvement::changes::local_change::Changed;
 use crate::improvement::changes::shortcut::LEAST_GAIN;
 use crate::improvement::changes::waypoint_chain::{
     chain_around, draw_steps, is_inside_chain, is_on_leaf, is_still, keep_rotations, projected,
@@ -199,10 +199,12 @@ impl Moving<'_> {
             (range.start..=range.end).map(|index| self.stop(index, scratch)).collect::<Option<_>>()?;
         let mut rebuilt = Vec::with_capacity(range.len());
         for (index, ends) in range.zip(stops.windows(2)) {
-            // Between two waypoints of one grasp change a motion goes straight.
-            let keeps = !is_inside_chain(&self.motions, index)
-                && !(self.motions[index].is_implicit && self.run.motions.contains(&index));
-            let kept = if keeps { self.kept(index, rng) } else { 0..0 };
+            // Between two waypoints of one grasp change a motion goes straight, and on another leaf of implicit rows all its knots are new.
+            let is_new = self.motions[index].is_implicit && self.run.motions.contains(&index);
+            let kept = match is_new || is_inside_chain(&self.motions, index) {
+                true => 0..0,
+                false => self.kept(index, rng),
+            };
             rebuilt.push(self.through(index, kept, (&ends[0], &ends[1]), scratch)?);
         }
         Some(rebuilt)

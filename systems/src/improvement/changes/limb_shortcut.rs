@@ -2,8 +2,8 @@
 //! their values at one point of the path to those at another. So one arm moves to its next pregrasp while the other one still
 //! carries (partial shortcuts: Geraerts and Overmars, IJRR 2007).
 
+use crate::improvement::changes::changed::Changed;
 use crate::improvement::changes::context::{Context, ImprovementScratch};
-use crate::improvement::changes::local_change::Changed;
 use crate::improvement::changes::shortcut::LEAST_GAIN;
 use crate::improvement::cost::path_cost;
 use crate::improvement::leaf_motion::LeafMotion;

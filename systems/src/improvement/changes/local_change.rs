@@ -1,10 +1,10 @@
 //! The changes that need no search, by kind.
 
+use crate::improvement::changes::changed::Changed;
 use crate::improvement::changes::context::{Context, ImprovementScratch};
 use crate::improvement::changes::{leaf_move, limb_shortcut, shortcut, waypoint_move};
 use crate::improvement::leaf_motion::LeafMotion;
 use rand::Rng;
-use std::ops::Range;
 
 /// A change that needs no search: the path goes on through the same states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,12 +18,6 @@ pub enum LocalChange {
     WaypointMove,
     /// Another leaf: another place for an object that is put down on the way, or another grasp.
     LeafMove,
-}
-
-/// Motions of a path in place of those of a range.
-pub(crate) struct Changed {
-    pub range: Range<usize>,
-    pub motions: Vec<LeafMotion>,
 }
 
 /// Counted work of a change whose configurations are projected onto implicit rows.

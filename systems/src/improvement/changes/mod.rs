@@ -4,6 +4,7 @@
 //! coordinates alone (`limbs`), `waypoint_move` moves the waypoints of a grasp change (`waypoint_chain`), `leaf_move` those at both ends of a
 //! leaf, and the leaf with them. `replan` searches again between the ends of a stretch. All read a `context`.
 
+pub(crate) mod changed;
 pub(crate) mod context;
 pub(crate) mod leaf_move;
 pub(crate) mod limb_shortcut;

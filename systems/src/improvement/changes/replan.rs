@@ -2,8 +2,9 @@
 //! another branch of inverse kinematics. Its path is shortened before it is compared.
 
 use crate::events::{EventSink, StopSignal};
+use crate::improvement::changes::changed::Changed;
 use crate::improvement::changes::context::{Context, ImprovementScratch};
-use crate::improvement::changes::local_change::{Changed, LocalChange};
+use crate::improvement::changes::local_change::LocalChange;
 use crate::improvement::cost::path_cost;
 use crate::improvement::leaf_motion::LeafMotion;
 use crate::planning_model::model::PlanningModel;

@@ -2,8 +2,8 @@
 //! the motions before and behind and projected again, so that redundant joints, a mobile base or another branch of inverse kinematics
 //! make these motions shorter. The leaf stays, so that nothing else has to change.
 
+use crate::improvement::changes::changed::Changed;
 use crate::improvement::changes::context::{Context, ImprovementScratch};
-use crate::improvement::changes::local_change::Changed;
 use crate::improvement::changes::shortcut::LEAST_GAIN;
 use crate::improvement::changes::waypoint_chain::{draw_chain, draw_steps, is_still, keep_rotations, projected};
 use crate::improvement::cost::path_cost;
