@@ -4,9 +4,9 @@
     compare.py --foliate PROGRAM [--paths N] [--grid N] [--seed S] [--rows FILE]
 
 PROGRAM is `trajectories` of the crate foliate_benches. The paths are natural cubic splines through 5 to 40 waypoints with 7 to 15
-coordinates; both get the same piecewise cubic polynomial and the same limits. toppra (`pip install toppra scipy`) times each path twice:
-on a dense grid, which says how short the duration may be, and on as many grid points as ours has intervals, which says what a point
-costs. Grids contain the waypoints. Limits are looked at 1000 times a second and at the knots.
+coordinates; both get the same piecewise cubic polynomial and the same limits. toppra (`pip install toppra scipy`) times each path three times:
+on a dense grid, which says how short the duration may be, on as many grid points as ours has intervals, which says what a point
+costs, and on the grid that it chooses itself, which is how it is called. The first two grids contain the waypoints. Limits are looked at 1000 times a second and at the knots.
 """
 
 from __future__ import annotations
@@ -49,13 +49,13 @@ def excess(path: dict, position, end: float) -> float:
     return float(max(share.max() for share in shares) - 1.0)
 
 
-def by_toppra(path: dict, grid: int, repeats: int):
+def by_toppra(path: dict, grid: int | None, repeats: int):
     curve = toppra.SplineInterpolator(path["parameters"], path["points"], bc_type="natural")
     limits = [
         constraint.JointVelocityConstraint(np.stack([-path["velocity"], path["velocity"]], 1)),
         constraint.JointAccelerationConstraint(np.stack([-path["acceleration"], path["acceleration"]], 1)),
     ]
-    points = np.unique(np.concatenate([np.linspace(0.0, path["parameters"][-1], grid), path["parameters"]]))
+    points = None if grid is None else np.unique(np.concatenate([np.linspace(0.0, path["parameters"][-1], grid), path["parameters"]]))
     seconds = []
     for _ in range(repeats):
         start = time.perf_counter()
@@ -63,7 +63,7 @@ def by_toppra(path: dict, grid: int, repeats: int):
                                   parametrizer="ParametrizeConstAccel")
         timed = solver.compute_trajectory(0.0, 0.0)
         seconds.append(time.perf_counter() - start)
-    return timed, float(np.median(seconds)), len(points)
+    return timed, float(np.median(seconds)), len(solver.gridpoints)
 
 
 def ours(program: Path, paths: list[dict]) -> list[dict]:
@@ -99,6 +99,7 @@ def main() -> int:
         at_knots = float((np.abs(curve(ends, 2)) / path["acceleration"]).max() - 1.0)
         dense, seconds_dense, _ = by_toppra(path, arguments.grid, 1)
         equal, seconds, points = by_toppra(path, answer["intervals"] + 1, 3)
+        own, seconds_own, own_points = by_toppra(path, None, 3)
         rows.append({
             "waypoints": len(path["points"]), "coordinates": len(path["velocity"]), "duration": duration,
             "ratio_dense": duration / dense.duration, "ratio_equal": duration / equal.duration,
@@ -109,6 +110,8 @@ def main() -> int:
             "seconds": answer["seconds"], "seconds_equal": seconds,
             "seconds_dense": seconds_dense, "speedup_dense": seconds_dense / answer["seconds"],
             "speedup_equal": seconds / answer["seconds"],
+            "ratio_own": duration / own.duration, "excess_own": excess(path, lambda t, n: own(t, n), own.duration),
+            "points_own": own_points, "seconds_own": seconds_own, "speedup_own": seconds_own / answer["seconds"],
             "speedup": (seconds / points) / (answer["seconds"] / (answer["intervals"] + 1)),
         })
     if arguments.rows:
@@ -123,6 +126,9 @@ def main() -> int:
         "seconds_dense": f"toppra's time on {arguments.grid} points, s",
         "speedup": "toppra's time a point ÷ ours", "speedup_dense": f"toppra's time on {arguments.grid} points ÷ ours",
         "speedup_equal": "toppra's time on as many points ÷ ours",
+        "points_own": "points of toppra's own grid", "ratio_own": "duration ÷ toppra's on its own grid",
+        "excess_own": "most that toppra exceeds a limit on its own grid", "seconds_own": "toppra's time on its own grid, s",
+        "speedup_own": "toppra's time on its own grid ÷ ours",
     }
     for key, name in names.items():
         values = np.array([row[key] for row in rows])
