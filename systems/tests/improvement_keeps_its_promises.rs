@@ -125,6 +125,38 @@ fn objects_are_put_down_where_that_is_cheaper() {
     assert!(moves >= 4, "{moves}");
 }
 
+/// Surfaces are often larger than the bounds of what lies on them.
+#[test]
+fn objects_are_put_down_within_their_bounds() {
+    let mut moves = 0;
+    for seed in 1..=4 {
+        let (_, first) = first_path(swap_two_boxes().unwrap(), seed);
+        // Bounds leave a centimetre around the places where the first path puts objects down.
+        let mut problem = swap_two_boxes().unwrap();
+        let size = problem.robot.space.size();
+        let wide = model(problem.clone());
+        for i in [size - 14, size - 13, size - 7, size - 6] {
+            let resting = first.segments.iter().filter(|s| wide.graph.state(s.state).grasps.is_empty());
+            let places: Vec<f64> = resting.flat_map(|s| &s.knots).map(|q| q[i]).collect();
+            let (low, high) = (&mut problem.robot.space.lower[i], &mut problem.robot.space.upper[i]);
+            *low = places.iter().copied().fold(f64::INFINITY, f64::min) - 0.01;
+            *high = places.iter().copied().fold(f64::NEG_INFINITY, f64::max) + 0.01;
+        }
+        let model = model(problem);
+        let only_leaves = ImprovementSettings::default().with(|s| {
+            (s.replanning_share, s.limb_probability, s.waypoint_probability) = (0.0, 0.0, 0.0);
+            (s.leaf_probability, s.max_work) = (1.0, 300);
+        });
+        let how = (Arc::new(Sequence) as Arc<dyn Scheduler>, cost_of(&model));
+        let mut improvement =
+            Improvement::new(&model, &first, how, (seeded(seed), only_leaves), StopSignal::default()).unwrap();
+        improvement.run(|_| ());
+        moves += improvement.progress().changes.leaf_moves;
+        timed_path(improvement.model(), &seeded(seed), &improvement.path()).unwrap();
+    }
+    assert!(moves > 0);
+}
+
 #[test]
 fn threads_change_nothing_and_work_gives_a_path_again() {
     let (model, first) = first_path(swap_two_boxes().unwrap(), 3);

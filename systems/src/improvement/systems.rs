@@ -188,11 +188,11 @@ fn evaluate_one(
             (replanned.motions.map(|motions| (range.clone(), motions)), model)
         }
     };
-    let Some((range, changed)) = found.filter(|(_, changed)| changed.iter().all(|m| context.is_within_bounds(m)))
-    else {
-        return;
-    };
+    let Some((range, changed)) = found else { return };
     let model_of_change = model.as_ref().unwrap_or(context.model);
+    if !(Context { model: model_of_change, ..*context }).are_within_bounds(&changed) {
+        return;
+    }
     let mut whole = [&motions[..range.start], &changed, &motions[range.end..]].concat();
     context.unwrap_angles(&mut whole);
     let cost = path_cost(context.cost, model_of_change, &whole);

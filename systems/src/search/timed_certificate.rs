@@ -12,7 +12,7 @@ use crate::search::timed_rows::TimedRows;
 use crate::settings::SearchSettings;
 use crate::step::validation::certificate_settings;
 use foliate_components::Pose;
-use foliate_components::graph::ConstraintKind;
+use foliate_components::graph::{ConstraintKind, StateId};
 use foliate_components::path::{Certificate, ManipulationPath, Segment};
 use foliate_components::robot::{ShapeIndex, Source};
 use foliate_kernels::collision::{CollisionScratch, CurveVerdict, certify_curve};
@@ -208,20 +208,27 @@ fn limit_exceeded(model: &Model, segment: &Segment, curve: &HermiteCurve<'_>) ->
     if let Some(limit) = curve.first_out_of_bounds(space, SLACK, of_robots) {
         return Some(fault(limit.piece, 0.0, limit.coordinate, limit.value));
     }
-    let carriers = model.carriers(segment.state);
+    let last = segment.knots.len() - 1;
+    [0, last].into_iter().find_map(|knot| {
+        let i = resting_out_of_bounds(model, segment.state, &segment.knots[knot], SLACK)?;
+        let piece = knot.saturating_sub(1);
+        Some(fault(piece, (knot - piece) as f64, i, segment.knots[knot][i]))
+    })
+}
+
+/// The first coordinate of an object that no hand holds in a state which is outside its bounds by more than `tolerance`, radians and metres.
+pub(crate) fn resting_out_of_bounds(model: &Model, state: StateId, q: &[f64], tolerance: f64) -> Option<usize> {
+    let space = &model.problem.robot.space;
+    let carriers = model.carriers(state);
     let is_held = |object: usize| {
         let carried_by = carriers.of[object];
         carried_by.is_some_and(|c| matches!(model.graph.constraint(c).kind, ConstraintKind::Grasp { .. }))
     };
     let rests = |(object, _): &(usize, _)| !is_held(*object);
-    let roots = model.objects().iter().enumerate().filter(rests).filter_map(|(_, object)| object.root);
-    let last = segment.knots.len() - 1;
-    roots.flat_map(|root| [(root, 0), (root, last)]).find_map(|(root, knot)| {
-        let Source::Coordinates { q, .. } = model.problem.robot.joints[root.at()].source else { return None };
-        let value = |i: usize| segment.knots[knot][i];
-        let is_out = |i: &usize| !(value(*i) >= space.lower[*i] - SLACK && value(*i) <= space.upper[*i] + SLACK);
-        let piece = knot.saturating_sub(1);
-        (q..q + 3).find(is_out).map(|i| fault(piece, (knot - piece) as f64, i, value(i)))
+    let mut roots = model.objects().iter().enumerate().filter(rests).filter_map(|(_, object)| object.root);
+    roots.find_map(|root| {
+        let Source::Coordinates { q: first, .. } = model.problem.robot.joints[root.at()].source else { return None };
+        (first..first + 3).find(|&i| !(q[i] >= space.lower[i] - tolerance && q[i] <= space.upper[i] + tolerance))
     })
 }
 

@@ -5,8 +5,9 @@ use crate::improvement::cost::{PathCost, way_along};
 use crate::improvement::leaf_motion::LeafMotion;
 use crate::planning_model::model::PlanningModel;
 use crate::search::path_extraction::unwrap_coordinates;
-use crate::search::timed_certificate::object_numbers;
+use crate::search::timed_certificate::{object_numbers, resting_out_of_bounds};
 use crate::settings::SearchSettings;
+use crate::step::validation::certify_whole;
 use foliate_components::Pose;
 use foliate_kernels::collision::CollisionScratch;
 use foliate_kernels::constrained_motion::{MotionScratch, Scratch};
@@ -32,7 +33,7 @@ pub struct ImprovementScratch {
 }
 
 /// How far beyond its bounds a coordinate may be: rounding, radians and metres.
-const ROUNDING: f64 = 1e-12;
+const ROUNDING: f64 = 1e-9;
 
 impl Context<'_> {
     /// Length of a configuration.
@@ -54,18 +55,25 @@ impl Context<'_> {
         kinematics.write_back(rigid_attachments, &X_WJ, q);
     }
 
-    /// Whether all coordinates of a motion are within their bounds, but for objects that something carries. Motions are straight between
-    /// knots, and dense where they are not.
-    pub(crate) fn is_within_bounds(&self, motion: &LeafMotion) -> bool {
+    /// Whether joints and roots of robots are within their bounds at all knots of some motions, and objects that no hand holds where a
+    /// motion begins and ends. Motions are straight between knots, or dense.
+    pub(crate) fn are_within_bounds(&self, motions: &[LeafMotion]) -> bool {
         let space = &self.model.problem.robot.space;
         let objects = object_numbers(self.model);
-        let is_within = |q: &[f64]| {
-            (0..space.size()).all(|i| {
-                let is_in = q[i] >= space.lower[i] - ROUNDING && q[i] <= space.upper[i] + ROUNDING;
-                is_in || objects.iter().any(|numbers| numbers.contains(&i))
-            })
-        };
-        motion.knots.chunks_exact(space.size()).all(is_within)
+        let of_robots: Vec<usize> =
+            (0..space.size()).filter(|i| !objects.iter().any(|numbers| numbers.contains(i))).collect();
+        let is_in = |q: &[f64], i: usize| q[i] >= space.lower[i] - ROUNDING && q[i] <= space.upper[i] + ROUNDING;
+        motions.iter().all(|motion| {
+            let rest = [motion.start(space.size()), motion.end(space.size())];
+            motion.knots.chunks_exact(space.size()).all(|q| of_robots.iter().all(|&i| is_in(q, i)))
+                && rest.iter().all(|q| resting_out_of_bounds(self.model, motion.state, q, ROUNDING).is_none())
+        })
+    }
+
+    /// Whether a motion is certified to be free of collisions, with the search's own clearance.
+    pub(crate) fn is_free(&self, motion: &LeafMotion, collision: &mut CollisionScratch) -> bool {
+        let (along, attachments) = ((motion.transition, motion.state), &motion.rigid_attachments);
+        certify_whole(self.model, self.settings, along, attachments, &motion.knots, collision).is_ok()
     }
 
     /// Makes the numbers of all motions continuous.

@@ -11,7 +11,7 @@ use crate::improvement::changes::waypoint_chain::{
 use crate::improvement::cost::path_cost;
 use crate::improvement::leaf_motion::{LeafMotion, interior_arguments, same_value};
 use crate::planning_model::state_classification::parameter_of;
-use crate::step::{steering, validation};
+use crate::step::steering;
 use foliate_components::Pose;
 use foliate_components::graph::ConstraintId;
 use foliate_components::graph::leaf::Parameter;
@@ -50,12 +50,8 @@ pub(crate) fn attempt(
     if !gains {
         return None;
     }
-    let is_free = |motion: &LeafMotion| {
-        let (along, attachments) = ((motion.transition, motion.state), &motion.rigid_attachments);
-        let (model, settings) = (context.model, context.settings);
-        validation::certify_whole(model, settings, along, attachments, &motion.knots, &mut scratch.collision).is_ok()
-    };
-    changed.iter().all(is_free).then_some(Changed { range, motions: changed })
+    let is_free = changed.iter().all(|motion| context.is_free(motion, &mut scratch.collision));
+    is_free.then_some(Changed { range, motions: changed })
 }
 
 /// Whether a path has a leaf that can be moved.

@@ -7,7 +7,6 @@ use crate::improvement::changes::context::{Context, ImprovementScratch};
 use crate::improvement::changes::shortcut::LEAST_GAIN;
 use crate::improvement::cost::path_cost;
 use crate::improvement::leaf_motion::LeafMotion;
-use crate::step::validation;
 use foliate_components::Pose;
 use foliate_components::graph::StateId;
 use foliate_components::robot::{GripperIndex, HandleIndex, JointIndex};
@@ -60,7 +59,7 @@ pub(crate) fn attempt(
     }
     changed
         .iter()
-        .all(|motion| is_free(context, motion, scratch))
+        .all(|motion| context.is_free(motion, &mut scratch.collision))
         .then_some(Changed { range: span.range, motions: changed })
 }
 
@@ -224,10 +223,4 @@ fn taking_part(context: &Context<'_>, motions: &[LeafMotion], waypoint: usize) -
         released.chain(taken).flat_map(bodies).collect::<Vec<_>>()
     });
     changes.collect()
-}
-
-fn is_free(context: &Context<'_>, motion: &LeafMotion, scratch: &mut ImprovementScratch) -> bool {
-    let along = (motion.transition, motion.state);
-    let (model, settings, rigid_attachments) = (context.model, context.settings, &motion.rigid_attachments);
-    validation::certify_whole(model, settings, along, rigid_attachments, &motion.knots, &mut scratch.collision).is_ok()
 }

@@ -8,7 +8,7 @@ use crate::improvement::changes::shortcut::LEAST_GAIN;
 use crate::improvement::changes::waypoint_chain::{draw_chain, draw_steps, is_still, keep_rotations, projected};
 use crate::improvement::cost::path_cost;
 use crate::improvement::leaf_motion::LeafMotion;
-use crate::step::{steering, validation};
+use crate::step::steering;
 use rand::{Rng, RngExt};
 use std::ops::RangeInclusive;
 
@@ -54,12 +54,8 @@ pub(crate) fn attempt(
     if gain.is_nan() || gain <= LEAST_GAIN {
         return None;
     }
-    let is_free = |motion: &LeafMotion| {
-        let (along, attachments) = ((motion.transition, motion.state), &motion.rigid_attachments);
-        let (model, settings) = (context.model, context.settings);
-        validation::certify_whole(model, settings, along, attachments, &motion.knots, &mut scratch.collision).is_ok()
-    };
-    changed.iter().all(is_free).then_some(Changed { range: first - 1..last + 1, motions: whole })
+    let is_free = changed.iter().all(|motion| context.is_free(motion, &mut scratch.collision));
+    is_free.then_some(Changed { range: first - 1..last + 1, motions: whole })
 }
 
 /// Where the waypoints of a chain are wanted.
