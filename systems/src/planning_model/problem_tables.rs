@@ -4,6 +4,8 @@
 //! them.
 
 use crate::events::StopSignal;
+use crate::planning_model::hands;
+use crate::planning_model::hands::Closings;
 use foliate_components::constraint::{Constraint, Locked, LockedValue};
 use foliate_components::coverage::LeftOutPair;
 use foliate_components::graph::ConstraintKind;
@@ -30,6 +32,8 @@ pub struct ProblemTables {
     still: Vec<JointIndex>,
     /// Every pair, for verdicts.
     pub(crate) all_pairs: PairSet,
+    /// Where the fingers of a hand are that holds a handle, found when it is first asked for.
+    pub(crate) closed: Closings,
 }
 
 impl ProblemTables {
@@ -50,10 +54,14 @@ impl ProblemTables {
         Some(Self::on_scene(problem, still, collision))
     }
 
-    fn on_scene(problem: Problem, still: Vec<JointIndex>, collision: CollisionScene) -> Self {
+    fn on_scene(mut problem: Problem, still: Vec<JointIndex>, collision: CollisionScene) -> Self {
+        let kinematics = Kinematics::new(&problem.robot);
+        problem.graph.hands = hands::complete(&problem, &still, &kinematics, &collision);
+        let closed = hands::closings(&problem);
         let robot = &problem.robot;
         Self {
-            kinematics: Kinematics::new(robot),
+            closed,
+            kinematics,
             weights: coordinate_weights(robot),
             locked: locked_coordinates(&problem),
             all_pairs: PairSet::new(&collision, &[], &[]),
@@ -84,6 +92,11 @@ impl ProblemTables {
                 };
                 Constraint::Locked(Locked { joint: resting.joint, value })
             }),
+            ConstraintKind::Finger { hand, finger, opening } => {
+                let joint = options.hands.get(hand as usize)?.fingers.get(finger as usize)?.joint;
+                let value = LockedValue::Fixed(self.finger_value(hand, finger, opening)?);
+                Some(Constraint::Locked(Locked { joint, value }))
+            }
             _ => None,
         }
     }

@@ -9,6 +9,7 @@ use crate::search::timed_certificate::{object_numbers, resting_out_of_bounds};
 use crate::settings::SearchSettings;
 use crate::step::validation::certify_whole;
 use foliate_components::Pose;
+use foliate_components::graph::Fingers;
 use foliate_kernels::collision::CollisionScratch;
 use foliate_kernels::constrained_motion::{MotionScratch, Scratch};
 use foliate_kernels::kinematics::RigidAttachment;
@@ -55,8 +56,8 @@ impl Context<'_> {
         kinematics.write_back(rigid_attachments, &X_WJ, q);
     }
 
-    /// Whether joints and roots of robots are within their bounds at all knots of some motions, and objects that no hand holds where a
-    /// motion begins and ends. Motions are straight between knots, or dense.
+    /// Whether joints and roots of robots are within their bounds at all knots of some motions, objects that no hand holds where a motion
+    /// begins and ends, and fingers move alone. Motions are straight between knots, or dense.
     pub(crate) fn are_within_bounds(&self, motions: &[LeafMotion]) -> bool {
         let space = &self.model.problem.robot.space;
         let objects = object_numbers(self.model);
@@ -66,8 +67,24 @@ impl Context<'_> {
         motions.iter().all(|motion| {
             let rest = [motion.start(space.size()), motion.end(space.size())];
             motion.knots.chunks_exact(space.size()).all(|q| of_robots.iter().all(|&i| is_in(q, i)))
+                && self.moves_fingers_alone(motion)
                 && rest.iter().all(|q| resting_out_of_bounds(self.model, motion.state, q, ROUNDING).is_none())
         })
+    }
+
+    /// Whether nothing else of the robot moves while fingers do.
+    fn moves_fingers_alone(&self, motion: &LeafMotion) -> bool {
+        let Fingers::Moving(hand) = motion.fingers else { return true };
+        let size = self.size();
+        let is_finger = |i: usize| self.model.finger_coordinates(hand).any(|finger| finger == i);
+        let stands = |q: &[f64]| self.limbs_stand(motion.start(size), q, &is_finger);
+        motion.knots.chunks_exact(size).all(stands)
+    }
+
+    fn limbs_stand(&self, a: &[f64], b: &[f64], is_finger: &dyn Fn(usize) -> bool) -> bool {
+        let objects = object_numbers(self.model);
+        let is_of_robot = |i: &usize| objects.iter().all(|numbers| !numbers.contains(i)) && !is_finger(*i);
+        (0..a.len()).filter(is_of_robot).all(|i| a[i] == b[i])
     }
 
     /// Whether a motion is certified to be free of collisions, with the search's own clearance.

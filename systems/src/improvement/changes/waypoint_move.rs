@@ -5,7 +5,9 @@
 use crate::improvement::changes::changed::Changed;
 use crate::improvement::changes::context::{Context, ImprovementScratch};
 use crate::improvement::changes::shortcut::LEAST_GAIN;
-use crate::improvement::changes::waypoint_chain::{draw_chain, draw_steps, is_still, keep_rotations, projected};
+use crate::improvement::changes::waypoint_chain::{
+    across_fingers, draw_chain, draw_steps, is_still, keep_rotations, projected,
+};
 use crate::improvement::cost::path_cost;
 use crate::improvement::leaf_motion::LeafMotion;
 use crate::step::steering;
@@ -123,7 +125,13 @@ fn moved_knots(
     let stops: Vec<&[f64]> = [before].into_iter().chain(knots).chain([behind]).collect();
     let wish = draw_wish(context, &stops, rng);
     let mut moved: Vec<Vec<f64>> = Vec::new();
+    let first = *chain.start();
     for index in chain {
+        let known = |knot: usize| moved.get(knot.checked_sub(first)?).cloned();
+        if let Some(known) = across_fingers(context, motions, index, known) {
+            moved.push(known);
+            continue;
+        }
         // A motion that stands still begins and ends at one configuration.
         if let Some(known) = moved.last().filter(|_| is_still(&motions[index - 1])) {
             moved.push(known.clone());

@@ -12,7 +12,8 @@
 //! | 2 | intersection | grasp, and what holds while the grasp does not: placement, doors at rest |
 //! | 3 | pre-placement | grasp, and the object lifted along the support's normal |
 //!
-//! Legs 01 and 12 lie in the state without the grasp, 23 in the state with it. HPP's last leg of either direction (34, 10)
+//! Legs 01 and 12 lie in the state without the grasp, 23 in the state with it. A hand with fingers opens and closes in legs of its own,
+//! in states that are only passed through: in one the fingers move, in another they are wide open though the hand is empty. HPP's last leg of either direction (34, 10)
 //! has no length, because the waypoint already satisfies the target: it is left out.
 
 use crate::planning_model::graph::attachment_order::Chain;
@@ -20,7 +21,8 @@ use crate::planning_model::graph::checks::{GraphError, MOST_SETS, MOST_STATES, c
 use crate::planning_model::graph::state_keys::{Documents, Grasps, StateKey, StateKeys, grasp_sets, handles};
 use crate::planning_model::graph::transitions::{Change, led_to, leg, loop_transition, reverse_of};
 use foliate_components::graph::{
-    ConstraintGraph, ConstraintId, ConstraintKind, GraphConstraint, Leg, State, StateId, Transition, TransitionKind,
+    ConstraintGraph, ConstraintId, ConstraintKind, Fingers, GraphConstraint, Leg, Opening, State, StateId, Transition,
+    TransitionKind,
 };
 use foliate_components::problem::{Problem, WrittenTransition};
 use std::collections::HashMap;
@@ -47,6 +49,7 @@ pub fn build_constraint_graph(problem: &Problem) -> Result<ConstraintGraph, Grap
     if builder.graph.states.is_empty() {
         return Err(GraphError::NothingAllowed);
     }
+    // Making transitions adds states that are only passed through.
     for state in 0..builder.graph.states.len() as u32 {
         builder.make_transitions(StateId(state));
     }
@@ -61,6 +64,27 @@ pub(crate) struct Census {
     pub state_ids: HashMap<Arc<StateKey>, StateId>,
     /// By state.
     pub state_keys: Vec<Arc<StateKey>>,
+}
+
+/// The states through which a hand with fingers passes between a state without a grasp and one with it.
+struct PassingStates {
+    /// The hand.
+    number: u32,
+    /// Whether it is wide open whenever it is empty; then it need not move its fingers beside an object.
+    travels_wide: bool,
+    /// The grasp holds, and the fingers move.
+    moving_full: StateId,
+    /// The hand is empty, and the fingers move.
+    moving_empty: StateId,
+    /// The hand is empty and wide open.
+    wide: StateId,
+}
+
+impl PassingStates {
+    /// The state in which the hand goes to a grasp or backs off: wide open, where it `has_opened`.
+    fn beside(&self, has_opened: bool, without: StateId) -> StateId {
+        if has_opened { self.wide } else { without }
+    }
 }
 
 /// Adds to a graph.
@@ -80,7 +104,8 @@ impl Builder<'_> {
                 if self.graph.states.len() >= MOST_STATES {
                     return None;
                 }
-                self.make_state(StateKey { written, grasps: grasps.clone(), lying: lying.clone() });
+                let (grasps, lying) = (grasps.clone(), lying.clone());
+                self.make_state(StateKey { written, grasps, lying, fingers: Fingers::Still });
             }
         }
         Some(())
@@ -94,6 +119,7 @@ impl Builder<'_> {
             name: self.state_keys.state_name(&key),
             written: (!self.state_keys.options.states.is_empty()).then_some(key.written as u32),
             grasps: key.grasps.clone(),
+            fingers: key.fingers,
             manifold,
             foliation,
             priority: key.grasps.len() as u32,
@@ -109,7 +135,20 @@ impl Builder<'_> {
         if let Some(&id) = self.census.state_ids.get(&key) {
             return Some(id);
         }
-        (self.graph.lazy && self.state_keys.are_allowed(&key.grasps)).then(|| self.make_state(key))
+        (self.graph.lazy && self.state_keys.are_allowed(&key.grasps)).then(|| {
+            let state = self.make_state(key);
+            self.let_fingers_move(state);
+            state
+        })
+    }
+
+    /// Adds the states that differ from one in that the fingers of a hand move. Roots may have any hand open as far as they like.
+    fn let_fingers_move(&mut self, state: StateId) {
+        let hands = (0u32..).zip(&self.state_keys.options.hands);
+        let moving: Vec<_> = hands.filter(|(_, hand)| !hand.fingers.is_empty()).map(|(number, _)| number).collect();
+        for hand in moving {
+            self.passing_state(StateKey { fingers: Fingers::Moving(hand), ..StateKey::clone(&self.key(state)) });
+        }
     }
 
     fn constraint(&mut self, kind: ConstraintKind) -> ConstraintId {
@@ -127,6 +166,7 @@ impl Builder<'_> {
     pub fn make_transitions(&mut self, state: StateId) {
         let here = self.state_keys.abbreviation(&self.census.state_keys[state.at()]);
         let mut leaving = vec![loop_transition(state, &here)];
+        self.let_fingers_move(state);
         for change in self.changes_at(state) {
             leaving.extend(self.transitions_of(state, &here, change));
         }
@@ -171,7 +211,7 @@ impl Builder<'_> {
     fn states_with(&mut self, (key, before): (&StateKey, &Chain<'_>), grasps: &Grasps) -> Vec<StateId> {
         let lies_there = |object: usize, body| before.is_carried(object) || key.lying[object] == body;
         let ways = self.state_keys.ways_to_lie(grasps, lies_there, MOST_STATES).unwrap_or_default();
-        let key = |lying| StateKey { written: key.written, grasps: grasps.clone(), lying };
+        let key = |lying| StateKey { written: key.written, grasps: grasps.clone(), lying, fingers: Fingers::Still };
         ways.into_iter().filter_map(|lying| self.state(key(lying))).collect()
     }
 
@@ -274,15 +314,28 @@ impl Builder<'_> {
         adds.iter().any(|&added| self.graph.constraint(added).kind == wanted)
     }
 
-    /// 01 approach, 12 close, 23 lift.
+    /// 01 approach, 12 reach the grasp, 23 lift. A hand with fingers opens at the end of 01 (1o) and closes at that of 12 (2c).
     fn grasping_legs(&mut self, name: &str, change: Change) -> Vec<Leg> {
         let Change { gripper, handle, without, with } = change;
+        let hand = self.passing_states(change);
         let mut legs = Vec::new();
         if self.state_keys.has_pregrasp(gripper, handle) {
             let target = vec![self.constraint(ConstraintKind::Pregrasp { gripper, handle })];
             legs.push(leg(name, "01", without, target, false));
+            if let Some(hand) = hand.as_ref().filter(|hand| !hand.travels_wide) {
+                let mut target = self.opening(hand.number, Opening::Wide);
+                target.push(self.constraint(ConstraintKind::Pregrasp { gripper, handle }));
+                legs.push(leg(name, "1o", hand.moving_empty, target, true));
+            }
         }
-        legs.push(leg(name, "12", without, self.difference(with, without), !legs.is_empty()));
+        let beside = hand.as_ref().map_or(without, |hand| hand.beside(!legs.is_empty(), without));
+        let next = hand.as_ref().map_or(with, |hand| hand.moving_full);
+        legs.push(leg(name, "12", beside, self.difference(next, beside), !legs.is_empty()));
+        if let Some(hand) = &hand {
+            let mut target = self.opening(hand.number, Opening::Closed { gripper, handle });
+            target.extend(self.lost(change));
+            legs.push(leg(name, "2c", hand.moving_full, target, true));
+        }
         let lifted = self.lifted(&self.difference(without, with));
         if !lifted.is_empty() {
             legs.push(leg(name, "23", with, lifted, true));
@@ -290,10 +343,12 @@ impl Builder<'_> {
         legs
     }
 
-    /// 43 approach with the object, 32 put down and shut, 21 retreat.
+    /// 43 approach with the object, 32 put down, 21 retreat. A hand with fingers opens at the end of 32 (2o) and travels on as it does
+    /// from the end of 21 (1c).
     fn releasing_legs(&mut self, name: &str, change: Change) -> Vec<Leg> {
         let Change { gripper, handle, without, with } = change;
-        let lost = self.difference(without, with);
+        let hand = self.passing_states(change);
+        let lost = self.lost(change);
         let mut legs = Vec::new();
         let lifted = self.lifted(&lost);
         if !lifted.is_empty() {
@@ -301,16 +356,59 @@ impl Builder<'_> {
         }
         let stays = lost.is_empty();
         if !stays {
-            legs.push(leg(name, "32", with, lost, !legs.is_empty()));
+            legs.push(leg(name, "32", with, lost.clone(), !legs.is_empty()));
+        }
+        let has_pregrasp = self.state_keys.has_pregrasp(gripper, handle);
+        if let Some(hand) = &hand {
+            let target = self.opening(hand.number, Opening::Wide).into_iter().chain(lost).collect();
+            legs.push(leg(name, "2o", hand.moving_full, target, true));
         }
         // Where another hand keeps the object, this one only backs off: random motion belongs to the loop of that state.
-        if self.state_keys.has_pregrasp(gripper, handle) {
+        if has_pregrasp {
+            let beside = hand.as_ref().map_or(without, |hand| hand.beside(true, without));
             let target = vec![self.constraint(ConstraintKind::Pregrasp { gripper, handle })];
-            legs.push(leg(name, "21", without, target, true));
+            legs.push(leg(name, "21", beside, target, true));
+            if let Some(hand) = hand.as_ref().filter(|hand| !hand.travels_wide) {
+                let mut target = self.opening(hand.number, Opening::Travel);
+                target.push(self.constraint(ConstraintKind::Pregrasp { gripper, handle }));
+                legs.push(leg(name, "1c", hand.moving_empty, target, true));
+            }
         } else if stays {
             legs.push(leg(name, "21", without, Vec::new(), false));
         }
         legs
+    }
+
+    /// What no longer holds once a grasp is made, fingers aside: where the object lies, doors at rest.
+    fn lost(&self, change: Change) -> Vec<ConstraintId> {
+        let is_finger = |&c: &ConstraintId| matches!(self.graph.constraint(c).kind, ConstraintKind::Finger { .. });
+        self.difference(change.without, change.with).into_iter().filter(|c| !is_finger(c)).collect()
+    }
+
+    /// The fingers of a hand at an opening.
+    fn opening(&mut self, hand: u32, opening: Opening) -> Vec<ConstraintId> {
+        let count = self.state_keys.options.hands[hand as usize].fingers.len() as u32;
+        (0..count).map(|finger| self.constraint(ConstraintKind::Finger { hand, finger, opening })).collect()
+    }
+
+    /// The states through which a hand with fingers passes when it makes or releases a grasp.
+    fn passing_states(&mut self, change: Change) -> Option<PassingStates> {
+        let (without, with) = (self.key(change.without), self.key(change.with));
+        let number = self.state_keys.hand_of(change.gripper, &without.grasps)?;
+        let travels_wide = self.state_keys.travel(number) == Opening::Wide;
+        let mut at = |key: &StateKey, fingers: Fingers| self.passing_state(StateKey { fingers, ..key.clone() });
+        Some(PassingStates {
+            number,
+            travels_wide,
+            moving_full: at(&with, Fingers::Moving(number)),
+            moving_empty: if travels_wide { change.without } else { at(&without, Fingers::Moving(number)) },
+            wide: if travels_wide { change.without } else { at(&without, Fingers::Wide(number)) },
+        })
+    }
+
+    fn passing_state(&mut self, key: StateKey) -> StateId {
+        let known = self.census.state_ids.get(&key).copied();
+        known.unwrap_or_else(|| self.make_state(key))
     }
 
     /// The pre-placements of those of the constraints that are placements.
