@@ -5,8 +5,8 @@ use crate::robot::indices::{GripperIndex, JointIndex};
 /// A hand that opens and closes. Its fingers are no joints to be planned: they have one opening in every state, and move only in
 /// short motions of their own, while the rest of the robot stands still.
 ///
-/// A gripper without an entry gets one where it has finger joints ([`fingers`](crate::path::fingers)) that may move: which of
-/// their bounds is the open one follows from the geometry.
+/// A gripper without an entry gets one where it has finger joints ([`fingers`](crate::path::fingers)) and none of them is locked. Which
+/// of their bounds is the open one follows from a configuration of the robot that is called `open`, or else from the geometry.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Hand {
     /// Its grippers: frames that the same fingers close on. Usually one.

@@ -207,6 +207,12 @@ pub fn merged(model: &Model, motions: Vec<LeafMotion>) -> Vec<LeafMotion> {
     all
 }
 
+/// Whether fingers of a hand move, and nothing else.
+#[must_use]
+pub fn moves_fingers(motion: &LeafMotion) -> bool {
+    matches!(motion.fingers, Fingers::Moving(_))
+}
+
 /// How many grasps and releases there are between two motions: at each of them the robot stands still.
 #[must_use]
 pub fn grasp_changes(model: &Model, before: &LeafMotion, after: &LeafMotion) -> usize {

@@ -52,7 +52,12 @@ pub(crate) fn complete(
         if hands[..named].iter().any(|hand| hand.grippers.contains(&gripper)) {
             continue;
         }
-        let joints: Vec<_> = fingers(robot, gripper).into_iter().filter(|&j| may_move(problem, still, j)).collect();
+        let joints = fingers(robot, gripper);
+        // Who locks a finger has chosen the opening.
+        if joints.iter().any(|joint| options.locked.iter().any(|(locked, _)| locked == joint)) {
+            continue;
+        }
+        let joints: Vec<_> = joints.into_iter().filter(|&joint| may_move(problem, still, joint)).collect();
         let shared = hands[named..].iter_mut().find(|hand| hand.fingers.iter().any(|f| joints.contains(&f.joint)));
         match shared {
             Some(hand) => hand.grippers.push(gripper),

@@ -1,7 +1,7 @@
 //! The waypoints of a grasp change: the knots that belong to it, and how they are projected again when something moves them.
 
 use crate::improvement::changes::context::{Context, ImprovementScratch};
-use crate::improvement::leaf_motion::{LeafMotion, legs_ending_at, same_value};
+use crate::improvement::leaf_motion::{LeafMotion, legs_ending_at, moves_fingers, same_value};
 use crate::planning_model::state_classification::{parameters_of, residual};
 use foliate_components::Pose;
 use foliate_components::candidate::LegParameter;
@@ -53,11 +53,6 @@ pub(crate) fn is_inside_chain(motions: &[LeafMotion], index: usize) -> bool {
 pub(crate) fn is_still(motion: &LeafMotion) -> bool {
     let half = motion.knots.len() / 2;
     motion.knots[..half] == motion.knots[half..]
-}
-
-/// Whether fingers of a hand move, and nothing else.
-pub(crate) fn moves_fingers(motion: &LeafMotion) -> bool {
-    matches!(motion.fingers, Fingers::Moving(_))
 }
 
 /// Where a motion begins whose other end, or whose predecessor's, has `moved`, where only fingers move between the two.
