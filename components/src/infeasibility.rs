@@ -196,7 +196,10 @@ impl fmt::Display for Infeasibility {
                 write!(f, "the fingers of {gripper} cannot open or close there: {a} and {b} come too close")
             }
             Self::FingersBlocked { gripper, by: None } => {
-                write!(f, "the fingers of {gripper} are not where the hand has them, and the graph has no motion of them")
+                write!(
+                    f,
+                    "the fingers of {gripper} are not where the hand has them, and the graph has no motion of them"
+                )
             }
             Self::NoGoal => f.write_str("the problem names no goal"),
             Self::GoalsNotFound(failures) => {

@@ -79,7 +79,8 @@ impl Model {
         for motion in motions {
             let leaf = Leaf { state: motion.state, parameters: parameters.clone() };
             let rigid_attachments = self.attachments_of_leaf(&leaf, &leaves);
-            let Some(along) = self.graph.loop_of(root.state).or_else(|| self.graph.leaving(root.state).next().map(|t| t.0))
+            let Some(along) =
+                self.graph.loop_of(root.state).or_else(|| self.graph.leaving(root.state).next().map(|t| t.0))
             else {
                 continue;
             };

@@ -99,9 +99,8 @@ fn coordinate(robot: &Robot, joint: JointIndex) -> Option<usize> {
 fn grasps_of(problem: &Problem, gripper: GripperIndex) -> impl Iterator<Item = (HandleIndex, Grasp)> + '_ {
     let options = &problem.graph;
     let handles = options.objects.iter().flat_map(|object| object.handles.iter().copied());
-    let allowed = move |&handle: &HandleIndex| {
-        options.grasps.as_ref().is_none_or(|table| table.contains(&(gripper, handle)))
-    };
+    let allowed =
+        move |&handle: &HandleIndex| options.grasps.as_ref().is_none_or(|table| table.contains(&(gripper, handle)));
     handles.filter(allowed).filter_map(move |handle| Some((handle, grasp_of(problem, gripper, handle).ok()?)))
 }
 
@@ -113,9 +112,8 @@ fn holds_at_start(problem: &Problem, kinematics: &Kinematics, hand: &Hand) -> bo
     let mut X_WJ = vec![Pose::identity(); kinematics.bodies()];
     kinematics.forward(&problem.start, &mut X_WJ);
     let all = hand.grippers.iter().flat_map(|&gripper| grasps_of(problem, gripper));
-    all.into_iter().any(|(_, grasp)| {
-        grasp.standoff <= 0.0 || relative_pose_residual(&grasp.constraint(), &X_WJ) <= HOLDS
-    })
+    all.into_iter()
+        .any(|(_, grasp)| grasp.standoff <= 0.0 || relative_pose_residual(&grasp.constraint(), &X_WJ) <= HOLDS)
 }
 
 /// The table of closings, none measured yet.
@@ -213,7 +211,11 @@ impl<'a> Measurement<'a> {
         let link = foliate_components::constraint::Frame::on_link(robot, record.link, &record.link_from_gripper);
         let X_WG = body.map_or(Pose::IDENTITY, |body| self.X_WJ[body.at()]) * link.joint_from_frame;
         let point = Solid::Convex(Convex { core: Core::Point, radius: 0.0 });
-        let moved = self.scene.solids().iter().filter(|solid| is_beyond(robot, solid.body, joint) || self.follows(solid.body, joint));
+        let moved = self
+            .scene
+            .solids()
+            .iter()
+            .filter(|solid| is_beyond(robot, solid.body, joint) || self.follows(solid.body, joint));
         let distance = |solid: &foliate_kernels::collision::scene::scene_solid::SceneSolid| {
             let X_WS = solid.body.map_or(Pose::IDENTITY, |body| self.X_WJ[body.at()]) * solid.X_JS;
             clearance(&point, &X_WG, &solid.solid, &X_WS, DistanceQuery::exact(f64::INFINITY), &mut DVec3::ZERO.clone())
@@ -225,7 +227,9 @@ impl<'a> Measurement<'a> {
     fn follows(&self, body: Option<JointIndex>, leader: JointIndex) -> bool {
         let joints = &self.problem.robot.joints;
         let above = std::iter::successors(body, |body| joints[body.at()].parent);
-        above.into_iter().any(|joint| matches!(joints[joint.at()].source, Source::Follows { leader: l, .. } if l == leader))
+        above
+            .into_iter()
+            .any(|joint| matches!(joints[joint.at()].source, Source::Follows { leader: l, .. } if l == leader))
     }
 
     /// The share of the way from open to shut at which a hand has closed on a handle: where a finger is [`FINGER_GAP`] from the body of the
@@ -239,8 +243,11 @@ impl<'a> Measurement<'a> {
 
     fn closing_at(&mut self, hand: &Hand, grasp: &Grasp, pairs: &FingerPairs, turn: Pose) -> f64 {
         let mut is_free = |share: f64| {
-            self.set(hand.fingers.iter().map(|finger| finger.joint).zip(hand.at(share)).collect::<Vec<_>>().into_iter());
-            let X_WG = grasp.gripper.joint.map_or(Pose::IDENTITY, |body| self.X_WJ[body.at()]) * grasp.gripper.joint_from_frame;
+            self.set(
+                hand.fingers.iter().map(|finger| finger.joint).zip(hand.at(share)).collect::<Vec<_>>().into_iter(),
+            );
+            let X_WG = grasp.gripper.joint.map_or(Pose::IDENTITY, |body| self.X_WJ[body.at()])
+                * grasp.gripper.joint_from_frame;
             let X_WB = X_WG * turn * grasp.handle.joint_from_frame.inverse();
             pairs.are_apart(self.scene, &self.X_WJ, X_WB)
         };

@@ -155,9 +155,8 @@ pub fn state_of(model: &Model, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> Opti
         return lazy_graph.known(&key_of(model, lazy_graph, q, X_WJ, tolerance)?);
     }
     let count = model.graph.constraints.len() as u32;
-    let holds = |c: ConstraintId| {
-        is_any_finger(model.graph.constraint(c).kind) || residual(model, c, q, X_WJ) <= tolerance
-    };
+    let holds =
+        |c: ConstraintId| is_any_finger(model.graph.constraint(c).kind) || residual(model, c, q, X_WJ) <= tolerance;
     let holds: Vec<bool> = (0..count).map(|c| holds(ConstraintId(c))).collect();
     let states = (0..model.graph.states.len() as u32).map(StateId);
     let mut order: Vec<_> = states.filter(|&state| !model.graph.state(state).is_passed_through()).collect();

@@ -37,7 +37,8 @@ impl Limbs {
             limbs.insert(own.difference(&others).copied().filter(|q| joints.contains(q)).collect::<Vec<_>>());
         }
         for part in robot.parts.iter().filter(|part| part.kind == PartKind::Robot) {
-            let of_part = part.joints.clone().filter_map(|joint| coordinate(robot, joint)).filter(|q| !fingers.contains(q));
+            let of_part =
+                part.joints.clone().filter_map(|joint| coordinate(robot, joint)).filter(|q| !fingers.contains(q));
             limbs.insert(of_part.collect());
         }
         // All joints together are what a shortcut changes.

@@ -5,8 +5,8 @@ use crate::improvement::leaf_motion::{LeafMotion, legs_ending_at, moves_fingers,
 use crate::planning_model::state_classification::{parameters_of, residual};
 use foliate_components::Pose;
 use foliate_components::candidate::LegParameter;
-use foliate_components::graph::{ConstraintId, Fingers};
 use foliate_components::graph::leaf::{LeafIndex, Parameter};
+use foliate_components::graph::{ConstraintId, Fingers};
 use foliate_components::robot::configuration::Group;
 use foliate_kernels::constrained_motion::{Settings, project};
 use rand::{Rng, RngExt};
@@ -29,7 +29,9 @@ pub(crate) fn chain_around(motions: &[LeafMotion], at: usize) -> RangeInclusive<
     let (mut first, mut last) = (at, at);
     while first > 1
         && changes_leaf(motions, first)
-        && (motions[first - 1].starts_at_waypoint || is_still(&motions[first - 1]) || moves_fingers(&motions[first - 1]))
+        && (motions[first - 1].starts_at_waypoint
+            || is_still(&motions[first - 1])
+            || moves_fingers(&motions[first - 1]))
     {
         first -= 1;
     }

@@ -3,30 +3,17 @@
 //! A state is one of the problem's own states (one without constraints, where there are none), an injective map from some
 //! grippers to handles, and for every object that nothing holds the body on which it lies (or it stays where it is, when it
 //! has no surfaces). A transition adds or takes away one grasp, or goes from one of the problem's own states to another.
-//! Between two states lie waypoints; for a grasp in HPP's order and numbering (its factory's `_pregrasp`, `_intersec`,
-//! `_preplace`):
-//!
-//! | number | waypoint | holds besides the state's manifold |
-//! |---|---|---|
-//! | 1 | pre-grasp | the gripper stands back along its x axis |
-//! | 2 | intersection | grasp, and what holds while the grasp does not: placement, doors at rest |
-//! | 3 | pre-placement | grasp, and the object lifted along the support's normal |
-//!
-//! Legs 01 and 12 lie in the state without the grasp, 23 in the state with it. A hand with fingers opens and closes in legs of its own,
-//! in states that are only passed through: in one the fingers move, in another they are wide open though the hand is empty. HPP's last leg of either direction (34, 10)
-//! has no length, because the waypoint already satisfies the target: it is left out.
+//! Between two states lie waypoints, see `legs`.
 
 use crate::planning_model::graph::attachment_order::Chain;
+use crate::planning_model::graph::builder::{Builder, Census};
 use crate::planning_model::graph::checks::{GraphError, MOST_SETS, MOST_STATES, check};
 use crate::planning_model::graph::state_keys::{Documents, Grasps, StateKey, StateKeys, grasp_sets, handles};
-use crate::planning_model::graph::transitions::{Change, led_to, leg, loop_transition, reverse_of};
+use crate::planning_model::graph::transitions::{Change, led_to, loop_transition, reverse_of};
 use foliate_components::graph::{
-    ConstraintGraph, ConstraintId, ConstraintKind, Fingers, GraphConstraint, Leg, Opening, State, StateId, Transition,
-    TransitionKind,
+    ConstraintGraph, ConstraintId, ConstraintKind, Fingers, Leg, StateId, Transition, TransitionKind,
 };
 use foliate_components::problem::{Problem, WrittenTransition};
-use std::collections::HashMap;
-use std::sync::Arc;
 
 /// Builds all states, transitions and crossed transitions.
 ///
@@ -57,43 +44,6 @@ pub fn build_constraint_graph(problem: &Problem) -> Result<ConstraintGraph, Grap
     Ok(graph)
 }
 
-/// Where the states and constraints of a graph are.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Census {
-    pub constraint_ids: HashMap<ConstraintKind, ConstraintId>,
-    pub state_ids: HashMap<Arc<StateKey>, StateId>,
-    /// By state.
-    pub state_keys: Vec<Arc<StateKey>>,
-}
-
-/// The states through which a hand with fingers passes between a state without a grasp and one with it.
-struct PassingStates {
-    /// The hand.
-    number: u32,
-    /// Whether it is wide open whenever it is empty; then it need not move its fingers beside an object.
-    travels_wide: bool,
-    /// The grasp holds, and the fingers move.
-    moving_full: StateId,
-    /// The hand is empty, and the fingers move.
-    moving_empty: StateId,
-    /// The hand is empty and wide open.
-    wide: StateId,
-}
-
-impl PassingStates {
-    /// The state in which the hand goes to a grasp or backs off: wide open, where it `has_opened`.
-    fn beside(&self, has_opened: bool, without: StateId) -> StateId {
-        if has_opened { self.wide } else { without }
-    }
-}
-
-/// Adds to a graph.
-pub(crate) struct Builder<'a> {
-    pub state_keys: StateKeys<'a>,
-    pub graph: &'a mut ConstraintGraph,
-    pub census: &'a mut Census,
-}
-
 impl Builder<'_> {
     /// P1 Algorithm 1, MAKESTATE, for each of the problem's own states and each way to lie; `None` where the graph gets too
     /// large to be whole.
@@ -111,57 +61,6 @@ impl Builder<'_> {
         Some(())
     }
 
-    fn make_state(&mut self, key: StateKey) -> StateId {
-        let kinds = self.state_keys.manifold(&key);
-        let manifold: Vec<_> = kinds.into_iter().map(|kind| self.constraint(kind)).collect();
-        let foliation = manifold.iter().copied().filter(|&c| self.graph.constraint(c).foliates).collect();
-        let id = self.graph.add_state(State {
-            name: self.state_keys.state_name(&key),
-            written: (!self.state_keys.options.states.is_empty()).then_some(key.written as u32),
-            grasps: key.grasps.clone(),
-            fingers: key.fingers,
-            manifold,
-            foliation,
-            priority: key.grasps.len() as u32,
-        });
-        let key = Arc::new(key);
-        self.census.state_ids.insert(Arc::clone(&key), id);
-        self.census.state_keys.push(key);
-        id
-    }
-
-    /// The state of a case. In a lazy graph it comes into being, if it is allowed.
-    pub fn state(&mut self, key: StateKey) -> Option<StateId> {
-        if let Some(&id) = self.census.state_ids.get(&key) {
-            return Some(id);
-        }
-        (self.graph.lazy && self.state_keys.are_allowed(&key.grasps)).then(|| {
-            let state = self.make_state(key);
-            self.let_fingers_move(state);
-            state
-        })
-    }
-
-    /// Adds the states that differ from one in that the fingers of a hand move. Roots may have any hand open as far as they like.
-    fn let_fingers_move(&mut self, state: StateId) {
-        let hands = (0u32..).zip(&self.state_keys.options.hands);
-        let moving: Vec<_> = hands.filter(|(_, hand)| !hand.fingers.is_empty()).map(|(number, _)| number).collect();
-        for hand in moving {
-            self.passing_state(StateKey { fingers: Fingers::Moving(hand), ..StateKey::clone(&self.key(state)) });
-        }
-    }
-
-    fn constraint(&mut self, kind: ConstraintKind) -> ConstraintId {
-        if let Some(&id) = self.census.constraint_ids.get(&kind) {
-            return id;
-        }
-        let (name, foliates) = self.state_keys.describe(kind);
-        let id = ConstraintId(self.graph.constraints.len() as u32);
-        self.graph.constraints.push(GraphConstraint { name, kind, foliates });
-        self.census.constraint_ids.insert(kind, id);
-        id
-    }
-
     /// P1 Algorithm 1, lines 11-16 and MAKETRANSITIONS: all that leaves a state.
     pub fn make_transitions(&mut self, state: StateId) {
         let here = self.state_keys.abbreviation(&self.census.state_keys[state.at()]);
@@ -177,10 +76,6 @@ impl Builder<'_> {
         let others: f64 = leaving[1..].iter().map(|t| t.weight).sum();
         leaving[0].weight = if others > 0.0 { others / 7.0 } else { 1.0 };
         self.graph.add_leaving(state, leaving);
-    }
-
-    fn key(&self, state: StateId) -> Arc<StateKey> {
-        Arc::clone(&self.census.state_keys[state.at()])
     }
 
     /// Every grasp that can be made or released from a state, with every way to lie of what is let go.
@@ -268,12 +163,6 @@ impl Builder<'_> {
         self.with_twin(name, from, to, legs)
     }
 
-    /// What `state` requires and `other` does not.
-    fn difference(&self, state: StateId, other: StateId) -> Vec<ConstraintId> {
-        let other = &self.graph.state(other).manifold;
-        self.graph.state(state).manifold.iter().copied().filter(|c| !other.contains(c)).collect()
-    }
-
     /// A regular transition, and its crossed twin where the target's foliation has rows to aim at.
     fn with_twin(&self, name: String, from: StateId, to: StateId, legs: Vec<Leg>) -> Vec<Transition> {
         let source = &self.graph.state(from).foliation;
@@ -312,116 +201,6 @@ impl Builder<'_> {
     fn leads_to(&self, target: ConstraintId, adds: &[ConstraintId]) -> bool {
         let wanted = led_to(self.graph.constraint(target).kind);
         adds.iter().any(|&added| self.graph.constraint(added).kind == wanted)
-    }
-
-    /// 01 approach, 12 reach the grasp, 23 lift. A hand with fingers opens at the end of 01 (1o) and closes at that of 12 (2c).
-    fn grasping_legs(&mut self, name: &str, change: Change) -> Vec<Leg> {
-        let Change { gripper, handle, without, with } = change;
-        let hand = self.passing_states(change);
-        let mut legs = Vec::new();
-        if self.state_keys.has_pregrasp(gripper, handle) {
-            let target = vec![self.constraint(ConstraintKind::Pregrasp { gripper, handle })];
-            legs.push(leg(name, "01", without, target, false));
-            if let Some(hand) = hand.as_ref().filter(|hand| !hand.travels_wide) {
-                let mut target = self.opening(hand.number, Opening::Wide);
-                target.push(self.constraint(ConstraintKind::Pregrasp { gripper, handle }));
-                legs.push(leg(name, "1o", hand.moving_empty, target, true));
-            }
-        }
-        let beside = hand.as_ref().map_or(without, |hand| hand.beside(!legs.is_empty(), without));
-        let next = hand.as_ref().map_or(with, |hand| hand.moving_full);
-        legs.push(leg(name, "12", beside, self.difference(next, beside), !legs.is_empty()));
-        if let Some(hand) = &hand {
-            let mut target = self.opening(hand.number, Opening::Closed { gripper, handle });
-            target.extend(self.lost(change));
-            legs.push(leg(name, "2c", hand.moving_full, target, true));
-        }
-        let lifted = self.lifted(&self.difference(without, with));
-        if !lifted.is_empty() {
-            legs.push(leg(name, "23", with, lifted, true));
-        }
-        legs
-    }
-
-    /// 43 approach with the object, 32 put down, 21 retreat. A hand with fingers opens at the end of 32 (2o) and travels on as it does
-    /// from the end of 21 (1c).
-    fn releasing_legs(&mut self, name: &str, change: Change) -> Vec<Leg> {
-        let Change { gripper, handle, without, with } = change;
-        let hand = self.passing_states(change);
-        let lost = self.lost(change);
-        let mut legs = Vec::new();
-        let lifted = self.lifted(&lost);
-        if !lifted.is_empty() {
-            legs.push(leg(name, "43", with, lifted, false));
-        }
-        let stays = lost.is_empty();
-        if !stays {
-            legs.push(leg(name, "32", with, lost.clone(), !legs.is_empty()));
-        }
-        let has_pregrasp = self.state_keys.has_pregrasp(gripper, handle);
-        if let Some(hand) = &hand {
-            let target = self.opening(hand.number, Opening::Wide).into_iter().chain(lost).collect();
-            legs.push(leg(name, "2o", hand.moving_full, target, true));
-        }
-        // Where another hand keeps the object, this one only backs off: random motion belongs to the loop of that state.
-        if has_pregrasp {
-            let beside = hand.as_ref().map_or(without, |hand| hand.beside(true, without));
-            let target = vec![self.constraint(ConstraintKind::Pregrasp { gripper, handle })];
-            legs.push(leg(name, "21", beside, target, true));
-            if let Some(hand) = hand.as_ref().filter(|hand| !hand.travels_wide) {
-                let mut target = self.opening(hand.number, Opening::Travel);
-                target.push(self.constraint(ConstraintKind::Pregrasp { gripper, handle }));
-                legs.push(leg(name, "1c", hand.moving_empty, target, true));
-            }
-        } else if stays {
-            legs.push(leg(name, "21", without, Vec::new(), false));
-        }
-        legs
-    }
-
-    /// What no longer holds once a grasp is made, fingers aside: where the object lies, doors at rest.
-    fn lost(&self, change: Change) -> Vec<ConstraintId> {
-        let is_finger = |&c: &ConstraintId| matches!(self.graph.constraint(c).kind, ConstraintKind::Finger { .. });
-        self.difference(change.without, change.with).into_iter().filter(|c| !is_finger(c)).collect()
-    }
-
-    /// The fingers of a hand at an opening.
-    fn opening(&mut self, hand: u32, opening: Opening) -> Vec<ConstraintId> {
-        let count = self.state_keys.options.hands[hand as usize].fingers.len() as u32;
-        (0..count).map(|finger| self.constraint(ConstraintKind::Finger { hand, finger, opening })).collect()
-    }
-
-    /// The states through which a hand with fingers passes when it makes or releases a grasp.
-    fn passing_states(&mut self, change: Change) -> Option<PassingStates> {
-        let (without, with) = (self.key(change.without), self.key(change.with));
-        let number = self.state_keys.hand_of(change.gripper, &without.grasps)?;
-        let travels_wide = self.state_keys.travel(number) == Opening::Wide;
-        let mut at = |key: &StateKey, fingers: Fingers| self.passing_state(StateKey { fingers, ..key.clone() });
-        Some(PassingStates {
-            number,
-            travels_wide,
-            moving_full: at(&with, Fingers::Moving(number)),
-            moving_empty: if travels_wide { change.without } else { at(&without, Fingers::Moving(number)) },
-            wide: if travels_wide { change.without } else { at(&without, Fingers::Wide(number)) },
-        })
-    }
-
-    fn passing_state(&mut self, key: StateKey) -> StateId {
-        let known = self.census.state_ids.get(&key).copied();
-        known.unwrap_or_else(|| self.make_state(key))
-    }
-
-    /// The pre-placements of those of the constraints that are placements.
-    fn lifted(&mut self, constraints: &[ConstraintId]) -> Vec<ConstraintId> {
-        if self.state_keys.options.preplacement_distance <= 0.0 {
-            return Vec::new();
-        }
-        let placed = constraints.iter().filter_map(|&c| match self.graph.constraint(c).kind {
-            ConstraintKind::Placement { object, on } => Some(ConstraintKind::Preplacement { object, on }),
-            _ => None,
-        });
-        let placed: Vec<_> = placed.collect();
-        placed.into_iter().map(|kind| self.constraint(kind)).collect()
     }
 
     /// A motion travelled backwards is one of a transition back: where there are several, the one with the same legs.

@@ -5,8 +5,8 @@
 //! parallel systems, in the order of the candidates, so ids do not depend on threads. Names, constraints, weights and
 //! transitions are those of the whole graph; only ids follow the search.
 
+use crate::planning_model::graph::builder::{Builder, Census};
 use crate::planning_model::graph::checks::{GraphError, check};
-use crate::planning_model::graph::enumeration::{Builder, Census};
 use crate::planning_model::graph::state_keys::{Documents, StateKey, StateKeys, grasp_sets, handles};
 use foliate_components::constraint::Grasp;
 use foliate_components::graph::{ConstraintGraph, ConstraintKind, Fingers, StateId};
@@ -99,7 +99,8 @@ impl LazyGraph {
             let ways = state_keys.ways_to_lie(&grasps, lies, MOST_READINGS)?;
             for written in 0..problem.graph.states.len().max(1) {
                 for lying in &ways {
-                    let key = StateKey { written, grasps: grasps.clone(), lying: lying.clone(), fingers: Fingers::Still };
+                    let key =
+                        StateKey { written, grasps: grasps.clone(), lying: lying.clone(), fingers: Fingers::Still };
                     if state_keys.manifold(&key).into_iter().all(&holds) {
                         return Some(key);
                     }

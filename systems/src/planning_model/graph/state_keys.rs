@@ -210,9 +210,15 @@ impl<'a> StateKeys<'a> {
             _ => Some(self.opening(hand, &key.grasps)),
         };
         let hands = (0u32..).zip(&self.options.hands);
-        hands.filter_map(move |(number, hand)| Some((number, hand, opening(number)?))).flat_map(|(number, hand, opening)| {
-            (0..hand.fingers.len() as u32).map(move |finger| ConstraintKind::Finger { hand: number, finger, opening })
-        })
+        hands.filter_map(move |(number, hand)| Some((number, hand, opening(number)?))).flat_map(
+            |(number, hand, opening)| {
+                (0..hand.fingers.len() as u32).map(move |finger| ConstraintKind::Finger {
+                    hand: number,
+                    finger,
+                    opening,
+                })
+            },
+        )
     }
 
     /// How far a hand is open while it does not move its fingers.
