@@ -36,7 +36,7 @@ fn the_example_loads_as_the_page_says() {
     assert!(robot.gripper("robot/left_palm_face").is_some());
     assert_eq!(robot.surfaces[robot.surface("brick/bottom").expect("the surface").at()].polygons.len(), 1);
 
-    assert_eq!(problem.graph.locked.len(), 4);
+    assert_eq!(problem.graph.locked.len(), 3);
     assert_eq!(problem.graph.grasps.as_ref().map(Vec::len), Some(3));
     assert_eq!(problem.graph.rules.len(), 2);
     assert!(!problem.graph.rules[0].allowed && problem.graph.rules[1].grasps[0].1.is_none());

@@ -55,10 +55,8 @@ pub enum Infeasibility {
     },
     /// Shapes collide.
     Collision(Vec<CollidingPair>),
-    /// The fingers of a hand cannot move from where they are given to where the hand has them on its way, or back.
+    /// Fingers cannot move from where they are given to where their hand has them on its way, or back.
     FingersBlocked {
-        /// A gripper of the hand.
-        gripper: String,
         /// The shapes that come too close, where that is known.
         by: Option<(String, String)>,
     },
@@ -192,14 +190,11 @@ impl fmt::Display for Infeasibility {
             }
             Self::NoState { nearest: None, lazy: false } => f.write_str("it lies in no state: no state is allowed"),
             Self::Collision(pairs) => tell_pairs(pairs, f),
-            Self::FingersBlocked { gripper, by: Some((a, b)) } => {
-                write!(f, "the fingers of {gripper} cannot open or close there: {a} and {b} come too close")
+            Self::FingersBlocked { by: Some((a, b)) } => {
+                write!(f, "fingers cannot open or close there: {a} and {b} come too close")
             }
-            Self::FingersBlocked { gripper, by: None } => {
-                write!(
-                    f,
-                    "the fingers of {gripper} are not where the hand has them, and the graph has no motion of them"
-                )
+            Self::FingersBlocked { by: None } => {
+                f.write_str("fingers are not where their hands have them, and the graph has no motion of them")
             }
             Self::NoGoal => f.write_str("the problem names no goal"),
             Self::GoalsNotFound(failures) => {

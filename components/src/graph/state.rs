@@ -24,6 +24,8 @@ pub enum Fingers {
     Still,
     /// Those of this hand open or close; the others hold still.
     Moving(u32),
+    /// Those of all hands may move: where a path begins or ends with hands open as far as they like.
+    Free,
     /// Those of this hand hold still wide open, though it holds nothing; the others as ever.
     Wide(u32),
 }
@@ -38,8 +40,8 @@ pub struct State {
     pub written: Option<u32>,
     /// Who holds what, in the order of the problem's grippers.
     pub grasps: Vec<(GripperIndex, HandleIndex)>,
-    /// What the fingers of hands do in it. Where they do not all hold still as ever, only legs of transitions lie in the state: no node
-    /// does, and no transition leaves it.
+    /// What the fingers of hands do in it. Where they do not all hold still as ever, the state is only passed through: no node lies in
+    /// it, and no transition leaves it.
     pub fingers: Fingers,
     /// What holds everywhere in the state (f_S).
     pub manifold: Vec<ConstraintId>,
@@ -52,7 +54,7 @@ pub struct State {
 }
 
 impl State {
-    /// Whether only legs of transitions lie in it.
+    /// Whether only legs of transitions lie in it, and motions of fingers at the ends of paths.
     #[must_use]
     pub fn is_passed_through(&self) -> bool {
         self.fingers != Fingers::Still

@@ -64,12 +64,15 @@ fn grasps(segment: &Segment) -> impl Iterator<Item = (JointIndex, GripperIndex, 
     })
 }
 
+/// Objects that are taken may be written anew by as much: metres, radians.
+const STILL: f64 = 1e-6;
+
 /// The knot of a segment at which a gripper has done what the event says that begins it: the last one where the segment moves its
 /// `fingers` alone, else the first one. Fingers are numbers of a configuration.
 #[must_use]
 pub fn knot_of_event<'s>(segment: &'s Segment, fingers: &[usize]) -> &'s [f64] {
     let (first, last) = (&segment.knots[0], &segment.knots[segment.knots.len() - 1]);
-    let moved: Vec<usize> = (0..first.len()).filter(|&i| first[i] != last[i]).collect();
+    let moved: Vec<usize> = (0..first.len()).filter(|&i| (first[i] - last[i]).abs() > STILL).collect();
     let is_of_fingers = !moved.is_empty() && moved.iter().all(|i| fingers.contains(i));
     if is_of_fingers { last } else { first }
 }

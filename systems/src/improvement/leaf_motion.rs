@@ -207,10 +207,10 @@ pub fn merged(model: &Model, motions: Vec<LeafMotion>) -> Vec<LeafMotion> {
     all
 }
 
-/// Whether fingers of a hand move, and nothing else.
+/// Whether fingers move, and nothing else.
 #[must_use]
 pub fn moves_fingers(motion: &LeafMotion) -> bool {
-    matches!(motion.fingers, Fingers::Moving(_))
+    matches!(motion.fingers, Fingers::Moving(_) | Fingers::Free)
 }
 
 /// How many grasps and releases there are between two motions: at each of them the robot stands still.

@@ -3,15 +3,14 @@
 
 use crate::planning_model::graph::attachment_order::{grasp_of, is_beyond};
 use crate::planning_model::graph::support_placement::relative_pose_residual;
-use crate::planning_model::problem_tables::ProblemTables;
 use foliate_components::Pose;
 use foliate_components::constraint::{Grasp, Mask};
-use foliate_components::graph::Opening;
 use foliate_components::path::fingers;
 use foliate_components::pose::exp_so3;
 use foliate_components::problem::{Finger, Hand, Problem};
-use foliate_components::robot::{GripperIndex, HandleIndex, JointIndex, LinkIndex, Robot, Source};
+use foliate_components::robot::{GripperIndex, HandleIndex, JointIndex, JointType, LinkIndex, Robot, Source};
 use foliate_kernels::collision::convex::core::{Convex, Core};
+use foliate_kernels::collision::scene::scene_solid::SceneSolid;
 use foliate_kernels::collision::{CollisionScene, DistanceQuery, Solid, clearance};
 use foliate_kernels::kinematics::Kinematics;
 use glam::DVec3;
@@ -25,11 +24,11 @@ pub const FINGER_GAP: f64 = 2e-4;
 /// Residual at which a gripper holds a handle at the start, metres and radians.
 const HOLDS: f64 = 1e-4;
 
-/// Places between open and shut that are tried before the contact is narrowed down.
-const STEPS: usize = 32;
+/// How close to [`FINGER_GAP`] a closing hand comes, metres.
+const NEARLY: f64 = 2e-6;
 
-/// Halvings of the interval in which a finger touches.
-const HALVINGS: usize = 20;
+/// Steps of a closing hand at most.
+const MOST_STEPS: usize = 200;
 
 /// Turns about a free axis of a grasp at which the width of the object is measured.
 const TURNS: usize = 8;
@@ -88,7 +87,9 @@ fn may_move(problem: &Problem, still: &[JointIndex], joint: JointIndex) -> bool 
     !still.contains(&joint) && !rests && is_bounded
 }
 
-fn coordinate(robot: &Robot, joint: JointIndex) -> Option<usize> {
+/// The number of a joint in a configuration; none of one that follows another.
+#[must_use]
+pub(crate) fn coordinate(robot: &Robot, joint: JointIndex) -> Option<usize> {
     match robot.joints[joint.at()].source {
         Source::Coordinates { q, .. } => Some(q),
         Source::Follows { .. } => None,
@@ -125,29 +126,19 @@ pub(crate) fn closings(problem: &Problem) -> Closings {
     grasps.map(|grasp| (grasp, OnceLock::new())).collect()
 }
 
-impl ProblemTables {
-    /// Where the fingers of a hand are in a configuration.
-    pub fn finger_coordinates(&self, hand: u32) -> impl Iterator<Item = usize> + '_ {
-        let hand = self.problem.graph.hands.get(hand as usize);
-        hand.into_iter().flat_map(|hand| &hand.fingers).filter_map(|f| coordinate(&self.problem.robot, f.joint))
-    }
-
-    /// The value of a finger at an opening of its hand; `None` of a hand, finger or grasp that the problem does not have.
-    #[must_use]
-    pub fn finger_value(&self, hand: u32, finger: u32, opening: Opening) -> Option<f64> {
-        let hand = self.problem.graph.hands.get(hand as usize)?;
-        let record = hand.fingers.get(finger as usize)?;
-        match opening {
-            Opening::Travel => record.travel,
-            Opening::Wide => Some(record.open),
-            Opening::Closed { gripper, handle } => {
-                let share = *self.closed.get(&(gripper, handle))?.get_or_init(|| {
-                    Measurement::new(&self.problem, &self.kinematics, &self.collision).closing(hand, gripper, handle)
-                });
-                hand.at(share).nth(finger as usize)
-            }
-        }
-    }
+/// The share of the way from open to shut at which a hand has closed on a handle: where a finger is [`FINGER_GAP`] from the body of the
+/// handle or from another finger, or wholly shut. Where the grasp leaves a turn free, where that is so first for any turn.
+#[must_use]
+pub(crate) fn closing(
+    (problem, kinematics, scene): (&Problem, &Kinematics, &CollisionScene),
+    hand: &Hand,
+    (gripper, handle): (GripperIndex, HandleIndex),
+) -> f64 {
+    let Ok(grasp) = grasp_of(problem, gripper, handle) else { return 1.0 };
+    let mut measurement = Measurement::new(problem, kinematics, scene);
+    let pairs = measurement.finger_pairs(hand, handle);
+    let turns = free_turns(grasp.mask);
+    turns.into_iter().map(|turn| measurement.closing_at(hand, &grasp, &pairs, turn)).fold(1.0, f64::min)
 }
 
 /// Measures distances of fingers, at the start of a problem with some joints elsewhere.
@@ -216,7 +207,7 @@ impl<'a> Measurement<'a> {
             .solids()
             .iter()
             .filter(|solid| is_beyond(robot, solid.body, joint) || self.follows(solid.body, joint));
-        let distance = |solid: &foliate_kernels::collision::scene::scene_solid::SceneSolid| {
+        let distance = |solid: &SceneSolid| {
             let X_WS = solid.body.map_or(Pose::IDENTITY, |body| self.X_WJ[body.at()]) * solid.X_JS;
             clearance(&point, &X_WG, &solid.solid, &X_WS, DistanceQuery::exact(f64::INFINITY), &mut DVec3::ZERO.clone())
         };
@@ -232,54 +223,86 @@ impl<'a> Measurement<'a> {
             .any(|joint| matches!(joints[joint.at()].source, Source::Follows { leader: l, .. } if l == leader))
     }
 
-    /// The share of the way from open to shut at which a hand has closed on a handle: where a finger is [`FINGER_GAP`] from the body of the
-    /// handle or from another finger, or wholly shut. Where the grasp leaves a turn free, where that is so first for any turn.
-    fn closing(&mut self, hand: &Hand, gripper: GripperIndex, handle: HandleIndex) -> f64 {
-        let Ok(grasp) = grasp_of(self.problem, gripper, handle) else { return 1.0 };
-        let turns = free_turns(grasp.mask);
-        let pairs = self.finger_pairs(hand, handle);
-        turns.iter().map(|turn| self.closing_at(hand, &grasp, &pairs, *turn)).fold(1.0, f64::min)
-    }
-
-    fn closing_at(&mut self, hand: &Hand, grasp: &Grasp, pairs: &FingerPairs, turn: Pose) -> f64 {
-        let mut is_free = |share: f64| {
-            self.set(
-                hand.fingers.iter().map(|finger| finger.joint).zip(hand.at(share)).collect::<Vec<_>>().into_iter(),
-            );
+    /// Conservative advancement: the fingers close by as much as they cannot touch within.
+    fn closing_at(&mut self, hand: &Hand, grasp: &Grasp, pairs: &[FingerPair], turn: Pose) -> f64 {
+        let mut share = 0.0;
+        for _ in 0..MOST_STEPS {
+            let values: Vec<_> = hand.fingers.iter().map(|finger| finger.joint).zip(hand.at(share)).collect();
+            self.set(values.into_iter());
             let X_WG = grasp.gripper.joint.map_or(Pose::IDENTITY, |body| self.X_WJ[body.at()])
                 * grasp.gripper.joint_from_frame;
             let X_WB = X_WG * turn * grasp.handle.joint_from_frame.inverse();
-            pairs.are_apart(self.scene, &self.X_WJ, X_WB)
-        };
-        let share = |step: usize| step as f64 / STEPS as f64;
-        let Some(touching) = (1..=STEPS).find(|&step| !is_free(share(step))) else { return 1.0 };
-        let (mut free, mut touches) = (share(touching - 1), share(touching));
-        for _ in 0..HALVINGS {
-            let middle = free.midpoint(touches);
-            if is_free(middle) { free = middle } else { touches = middle }
+            let mut step = 1.0 - share;
+            for pair in pairs {
+                let room = pair.clearance(self.scene, &self.X_WJ, X_WB, FINGER_GAP + step * pair.speed) - FINGER_GAP;
+                step = step.min(if room > NEARLY { room / pair.speed } else { 0.0 });
+            }
+            // Compared so that NaN ends it.
+            let goes_on = step > 0.0;
+            if !goes_on {
+                break;
+            }
+            share += step;
         }
-        free
+        share
+    }
+
+    /// How fast a point of a body moves at most while a hand closes, metres over its whole way.
+    fn speed(&self, hand: &Hand, body: Option<JointIndex>) -> f64 {
+        let joints = &self.problem.robot.joints;
+        let range = |joint: JointIndex| {
+            let of =
+                |joint: JointIndex| hand.fingers.iter().find(|f| f.joint == joint).map(|f| (f.open - f.closed).abs());
+            match joints[joint.at()].source {
+                Source::Coordinates { .. } => of(joint),
+                Source::Follows { leader, multiplier, .. } => of(leader).map(|range| range * multiplier.abs()),
+            }
+        };
+        let above = std::iter::successors(body, |body| joints[body.at()].parent);
+        above.filter_map(|joint| Some(range(joint)? * self.reach(joint))).sum()
+    }
+
+    /// How far from its axis a joint moves points, metres per radian; 1 where it slides.
+    fn reach(&self, joint: JointIndex) -> f64 {
+        let robot = &self.problem.robot;
+        if matches!(robot.joints[joint.at()].motion, JointType::Prismatic { .. }) {
+            return 1.0;
+        }
+        let origin = self.X_WJ[joint.at()].translation;
+        let moved = self.scene.solids().iter().filter(|solid| is_beyond(robot, solid.body, joint));
+        let far = |solid: &SceneSolid| {
+            let X_WB = solid.body.map_or(Pose::IDENTITY, |body| self.X_WJ[body.at()]);
+            X_WB.transform_point(solid.ball.center).distance(origin) + solid.ball.radius
+        };
+        moved.map(far).fold(0.0, f64::max)
     }
 
     /// The tested pairs of a finger with the body of a handle, or with another finger.
-    fn finger_pairs(&self, hand: &Hand, handle: HandleIndex) -> FingerPairs {
+    fn finger_pairs(&mut self, hand: &Hand, handle: HandleIndex) -> Vec<FingerPair> {
+        let open: Vec<_> = hand.fingers.iter().map(|finger| (finger.joint, finger.open)).collect();
+        self.set(open.into_iter());
         let robot = &self.problem.robot;
-        let moves = |body: Option<JointIndex>| {
-            hand.fingers.iter().any(|f| is_beyond(robot, body, f.joint) || self.follows(body, f.joint))
-        };
         let held = robot.handles[handle.at()].link;
         let is_held = |link: LinkIndex| {
             let (link, held) = (&robot.links[link.at()], &robot.links[held.at()]);
             link.part == held.part && link.joint == held.joint
         };
         let solids = self.scene.solids();
-        let mut pairs = FingerPairs::default();
+        let mut pairs = Vec::new();
         for pair in self.scene.pairs() {
-            let (a, b) = (&solids[pair.first.at()], &solids[pair.second.at()]);
-            match (moves(a.body), moves(b.body)) {
-                (true, true) => pairs.fingers.push((pair.first.at(), pair.second.at())),
-                (true, false) if is_held(b.link) => pairs.object.push((pair.first.at(), pair.second.at())),
-                (false, true) if is_held(a.link) => pairs.object.push((pair.second.at(), pair.first.at())),
+            let shapes = [pair.first.at(), pair.second.at()];
+            let speeds = shapes.map(|shape| self.speed(hand, solids[shape].body));
+            let [a, b] = shapes.map(|shape| is_held(solids[shape].link));
+            let pair = |finger: usize, other: usize, holds: bool| FingerPair {
+                finger: shapes[finger],
+                other: shapes[other],
+                holds,
+                speed: speeds[0] + speeds[1],
+            };
+            match speeds.map(|speed| speed > 0.0) {
+                [true, true] => pairs.push(pair(0, 1, false)),
+                [true, false] if b => pairs.push(pair(0, 1, true)),
+                [false, true] if a => pairs.push(pair(1, 0, true)),
                 _ => {}
             }
         }
@@ -287,27 +310,29 @@ impl<'a> Measurement<'a> {
     }
 }
 
-/// Pairs of shapes that may touch when a hand closes, by number.
-#[derive(Default)]
-struct FingerPairs {
-    /// Two fingers.
-    fingers: Vec<(usize, usize)>,
-    /// A finger and the body that is held.
-    object: Vec<(usize, usize)>,
+/// Two shapes that may touch when a hand closes, by number.
+struct FingerPair {
+    finger: usize,
+    other: usize,
+    /// Whether the other one is of the body that is held, and not another finger.
+    holds: bool,
+    /// How fast they come closer at most, metres over the whole way from open to shut.
+    speed: f64,
 }
 
-impl FingerPairs {
-    /// Whether all are [`FINGER_GAP`] apart, where the held body is at `X_WB`.
-    fn are_apart(&self, scene: &CollisionScene, X_WJ: &[Pose], X_WB: Pose) -> bool {
-        let solids = scene.solids();
-        let at = |shape: usize| solids[shape].body.map_or(Pose::IDENTITY, |body| X_WJ[body.at()]) * solids[shape].X_JS;
-        let query = DistanceQuery::exact(FINGER_GAP);
-        let apart = |(a, X_WA): (usize, Pose), (b, X_WS): (usize, Pose)| {
-            let hint = &mut DVec3::ZERO.clone();
-            clearance(&solids[a].solid, &X_WA, &solids[b].solid, &X_WS, query, hint) >= FINGER_GAP
-        };
-        self.fingers.iter().all(|&(a, b)| apart((a, at(a)), (b, at(b))))
-            && self.object.iter().all(|&(a, b)| apart((a, at(a)), (b, X_WB * solids[b].X_JS)))
+impl FingerPair {
+    /// A lower bound of the distance, nearly exact, or at least `enough`, where the held body is at `X_WB`.
+    fn clearance(&self, scene: &CollisionScene, X_WJ: &[Pose], X_WB: Pose, enough: f64) -> f64 {
+        let [a, b] = [self.finger, self.other].map(|shape| &scene.solids()[shape]);
+        let [X_WA, X_WF] = [a, b].map(|solid| solid.body.map_or(Pose::IDENTITY, |body| X_WJ[body.at()]));
+        let X_WO = if self.holds { X_WB } else { X_WF };
+        let far = X_WA.transform_point(a.ball.center).distance(X_WO.transform_point(b.ball.center));
+        let rough = far - a.ball.radius - b.ball.radius;
+        if rough >= enough {
+            return rough;
+        }
+        let query = DistanceQuery::exact(enough);
+        clearance(&a.solid, &(X_WA * a.X_JS), &b.solid, &(X_WO * b.X_JS), query, &mut DVec3::ZERO.clone())
     }
 }
 

@@ -8,7 +8,7 @@ use crate::planning_model::hands;
 use crate::planning_model::hands::Closings;
 use foliate_components::constraint::{Constraint, Locked, LockedValue};
 use foliate_components::coverage::LeftOutPair;
-use foliate_components::graph::ConstraintKind;
+use foliate_components::graph::{ConstraintKind, Opening};
 use foliate_components::problem::{JointRest, Problem};
 use foliate_components::robot::{JointIndex, JointType, Robot, Source};
 use foliate_kernels::collision::{CollisionScene, PairRule, PairSet};
@@ -75,6 +75,28 @@ impl ProblemTables {
     #[must_use]
     pub fn left_out(&self) -> Vec<LeftOutPair> {
         self.collision.left_out(&self.problem.robot, &pair_rule(&self.problem, &self.still))
+    }
+
+    /// Where the fingers of a hand are in a configuration.
+    pub fn finger_coordinates(&self, hand: u32) -> impl Iterator<Item = usize> + '_ {
+        let fingers = self.problem.graph.hands.get(hand as usize).into_iter().flat_map(|hand| &hand.fingers);
+        fingers.filter_map(|finger| hands::coordinate(&self.problem.robot, finger.joint))
+    }
+
+    /// The value of a finger at an opening of its hand; `None` of a hand, finger or grasp that the problem does not have.
+    #[must_use]
+    pub fn finger_value(&self, hand: u32, finger: u32, opening: Opening) -> Option<f64> {
+        let hand = self.problem.graph.hands.get(hand as usize)?;
+        let record = hand.fingers.get(finger as usize)?;
+        match opening {
+            Opening::Travel => record.travel,
+            Opening::Wide => Some(record.open),
+            Opening::Closed { gripper, handle } => {
+                let tables = (&self.problem, &self.kinematics, &self.collision);
+                let closing = || hands::closing(tables, hand, (gripper, handle));
+                hand.at(*self.closed.get(&(gripper, handle))?.get_or_init(closing)).nth(finger as usize)
+            }
+        }
     }
 
     /// A constraint of the problem's own, or a joint's rest, as kernels know it; parameter rows name slot 0.

@@ -39,7 +39,7 @@ pub(crate) fn feasible(model: &PlanningModel, settings: &SearchSettings, q: &[f6
     let scratch = &mut CollisionScratch::at_level(settings.level);
     match model.first_collision(root.state, &X_WJ, settings.clearance_guard, scratch) {
         Some(contact) => Err(collision(model, root.state, &[contact])),
-        None => model.check_finger_motions(settings, &root, scratch).map(|()| root),
+        None => model.check_finger_motion(settings, &root, scratch).map(|()| root),
     }
 }
 
@@ -91,7 +91,7 @@ fn reach(
         return Err(collision(model, root.state, &contacts));
     }
     let scratch = &mut CollisionScratch::at_level(settings.level);
-    model.check_finger_motions(settings, &root, scratch).map(|()| root)
+    model.check_finger_motion(settings, &root, scratch).map(|()| root)
 }
 
 fn collision(model: &Model, state: StateId, contacts: &[Contact]) -> Infeasibility {

@@ -1,7 +1,6 @@
 //! From a roadmap in which start and goal are connected to the path between them.
 
 use crate::exploration::roots::GivenRoots;
-use crate::planning_model::finger_motions::FingerMotion;
 use crate::planning_model::model::{Model, PlanningModel};
 use crate::planning_model::state_classification::Feasible;
 use crate::search::path_clearance::{pair_counts, path_clearance};
@@ -29,7 +28,7 @@ pub(crate) fn extract_path(
     let mut path = ManipulationPath::default();
     let mut certificate = Certificate { path_tolerance: settings.path_tolerance, ..Certificate::default() };
     let (mut at, mut moved) = (start, 0.0_f64);
-    path.segments.extend(finger_segments(model, roadmap, leaves, given, start));
+    path.segments.extend(finger_segment(model, roadmap, leaves, given, start));
     for edge in edges {
         let row = roadmap.edge(edge);
         let (forward, left) = (row.from == at, at);
@@ -51,7 +50,7 @@ pub(crate) fn extract_path(
             motions.iter().rev().for_each(&mut add);
         }
     }
-    path.segments.extend(finger_segments(model, roadmap, leaves, given, goal).into_iter().rev().map(reversed));
+    path.segments.extend(finger_segment(model, roadmap, leaves, given, goal).map(reversed));
     path.certificate = certificate;
     unwrap_coordinates(model, path.segments.iter_mut().flat_map(|s| &mut s.knots).map(Vec::as_mut_slice));
     path.certificate.min_clearance = proved_clearance(model, settings, &path, moved);
@@ -59,35 +58,27 @@ pub(crate) fn extract_path(
     Some(path)
 }
 
-/// The motions of fingers from where a root was given to where its state has them.
-fn finger_segments(
+/// The motion of fingers from where a root was given to where its state has them.
+fn finger_segment(
     model: &PlanningModel,
     roadmap: Roadmap<'_>,
     leaves: &LeafIndex,
     given: &GivenRoots,
     root: NodeId,
-) -> Vec<Segment> {
+) -> Option<Segment> {
     let (row, size) = (roadmap.node(root), model.problem.robot.space.size());
-    let leaf = leaves.leaf(row.leaf);
-    let root = Feasible {
-        q: roadmap.configuration(root).to_vec(),
-        state: row.state,
-        parameters: Vec::new(),
-        given: given.of(root).map(<[f64]>::to_vec),
-    };
-    let Some(transition) = model.graph.loop_of(row.state) else { return Vec::new() };
-    let segment = |motion: FingerMotion| {
-        let leaf = Leaf { state: motion.state, ..leaf.clone() };
-        Segment {
-            transition,
-            state: motion.state,
-            attachments: model.attachments(&leaf, leaves),
-            constraints: model.path_constraints(&leaf, leaves),
-            knots: motion.knots.chunks_exact(size).map(<[f64]>::to_vec).collect(),
-            timing: None,
-        }
-    };
-    model.finger_motions(&root).unwrap_or_default().into_iter().map(segment).collect()
+    let given = Some(given.of(root)?.to_vec());
+    let q = roadmap.configuration(root).to_vec();
+    let motion = model.finger_motion(&Feasible { q, state: row.state, parameters: Vec::new(), given })?;
+    let leaf = Leaf { state: motion.state, ..leaves.leaf(row.leaf).clone() };
+    Some(Segment {
+        transition: model.graph.loop_of(row.state)?,
+        state: motion.state,
+        attachments: model.attachments(&leaf, leaves),
+        constraints: model.path_constraints(&leaf, leaves),
+        knots: motion.knots.chunks_exact(size).map(<[f64]>::to_vec).collect(),
+        timing: None,
+    })
 }
 
 fn reversed(mut segment: Segment) -> Segment {

@@ -2,14 +2,13 @@
 
 use crate::improvement::changes::limbs::Limbs;
 use crate::improvement::cost::{PathCost, way_along};
-use crate::improvement::leaf_motion::LeafMotion;
+use crate::improvement::leaf_motion::{LeafMotion, moves_fingers};
 use crate::planning_model::model::PlanningModel;
 use crate::search::path_extraction::unwrap_coordinates;
 use crate::search::timed_certificate::{object_numbers, resting_out_of_bounds};
 use crate::settings::SearchSettings;
 use crate::step::validation::certify_whole;
 use foliate_components::Pose;
-use foliate_components::graph::Fingers;
 use foliate_kernels::collision::CollisionScratch;
 use foliate_kernels::constrained_motion::{MotionScratch, Scratch};
 use foliate_kernels::kinematics::RigidAttachment;
@@ -74,17 +73,14 @@ impl Context<'_> {
 
     /// Whether nothing else of the robot moves while fingers do.
     fn moves_fingers_alone(&self, motion: &LeafMotion) -> bool {
-        let Fingers::Moving(hand) = motion.fingers else { return true };
-        let size = self.size();
-        let is_finger = |i: usize| self.model.finger_coordinates(hand).any(|finger| finger == i);
-        let stands = |q: &[f64]| self.limbs_stand(motion.start(size), q, &is_finger);
-        motion.knots.chunks_exact(size).all(stands)
-    }
-
-    fn limbs_stand(&self, a: &[f64], b: &[f64], is_finger: &dyn Fn(usize) -> bool) -> bool {
-        let objects = object_numbers(self.model);
-        let is_of_robot = |i: &usize| objects.iter().all(|numbers| !numbers.contains(i)) && !is_finger(*i);
-        (0..a.len()).filter(is_of_robot).all(|i| a[i] == b[i])
+        if !moves_fingers(motion) {
+            return true;
+        }
+        let (size, objects) = (self.size(), object_numbers(self.model));
+        let fingers: Vec<usize> = self.model.moving_fingers(motion.fingers).collect();
+        let stands = |i: &usize| !fingers.contains(i) && objects.iter().all(|numbers| !numbers.contains(i));
+        let start = motion.start(size);
+        motion.knots.chunks_exact(size).all(|q| (0..size).filter(stands).all(|i| q[i] == start[i]))
     }
 
     /// Whether a motion is certified to be free of collisions, with the search's own clearance.

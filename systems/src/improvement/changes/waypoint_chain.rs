@@ -5,8 +5,8 @@ use crate::improvement::leaf_motion::{LeafMotion, legs_ending_at, moves_fingers,
 use crate::planning_model::state_classification::{parameters_of, residual};
 use foliate_components::Pose;
 use foliate_components::candidate::LegParameter;
+use foliate_components::graph::ConstraintId;
 use foliate_components::graph::leaf::{LeafIndex, Parameter};
-use foliate_components::graph::{ConstraintId, Fingers};
 use foliate_components::robot::configuration::Group;
 use foliate_kernels::constrained_motion::{Settings, project};
 use rand::{Rng, RngExt};
@@ -64,10 +64,7 @@ pub(crate) fn across_fingers(
     index: usize,
     moved: impl Fn(usize) -> Option<Vec<f64>>,
 ) -> Option<Vec<f64>> {
-    let fingers_of = |motion: &LeafMotion| match motion.fingers {
-        Fingers::Moving(hand) => Some(context.model.finger_coordinates(hand)),
-        _ => None,
-    };
+    let fingers_of = |motion: &LeafMotion| moves_fingers(motion).then(|| context.model.moving_fingers(motion.fingers));
     let before = index.checked_sub(1).and_then(|before| Some((moved(before)?, fingers_of(&motions[before])?)));
     let behind = || Some((moved(index + 1)?, fingers_of(motions.get(index)?)?));
     let (mut q, fingers) = before.or_else(behind)?;

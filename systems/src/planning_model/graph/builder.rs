@@ -55,12 +55,10 @@ impl Builder<'_> {
         })
     }
 
-    /// Adds the states that differ from one in that the fingers of a hand move. Roots may have any hand open as far as they like.
+    /// Adds the state that differs from one in that the fingers of all hands may move. Roots may have hands open as far as they like.
     pub(super) fn let_fingers_move(&mut self, state: StateId) {
-        let hands = (0u32..).zip(&self.state_keys.options.hands);
-        let moving: Vec<_> = hands.filter(|(_, hand)| !hand.fingers.is_empty()).map(|(number, _)| number).collect();
-        for hand in moving {
-            self.passing_state(StateKey { fingers: Fingers::Moving(hand), ..StateKey::clone(&self.key(state)) });
+        if self.state_keys.options.hands.iter().any(|hand| !hand.fingers.is_empty()) {
+            self.passing_state(StateKey { fingers: Fingers::Free, ..StateKey::clone(&self.key(state)) });
         }
     }
 

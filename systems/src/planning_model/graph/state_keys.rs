@@ -206,6 +206,7 @@ impl<'a> StateKeys<'a> {
     fn fingers<'k>(&'k self, key: &'k StateKey) -> impl Iterator<Item = ConstraintKind> + 'k {
         let opening = move |hand: u32| match key.fingers {
             Fingers::Moving(moving) if moving == hand => None,
+            Fingers::Free => None,
             Fingers::Wide(wide) if wide == hand => Some(Opening::Wide),
             _ => Some(self.opening(hand, &key.grasps)),
         };
@@ -352,6 +353,7 @@ impl<'a> StateKeys<'a> {
         let gripper = |hand: u32| &self.robot.grippers[self.options.hands[hand as usize].grippers[0].at()].name;
         match key.fingers {
             Fingers::Still => {}
+            Fingers::Free => words.push("fingers move".into()),
             Fingers::Moving(hand) => words.push(format!("{} moves its fingers", gripper(hand))),
             Fingers::Wide(hand) => words.push(format!("{} is wide open", gripper(hand))),
         }
