@@ -9,8 +9,8 @@ use crate::planning_model::hands::Closings;
 use foliate_components::constraint::{Constraint, Locked, LockedValue};
 use foliate_components::coverage::LeftOutPair;
 use foliate_components::graph::{ConstraintKind, Opening};
-use foliate_components::problem::{JointRest, Problem};
-use foliate_components::robot::{JointIndex, JointType, Robot, Source};
+use foliate_components::problem::{Goal, JointRest, Problem};
+use foliate_components::robot::{JointIndex, JointType, LinkIndex, PartKind, Robot, Source};
 use foliate_kernels::collision::{CollisionScene, PairRule, PairSet};
 use foliate_kernels::kinematics::Kinematics;
 
@@ -28,6 +28,9 @@ pub struct ProblemTables {
     pub weights: Vec<f64>,
     /// Values that the locked joints keep, by configuration index.
     pub(crate) locked: Vec<(usize, f64)>,
+    /// Numbers of the joints on which neither a grasp, a support, a constraint nor a goal depends: a head, a laser. They matter only where
+    /// they are in the way.
+    pub(crate) uninvolved: Vec<usize>,
     /// All joints that never move.
     still: Vec<JointIndex>,
     /// Every pair, for verdicts.
@@ -61,6 +64,7 @@ impl ProblemTables {
         let robot = &problem.robot;
         Self {
             closed,
+            uninvolved: uninvolved_joints(&problem),
             kinematics,
             weights: coordinate_weights(robot),
             locked: locked_coordinates(&problem),
@@ -127,6 +131,47 @@ impl ProblemTables {
 /// Which pairs are tested: as the problem says, which names neighbours too.
 fn pair_rule<'a>(problem: &'a Problem, still: &'a [JointIndex]) -> PairRule<'a> {
     PairRule { ignored: &problem.ignored_pairs, margins: &problem.margins, locked: still }
+}
+
+/// See [`ProblemTables::uninvolved`]. None in a problem that moves no objects and has no constraints: there the motion is all.
+fn uninvolved_joints(problem: &Problem) -> Vec<usize> {
+    let (robot, options) = (&problem.robot, &problem.graph);
+    let joints = &robot.joints;
+    let link_of = |link: LinkIndex| robot.links[link.at()].joint;
+    let grippers = options.grippers.iter().map(|gripper| link_of(robot.grippers[gripper.at()].link));
+    let supports = options.supports.iter().map(|support| link_of(robot.surfaces[support.at()].link));
+    let constraints = options.constraints.iter().flat_map(|given| given.constraint.bodies());
+    let partial = problem.goals.iter().filter_map(|goal| match goal {
+        Goal::Partial(goal) => Some(goal),
+        Goal::Configuration(_) => None,
+    });
+    let goals = partial.flat_map(|goal| &goal.constraints).flat_map(|given| given.constraint.bodies());
+    if options.grippers.is_empty() && options.constraints.is_empty() {
+        return Vec::new();
+    }
+    let mut is_involved = vec![false; joints.len()];
+    for body in grippers.chain(supports).chain(constraints).chain(goals) {
+        for joint in std::iter::successors(body, |body| joints[body.at()].parent) {
+            is_involved[joint.at()] = true;
+            if let Source::Follows { leader, .. } = joints[joint.at()].source {
+                is_involved[leader.at()] = true;
+            }
+        }
+    }
+    let is_wanted_elsewhere = |q: usize| {
+        problem.goals.iter().any(|goal| match goal {
+            Goal::Configuration(goal) => goal.get(q) != problem.start.get(q),
+            Goal::Partial(goal) => goal.coordinates.iter().any(|&(index, _)| index == q),
+        })
+    };
+    let of_robots = joints.iter().enumerate().filter(|(index, joint)| {
+        !is_involved[*index] && robot.parts[joint.part.at()].kind == PartKind::Robot && !joint.is_immovable()
+    });
+    let numbers = of_robots.filter_map(|(_, joint)| match joint.source {
+        Source::Coordinates { q, .. } if joint.motion.configuration_size() == 1 => Some(q),
+        _ => None,
+    });
+    numbers.filter(|&q| !is_wanted_elsewhere(q)).collect()
 }
 
 /// Joints that never move: those that the problem locks, and those between equal bounds.
