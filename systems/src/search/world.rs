@@ -13,6 +13,7 @@ use crate::exploration::roots::{Ending, Roots};
 use crate::exploration::writer;
 use crate::goals::sampler::GoalSampler;
 use crate::goals::systems::add_start_and_goals;
+use crate::placements::PlacementPool;
 use crate::planning_model::model::PlanningModel;
 use crate::planning_model::state_classification;
 use crate::planning_model::state_classification::Feasible;
@@ -52,6 +53,7 @@ pub(crate) fn empty_world(
     world.init_resource::<Roots>();
     world.init_resource::<Ending>();
     world.init_resource::<GoalSampler>();
+    world.init_resource::<PlacementPool>();
     world.insert_resource(Neighbours::new(model, &settings));
     world.insert_resource(settings);
     world.insert_resource(stop);

@@ -88,8 +88,12 @@ pub fn choose_lazy_extensions(
     mut heuristic: ResMut<'_, LeafHeuristic>,
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
-    for mut candidate in candidates.iter_mut().filter(|c| c.is_alive() && c.transition.is_none()) {
+    for mut candidate in candidates.iter_mut().filter(|c| c.is_alive()) {
         let Some(near) = candidate.near else { continue };
+        if let Some(chosen) = candidate.transition {
+            candidate.commit_as = commit_as(model.graph.transition(chosen));
+            continue;
+        }
         if CandidateRole::of(&step, arena.complete.len(), &candidate).is_ordinary() {
             continue;
         }
@@ -115,11 +119,13 @@ pub fn choose_lazy_extensions(
                 continue;
             }
             candidate.transition = Some(id);
-            if starts_far(transition) {
-                candidate.commit_as = CommitAs::DetachedTrees;
-            }
+            candidate.commit_as = commit_as(transition);
         }
     }
+}
+
+fn commit_as(transition: &Transition) -> CommitAs {
+    if starts_far(transition) { CommitAs::DetachedTrees } else { CommitAs::Extension }
 }
 
 /// Whether the first leg of a transition is a long motion on the leaf that it leaves.

@@ -1,0 +1,191 @@
+//! A hand without an arm: whether it collides where it holds an object, and while it carries the object from one place to another.
+//!
+//! The hand is what moves rigidly with the gripper, and what is beyond it, its joints as in the start. Only what is fixed in the
+//! world, the object and the hand are tested, so that what is refused here is impossible for every arm as long as fingers and other
+//! objects stay where they are; what passes may still be impossible.
+
+use crate::planning_model::graph::attachment_order::is_beyond;
+use crate::planning_model::model::Model;
+use foliate_components::Pose;
+use foliate_components::constraint::Grasp;
+use foliate_components::graph::{ConstraintId, ConstraintKind};
+use foliate_components::pose::exp_so3;
+use foliate_components::robot::JointIndex;
+use foliate_kernels::collision::{CollisionScratch, PairSet, first_collision};
+use foliate_kernels::kinematics::RigidAttachment;
+use glam::DVec3;
+use rand::RngExt;
+
+/// Grasps of an object that are told apart.
+pub(crate) const MOST_GRASPS: usize = 64;
+
+/// Places between two placements at which an object that is carried is tested.
+const PLACES: u32 = 15;
+
+/// An object, and the hands that may hold it.
+#[derive(Clone, Debug)]
+pub(crate) struct FloatingHands {
+    /// The object's free-flyer.
+    root: JointIndex,
+    /// The object against what is fixed in the world.
+    object: PairSet,
+    hands: Vec<Hand>,
+    /// By number: grasps of handles on the object's root.
+    pub(crate) grasps: Vec<FloatingGrasp>,
+    /// Poses of all bodies in the start.
+    X_WJ: Vec<Pose>,
+    start: Vec<f64>,
+}
+
+#[derive(Clone, Debug)]
+struct Hand {
+    gripper: JointIndex,
+    /// What moves with the gripper, and where it is in the gripper's body.
+    bodies: Vec<(JointIndex, Pose)>,
+    /// The hand against what is fixed in the world and the object.
+    pairs: PairSet,
+}
+
+/// A grasp of the object.
+#[derive(Clone, Debug)]
+pub(crate) struct FloatingGrasp {
+    /// The grasp.
+    pub(crate) constraint: ConstraintId,
+    hand: usize,
+    grasp: Grasp,
+}
+
+/// Buffers of one thread.
+#[derive(Default)]
+pub(crate) struct HandScratch {
+    X_WJ: Vec<Pose>,
+    collision: Option<CollisionScratch>,
+}
+
+impl FloatingHands {
+    /// The hands of the graph that may hold an object by its root; nothing where the object does not move or none can.
+    pub(crate) fn of_object(model: &Model, object: u32) -> Option<Self> {
+        let robot = &model.problem.robot;
+        let root = model.objects()[object as usize].root?;
+        let start = model.problem.start.clone();
+        let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
+        model.kinematics.forward(&start, &mut X_WJ);
+        let part = robot.joints[root.at()].part;
+        let is_object = |body: Option<JointIndex>| body.is_some_and(|b| robot.joints[b.at()].part == part);
+        let pairs = model.pairs_between(|a, b| is_object(a) && b.is_none());
+        let mut hands = Self { root, object: pairs, hands: Vec::new(), grasps: Vec::new(), X_WJ, start };
+        for (number, record) in (0u32..).zip(&model.graph.constraints) {
+            let (constraint, grasped) = (ConstraintId(number), record.kind);
+            let Some(grasp) = model.grasp(constraint).filter(|_| matches!(grasped, ConstraintKind::Grasp { .. })) else {
+                continue;
+            };
+            let Some(gripper) = grasp.gripper.joint.filter(|_| grasp.handle.joint == Some(root)) else { continue };
+            let carried = |object: &crate::planning_model::objects::ObjectModel| {
+                object.root.is_some_and(|root| robot.joints[root.at()].part == robot.joints[gripper.at()].part)
+            };
+            if model.objects().iter().any(carried) || hands.grasps.len() == MOST_GRASPS {
+                continue;
+            }
+            let hand = hands.hand(model, gripper, is_object);
+            hands.grasps.push(FloatingGrasp { constraint, hand, grasp: grasp.clone() });
+        }
+        (!hands.grasps.is_empty()).then_some(hands)
+    }
+
+    /// The number of a gripper's hand.
+    fn hand(&mut self, model: &Model, gripper: JointIndex, is_object: impl Fn(Option<JointIndex>) -> bool) -> usize {
+        if let Some(known) = self.hands.iter().position(|hand| hand.gripper == gripper) {
+            return known;
+        }
+        let robot = &model.problem.robot;
+        let with = |body: Option<JointIndex>| is_beyond(robot, body, gripper);
+        let X_GW = self.X_WJ[gripper.at()].inverse();
+        let all = (0..robot.joints.len() as u32).map(JointIndex).filter(|&body| with(Some(body)));
+        let bodies = all.map(|body| (body, X_GW * self.X_WJ[body.at()])).collect();
+        let pairs = model.pairs_between(|a, b| with(a) && (b.is_none() || is_object(b)));
+        self.hands.push(Hand { gripper, bodies, pairs });
+        self.hands.len() - 1
+    }
+
+    /// Whether the object collides with what is fixed in the world.
+    pub(crate) fn object_is_free(&self, model: &Model, X_WO: &Pose, scratch: &mut HandScratch) -> bool {
+        self.place_object(model, X_WO, scratch);
+        self.is_free(model, &self.object, scratch)
+    }
+
+    /// The pose of the handle in the gripper, drawn where the grasp leaves a turn free.
+    pub(crate) fn draw_turn(&self, grasp: usize, rng: &mut impl RngExt) -> Pose {
+        let free = self.grasps[grasp].grasp.mask.0;
+        let turn = DVec3::from_array([3, 4, 5].map(|row| match free[row] {
+            true => 0.0,
+            false => rng.random_range(-std::f64::consts::PI..std::f64::consts::PI),
+        }));
+        Pose::from_parts(DVec3::ZERO, exp_so3(turn))
+    }
+
+    /// Whether the hand is free where it holds the object, and where it stands back from it.
+    pub(crate) fn can_grasp(
+        &self,
+        model: &Model,
+        (grasp, X_GH): (usize, &Pose),
+        X_WO: &Pose,
+        scratch: &mut HandScratch,
+    ) -> bool {
+        let standoff = Pose::from_translation(DVec3::X * self.grasps[grasp].grasp.standoff);
+        self.place_object(model, X_WO, scratch);
+        [*X_GH, standoff * *X_GH].iter().all(|X_GH| {
+            self.place_hand((grasp, X_GH), X_WO, scratch);
+            self.is_free(model, &self.hands[self.grasps[grasp].hand].pairs, scratch)
+        })
+    }
+
+    /// Whether the hand carries the object from one pose to another: up by `lift`, straight on, and down. Only places
+    /// on the way are tested.
+    pub(crate) fn can_carry(
+        &self,
+        model: &Model,
+        (grasp, X_GH): (usize, &Pose),
+        (from, to): (&Pose, &Pose),
+        lift: DVec3,
+        scratch: &mut HandScratch,
+    ) -> bool {
+        // Places in the middle first: they are blocked most often.
+        (1..=PLACES).map(|place| reversed_bits(place)).all(|t| {
+            let up = lift * (4.0 * t.min(1.0 - t)).min(1.0);
+            let X_WO = Pose::from_parts(
+                from.translation.lerp(to.translation, t) + up,
+                from.rotation.slerp(to.rotation, t).normalize(),
+            );
+            self.place_object(model, &X_WO, scratch);
+            self.is_free(model, &self.object, scratch) && {
+                self.place_hand((grasp, X_GH), &X_WO, scratch);
+                self.is_free(model, &self.hands[self.grasps[grasp].hand].pairs, scratch)
+            }
+        })
+    }
+
+    fn place_object(&self, model: &Model, X_WO: &Pose, scratch: &mut HandScratch) {
+        scratch.X_WJ.clone_from(&self.X_WJ);
+        let placed = RigidAttachment { object: self.root, carrier: None, X_CO: *X_WO };
+        model.kinematics.carry(&self.start, &[placed], &mut scratch.X_WJ);
+    }
+
+    fn place_hand(&self, (grasp, X_GH): (usize, &Pose), X_WO: &Pose, scratch: &mut HandScratch) {
+        let FloatingGrasp { hand, grasp, .. } = &self.grasps[grasp];
+        let X_WH = *X_WO * grasp.handle.joint_from_frame;
+        let X_WG = X_WH * X_GH.inverse() * grasp.gripper.joint_from_frame.inverse();
+        for (body, X_GB) in &self.hands[*hand].bodies {
+            scratch.X_WJ[body.at()] = X_WG * *X_GB;
+        }
+    }
+
+    fn is_free(&self, model: &Model, pairs: &PairSet, scratch: &mut HandScratch) -> bool {
+        let collision = scratch.collision.get_or_insert_default();
+        first_collision(&model.collision, &scratch.X_WJ, pairs, 0.0, collision).is_none()
+    }
+}
+
+/// Shares in (0, 1) by number: a half, quarters, eighths.
+fn reversed_bits(number: u32) -> f64 {
+    f64::from(number.reverse_bits()) / 2f64.powi(32)
+}
