@@ -67,7 +67,11 @@ fn partial(
 
 /// Poses of freely moving objects.
 fn poses(item: &Item<'_>, robot: &Robot) -> Result<Vec<(PartIndex, Pose)>, SceneError> {
-    item.keys()?.entries().into_iter().map(|(name, item)| Ok((moving_object(name, &item, robot)?, item.pose()?))).collect()
+    item.keys()?
+        .entries()
+        .into_iter()
+        .map(|(name, item)| Ok((moving_object(name, &item, robot)?, item.pose()?)))
+        .collect()
 }
 
 /// The freely moving object of a name.

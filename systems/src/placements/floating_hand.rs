@@ -7,7 +7,7 @@
 use crate::planning_model::graph::attachment_order::is_beyond;
 use crate::planning_model::model::Model;
 use foliate_components::Pose;
-use foliate_components::constraint::Grasp;
+use foliate_components::constraint::{Grasp, Mask};
 use foliate_components::graph::{ConstraintId, ConstraintKind};
 use foliate_components::pose::exp_so3;
 use foliate_components::robot::JointIndex;
@@ -42,8 +42,10 @@ struct Hand {
     gripper: JointIndex,
     /// What moves with the gripper, and where it is in the gripper's body.
     bodies: Vec<(JointIndex, Pose)>,
-    /// The hand against what is fixed in the world and the object.
-    pairs: PairSet,
+    /// The hand against what is fixed in the world.
+    world: PairSet,
+    /// The hand against the object.
+    object: PairSet,
 }
 
 /// A grasp of the object.
@@ -53,6 +55,8 @@ pub(crate) struct FloatingGrasp {
     pub(crate) constraint: ConstraintId,
     hand: usize,
     grasp: Grasp,
+    /// Whether hand and object are free of each other, where the grasp leaves nothing free.
+    is_free: Option<bool>,
 }
 
 /// Buffers of one thread.
@@ -60,6 +64,22 @@ pub(crate) struct FloatingGrasp {
 pub(crate) struct HandScratch {
     X_WJ: Vec<Pose>,
     collision: Option<CollisionScratch>,
+}
+
+/// Places at which an object is tested that is carried from one pose to another.
+pub(crate) struct Way([Pose; PLACES as usize]);
+
+impl Way {
+    /// Up by `lift`, straight on, and down.
+    pub(crate) fn new(from: &Pose, to: &Pose, lift: DVec3) -> Self {
+        // Places in the middle first: they are blocked most often.
+        Self(std::array::from_fn(|place| {
+            let t = reversed_bits(place as u32 + 1);
+            let up = lift * (4.0 * t.min(1.0 - t)).min(1.0);
+            let X_WO = from.translation.lerp(to.translation, t) + up;
+            Pose::from_parts(X_WO, from.rotation.slerp(to.rotation, t).normalize())
+        }))
+    }
 }
 
 impl FloatingHands {
@@ -76,7 +96,8 @@ impl FloatingHands {
         let mut hands = Self { root, object: pairs, hands: Vec::new(), grasps: Vec::new(), X_WJ, start };
         for (number, record) in (0u32..).zip(&model.graph.constraints) {
             let (constraint, grasped) = (ConstraintId(number), record.kind);
-            let Some(grasp) = model.grasp(constraint).filter(|_| matches!(grasped, ConstraintKind::Grasp { .. })) else {
+            let Some(grasp) = model.grasp(constraint).filter(|_| matches!(grasped, ConstraintKind::Grasp { .. }))
+            else {
                 continue;
             };
             let Some(gripper) = grasp.gripper.joint.filter(|_| grasp.handle.joint == Some(root)) else { continue };
@@ -87,7 +108,14 @@ impl FloatingHands {
                 continue;
             }
             let hand = hands.hand(model, gripper, is_object);
-            hands.grasps.push(FloatingGrasp { constraint, hand, grasp: grasp.clone() });
+            hands.grasps.push(FloatingGrasp { constraint, hand, grasp: grasp.clone(), is_free: None });
+        }
+        let mut scratch = HandScratch::default();
+        for number in 0..hands.grasps.len() {
+            if hands.grasps[number].grasp.mask == Mask::ALL {
+                let free = hands.is_apart(model, (number, &Pose::identity()), &Pose::identity(), &mut scratch);
+                hands.grasps[number].is_free = Some(free);
+            }
         }
         (!hands.grasps.is_empty()).then_some(hands)
     }
@@ -102,8 +130,9 @@ impl FloatingHands {
         let X_GW = self.X_WJ[gripper.at()].inverse();
         let all = (0..robot.joints.len() as u32).map(JointIndex).filter(|&body| with(Some(body)));
         let bodies = all.map(|body| (body, X_GW * self.X_WJ[body.at()])).collect();
-        let pairs = model.pairs_between(|a, b| with(a) && (b.is_none() || is_object(b)));
-        self.hands.push(Hand { gripper, bodies, pairs });
+        let world = model.pairs_between(|a, b| with(a) && b.is_none());
+        let object = model.pairs_between(|a, b| with(a) && is_object(b));
+        self.hands.push(Hand { gripper, bodies, world, object });
         self.hands.len() - 1
     }
 
@@ -131,37 +160,55 @@ impl FloatingHands {
         X_WO: &Pose,
         scratch: &mut HandScratch,
     ) -> bool {
+        let known = self.grasps[grasp].is_free;
+        if !known.unwrap_or_else(|| self.is_apart(model, (grasp, X_GH), X_WO, scratch)) {
+            return false;
+        }
+        let standoff = Pose::from_translation(DVec3::X * self.grasps[grasp].grasp.standoff);
+        [*X_GH, standoff * *X_GH].iter().all(|X_GH| self.hand_is_free(model, (grasp, X_GH), X_WO, scratch))
+    }
+
+    /// Whether hand and object do not collide in a grasp and in front of it.
+    fn is_apart(&self, model: &Model, (grasp, X_GH): (usize, &Pose), X_WO: &Pose, scratch: &mut HandScratch) -> bool {
         let standoff = Pose::from_translation(DVec3::X * self.grasps[grasp].grasp.standoff);
         self.place_object(model, X_WO, scratch);
         [*X_GH, standoff * *X_GH].iter().all(|X_GH| {
             self.place_hand((grasp, X_GH), X_WO, scratch);
-            self.is_free(model, &self.hands[self.grasps[grasp].hand].pairs, scratch)
+            self.is_free(model, &self.hands[self.grasps[grasp].hand].object, scratch)
         })
     }
 
-    /// Whether the hand carries the object from one pose to another: up by `lift`, straight on, and down. Only places
-    /// on the way are tested.
-    pub(crate) fn can_carry(
+    /// Whether the object on its own is free at all places of a way.
+    pub(crate) fn object_passes(&self, model: &Model, way: &Way, scratch: &mut HandScratch) -> bool {
+        way.0.iter().all(|X_WO| self.object_is_free(model, X_WO, scratch))
+    }
+
+    /// Of some grasps, each with the pose of the handle in the gripper, those by which the hand is free all along a way of the object.
+    pub(crate) fn carrying(
+        &self,
+        model: &Model,
+        grasps: impl Iterator<Item = (usize, Pose)>,
+        way: &Way,
+        scratch: &mut HandScratch,
+    ) -> u64 {
+        let mut carries = |(grasp, X_GH): &(usize, Pose)| {
+            way.0.iter().all(|X_WO| self.hand_is_free(model, (*grasp, X_GH), X_WO, scratch))
+        };
+        grasps.filter(&mut carries).fold(0, |all, (grasp, _)| all | 1 << grasp)
+    }
+
+    fn hand_is_free(
         &self,
         model: &Model,
         (grasp, X_GH): (usize, &Pose),
-        (from, to): (&Pose, &Pose),
-        lift: DVec3,
+        X_WO: &Pose,
         scratch: &mut HandScratch,
     ) -> bool {
-        // Places in the middle first: they are blocked most often.
-        (1..=PLACES).map(|place| reversed_bits(place)).all(|t| {
-            let up = lift * (4.0 * t.min(1.0 - t)).min(1.0);
-            let X_WO = Pose::from_parts(
-                from.translation.lerp(to.translation, t) + up,
-                from.rotation.slerp(to.rotation, t).normalize(),
-            );
-            self.place_object(model, &X_WO, scratch);
-            self.is_free(model, &self.object, scratch) && {
-                self.place_hand((grasp, X_GH), &X_WO, scratch);
-                self.is_free(model, &self.hands[self.grasps[grasp].hand].pairs, scratch)
-            }
-        })
+        if scratch.X_WJ.len() != self.X_WJ.len() {
+            scratch.X_WJ.clone_from(&self.X_WJ);
+        }
+        self.place_hand((grasp, X_GH), X_WO, scratch);
+        self.is_free(model, &self.hands[self.grasps[grasp].hand].world, scratch)
     }
 
     fn place_object(&self, model: &Model, X_WO: &Pose, scratch: &mut HandScratch) {

@@ -2,12 +2,12 @@
 //!
 //! Of each object the relaxed problem has two trees of placements: those that floating hands reach from the start's placement, and
 //! those from which they reach a goal's. Each draw lies between a member of one tree and a member of the other, and is tested
-//! against both. What is in both trees is a *bridge*: the object can be brought there by some grasps, and taken away by
-//! some. The placements that lead to a bridge within its two trees are bridges too. Where hands carry the object from the
-//! start to the goal at once nothing is drawn: no placement between is needed for their sake.
+//! against both. What is in both trees connects start and goal; of the placements on the way, those at which the grasp
+//! has to change are *bridges*: the object can be brought there by some grasps, and taken away by others. Where hands carry the
+//! object from the start to the goal at once nothing is drawn: no placement between is needed for their sake.
 
 use crate::placements::drawing::Resting;
-use crate::placements::floating_hand::{FloatingHands, HandScratch};
+use crate::placements::floating_hand::{FloatingHands, HandScratch, Way};
 use crate::planning_model::model::Model;
 use crate::runtime::random::{Purpose, stream};
 use bevy_ecs::prelude::Resource;
@@ -23,13 +23,13 @@ pub(crate) const BATCH: u32 = 64;
 const MOST_DRAWS: u32 = 1 << 17;
 
 /// Members of a relaxed tree at most.
-const MOST_MEMBERS: usize = 256;
+const MOST_MEMBERS: usize = 128;
 
 /// Bridges of an object at most.
 const MOST_BRIDGES: usize = 512;
 
 /// Nothing is drawn while so many bridges are worth a try.
-const ENOUGH: usize = 24;
+const ENOUGH: usize = 8;
 
 /// A bridge is worth a try until it has been tried so often, or reached from both sides.
 const PATIENCE: u32 = 24;
@@ -85,7 +85,7 @@ struct Member {
     graspable: u64,
     /// The member next to the root, and the grasps by which the object gets from one to the other; none for the root.
     parent: Option<(usize, u64)>,
-    is_bridge: bool,
+    is_between: bool,
 }
 
 /// A placement worth aiming at.
@@ -139,7 +139,7 @@ impl ObjectPlacements {
         let mut rng = stream(0, Purpose::PLACEMENT, u64::from(object), u32::MAX);
         let mut member = |X_WO: &Pose| {
             let graspable = graspable(model, &hands, X_WO, &mut rng, &mut scratch);
-            Member { X_WO: *X_WO, graspable, parent: None, is_bridge: true }
+            Member { X_WO: *X_WO, graspable, parent: None, is_between: true }
         };
         let members = [starts, goals].map(|poses| poses.iter().map(&mut member).collect::<Vec<_>>());
         let mut new = Self { object, resting, hands, members, bridges: Vec::new(), draws: 0, is_drawn: false };
@@ -176,7 +176,11 @@ impl ObjectPlacements {
             let mut rng = stream(0, Purpose::PLACEMENT, u64::from(self.object), u32::MAX - 2 - number);
             let common = start.graspable & goal.graspable;
             // Three lifts: one that fails says little.
-            (0..3).any(|_| self.carrying(model, (&start.X_WO, &goal.X_WO), common, &mut rng, &mut scratch) != 0)
+            (0..3).any(|_| {
+                let way = self.way(model, (&start.X_WO, &goal.X_WO), &mut rng);
+                self.hands.object_passes(model, &way, &mut scratch)
+                    && self.carrying(model, common, &way, &mut rng, &mut scratch) != 0
+            })
         })
     }
 
@@ -195,8 +199,10 @@ impl ObjectPlacements {
             let mut rng = stream(seed, Purpose::PLACEMENT, u64::from(here.object), first + number);
             here.draw(model, &mut rng, scratch)
         };
-        let drawn: Vec<Option<Drawn>> =
-            (0..BATCH).into_par_iter().map_init(HandScratch::default, |scratch, number| draw(scratch, number)).collect();
+        let drawn: Vec<Option<Drawn>> = (0..BATCH)
+            .into_par_iter()
+            .map_init(HandScratch::default, |scratch, number| draw(scratch, number))
+            .collect();
         self.draws += BATCH;
         for drawn in drawn.into_iter().flatten() {
             self.add(&drawn);
@@ -214,72 +220,75 @@ impl ObjectPlacements {
         if !self.hands.object_is_free(model, &X_WO, scratch) {
             return None;
         }
+        let ways = [a, b].map(|end| self.way(model, (&end.X_WO, &X_WO), rng));
+        let passes = [0, 1].map(|side| self.hands.object_passes(model, &ways[side], scratch));
+        // Where a tree takes no more members only what connects both is of use.
+        let takes = |side: usize| self.members[side].len() < MOST_MEMBERS;
+        if !(passes[0] && passes[1] || [0, 1].into_iter().any(|side| passes[side] && takes(side))) {
+            return None;
+        }
         let graspable = graspable(model, &self.hands, &X_WO, rng, scratch);
         let mut reached = [(0, 0); 2];
         for (side, end) in [a, b].into_iter().enumerate() {
-            let common = graspable & end.graspable;
-            reached[side] = (ends[side], self.carrying(model, (&end.X_WO, &X_WO), common, rng, scratch));
+            let grasps = if passes[side] { graspable & end.graspable } else { 0 };
+            reached[side] = (ends[side], self.carrying(model, grasps, &ways[side], rng, scratch));
         }
         (reached[0].1 | reached[1].1 != 0).then_some(Drawn { X_WO, graspable, reached })
     }
 
-    /// The grasps, of `grasps`, by which hands carry the object from one placement to another.
-    fn carrying(
-        &self,
-        model: &Model,
-        (from, to): (&Pose, &Pose),
-        grasps: u64,
-        rng: &mut impl RngExt,
-        scratch: &mut HandScratch,
-    ) -> u64 {
+    /// A way from one placement to another, as high as it may be drawn.
+    fn way(&self, model: &Model, (from, to): (&Pose, &Pose), rng: &mut impl RngExt) -> Way {
         let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
         let high = rng.random::<f64>().powi(2) * from.translation.distance(to.translation);
         let lift = self.resting.normal(from, &mut X_WJ) * (high + model.problem.graph.preplacement_distance);
-        bits(grasps)
-            .filter(|&grasp| {
-                let X_GH = self.hands.draw_turn(grasp, rng);
-                self.hands.can_carry(model, (grasp, &X_GH), (from, to), lift, scratch)
-            })
-            .fold(0, |all, grasp| all | 1 << grasp)
+        Way::new(from, to, lift)
+    }
+
+    /// The grasps, of `grasps`, by which hands are free along a way of the object.
+    fn carrying(&self, model: &Model, grasps: u64, way: &Way, rng: &mut impl RngExt, scratch: &mut HandScratch) -> u64 {
+        let turned = bits(grasps).map(|grasp| (grasp, self.hands.draw_turn(grasp, rng)));
+        self.hands.carrying(model, turned, way, scratch)
     }
 
     fn add(&mut self, drawn: &Drawn) {
         let [by_start, by_goal] = drawn.reached.map(|(_, grasps)| grasps);
-        let is_bridge = by_start != 0 && by_goal != 0;
+        let is_between = by_start != 0 && by_goal != 0;
         for side in [0, 1] {
             let (parent, grasps) = drawn.reached[side];
-            if is_bridge {
-                self.bridge_to(side, parent, grasps);
+            if is_between {
+                self.bridge_to(side, parent, held_on(by_start, by_goal).unwrap_or(grasps));
             }
             if grasps != 0 && self.members[side].len() < MOST_MEMBERS {
                 let (X_WO, graspable) = (drawn.X_WO, drawn.graspable);
-                self.members[side].push(Member { X_WO, graspable, parent: Some((parent, grasps)), is_bridge });
+                let parent = Some((parent, grasps));
+                self.members[side].push(Member { X_WO, graspable, parent, is_between });
             }
         }
-        if is_bridge && self.bridges.len() < MOST_BRIDGES {
-            let parameter = self.resting.parameter(&drawn.X_WO);
-            self.bridges.push(Bridge::new(parameter, [by_start, by_goal], false));
+        if is_between && held_on(by_start, by_goal).is_none() {
+            self.add_bridge(&drawn.X_WO, [by_start, by_goal]);
         }
     }
 
-    /// Makes a member of a tree a bridge, and those between it and the root. `onward` are the grasps by which the object leaves it.
+    fn add_bridge(&mut self, X_WO: &Pose, grasps: [u64; 2]) {
+        if self.bridges.len() < MOST_BRIDGES {
+            self.bridges.push(Bridge::new(self.resting.parameter(X_WO), grasps, false));
+        }
+    }
+
+    /// Start and goal are connected by a member of a tree: makes bridges of those between it and the root at which the grasp has to
+    /// change. `onward` are the grasps by which the object leaves it.
     fn bridge_to(&mut self, side: usize, member: usize, mut onward: u64) {
         let mut at = member;
-        while let Some((parent, grasps)) = self.members[side][at].parent.filter(|_| !self.members[side][at].is_bridge) {
-            self.members[side][at].is_bridge = true;
-            let mut by_side = [0; 2];
-            by_side[side] = grasps;
-            by_side[1 - side] = onward;
-            let parameter = self.resting.parameter(&self.members[side][at].X_WO);
-            self.bridges.push(Bridge::new(parameter, by_side, false));
-            (at, onward) = (parent, grasps);
+        while let Some((parent, grasps)) = self.members[side][at].parent.filter(|_| !self.members[side][at].is_between)
+        {
+            self.members[side][at].is_between = true;
+            if held_on(grasps, onward).is_none() {
+                let by_side = if side == 0 { [grasps, onward] } else { [onward, grasps] };
+                let X_WO = self.members[side][at].X_WO;
+                self.add_bridge(&X_WO, by_side);
+            }
+            (at, onward) = (parent, held_on(grasps, onward).unwrap_or(grasps));
         }
-    }
-
-    /// How many placements each relaxed tree has, and how many bridges there are.
-    #[cfg(debug_assertions)]
-    pub(crate) fn counts(&self) -> (usize, usize, usize) {
-        (self.members[0].len(), self.members[1].len(), self.bridges.len())
     }
 }
 
@@ -297,6 +306,11 @@ fn graspable(
             hands.can_grasp(model, (grasp, &X_GH), X_WO, scratch)
         })
         .fold(0, |all, grasp| all | 1 << grasp)
+}
+
+/// The grasps by which the object arrives and leaves alike; nothing where the grasp has to change.
+fn held_on(arriving: u64, leaving: u64) -> Option<u64> {
+    Some(arriving & leaving).filter(|&both| both != 0)
 }
 
 /// The numbers of the bits that are set.

@@ -84,7 +84,9 @@ fn grow(objects: &mut [ObjectPlacements], model: &Model, seed: u64) {
     wanting.sort_by_key(|object| (object.draws, object.object));
     for object in wanting.into_iter().take(BATCHES) {
         for _ in 0..BATCHES {
-            object.draw_batch(model, seed);
+            if object.wants_draws() {
+                object.draw_batch(model, seed);
+            }
         }
     }
 }

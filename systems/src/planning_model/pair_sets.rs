@@ -43,10 +43,7 @@ impl Model {
     }
 
     /// The pairs of shapes of two bodies that are `wanted` (`None` is the world), without margins.
-    pub(crate) fn pairs_between(
-        &self,
-        wanted: impl Fn(Option<JointIndex>, Option<JointIndex>) -> bool,
-    ) -> PairSet {
+    pub(crate) fn pairs_between(&self, wanted: impl Fn(Option<JointIndex>, Option<JointIndex>) -> bool) -> PairSet {
         self.all_pairs.between(&self.collision, wanted)
     }
 
