@@ -71,6 +71,8 @@ pub(crate) struct ObjectPlacements {
     /// By side: the relaxed trees.
     members: [Vec<Member>; 2],
     pub(crate) bridges: Vec<Bridge>,
+    /// By side and grasp: candidates that were to grasp the object where it rests in start or goal.
+    pub(crate) approaches: [Vec<u32>; 2],
     /// Draws so far.
     pub(crate) draws: u32,
     /// Whether placements are drawn: not where hands carry the object from start to goal at once.
@@ -142,7 +144,9 @@ impl ObjectPlacements {
             Member { X_WO: *X_WO, graspable, parent: None, is_between: true }
         };
         let members = [starts, goals].map(|poses| poses.iter().map(&mut member).collect::<Vec<_>>());
-        let mut new = Self { object, resting, hands, members, bridges: Vec::new(), draws: 0, is_drawn: false };
+        let approaches = [0, 1].map(|_| vec![0; hands.grasps.len()]);
+        let bridges = Vec::new();
+        let mut new = Self { object, resting, hands, members, bridges, approaches, draws: 0, is_drawn: false };
         new.suggest(model, &mut scratch);
         new.is_drawn = new.members.iter().all(|members| !members.is_empty()) && !new.can_be_carried_at_once(model);
         (new.is_drawn || !new.bridges.is_empty()).then_some(new)
@@ -182,6 +186,17 @@ impl ObjectPlacements {
                     && self.carrying(model, common, &way, &mut rng, &mut scratch) != 0
             })
         })
+    }
+
+    /// By grasp by which hands can hold the object at a side's root: how many bridges that are worth a try want it.
+    pub(crate) fn wanted_at_root(&self, side: Side) -> impl Iterator<Item = (usize, f64)> {
+        let graspable = self.members[side as usize].iter().filter(|member| member.parent.is_none());
+        let graspable = graspable.fold(0, |all, member| all | member.graspable);
+        let wants = move |grasp: usize| {
+            let wanting = self.bridges.iter().filter(|b| b.is_fresh() && b.grasps[side as usize] & 1 << grasp != 0);
+            (grasp, wanting.count() as f64)
+        };
+        bits(graspable).map(wants)
     }
 
     /// Whether more draws are wanted.

@@ -1,7 +1,7 @@
 //! The systems of the pool of placements: it grows before set Select chooses, candidates are aimed at it, and what came of them is
 //! counted after set Validate.
 
-use crate::exploration::reached_leaves::ReachedLeaves;
+use crate::exploration::reached_leaves::{ReachedLeaves, StateLeaves};
 use crate::exploration::roadmap_query::roadmap_in;
 use crate::exploration::roots::Roots;
 use crate::exploration::writer;
@@ -14,7 +14,7 @@ use bevy_ecs::prelude::{Entity, Mut, Query, Res, ResMut, With, World};
 use foliate_components::Pose;
 use foliate_components::candidate::{Candidate, CandidateArena};
 use foliate_components::graph::leaf::{Leaf, LeafId, LeafIndex};
-use foliate_components::graph::{ConstraintId, TransitionId, TransitionKind};
+use foliate_components::graph::{ConstraintId, Transition, TransitionId, TransitionKind};
 use foliate_components::roadmap::{NodeId, TreeId};
 use rand::RngExt;
 use rand::seq::IndexedRandom;
@@ -27,6 +27,12 @@ const BATCHES: usize = 4;
 
 /// Of so many candidates one aims at the pool, where there is anything to aim at.
 const AIMING: u64 = 4;
+
+/// Of those the share that grasps the object in start or goal by a grasp that bridges want, while there is one.
+const APPROACHING: f64 = 0.35;
+
+/// A grasp is approached half as often after so many tries.
+const APPROACH_PATIENCE: f64 = 16.0;
 
 /// Placements of an object in goals that are told apart.
 const MOST_GOALS: usize = 8;
@@ -91,10 +97,8 @@ fn grow(objects: &mut [ObjectPlacements], model: &Model, seed: u64) {
     }
 }
 
-/// Where a side holds an object by a grasp.
+/// A leaf on which the object is held, and where it is to be set down.
 struct Holding {
-    side: Side,
-    tree: TreeId,
     leaf: LeafId,
     bridge: usize,
 }
@@ -115,18 +119,86 @@ fn aim(world: &mut World, model: &Model, objects: &mut [ObjectPlacements], aims:
         let number = rng.random_range(0..objects.len());
         let object = &mut objects[number];
         let side = if rng.random() { Side::Start } else { Side::Goal };
-        let Some(holding) = choose(world, model, object, side, &mut rng) else { continue };
-        let Some((transition, target)) = release(world, model, object, &holding) else { continue };
-        let bridge = &mut object.bridges[holding.bridge];
-        bridge.tries[side as usize] += 1;
-        aims.push(Aim { candidate: index as usize, object: number, bridge: holding.bridge, side: holding.side });
+        let held = held_grasps(world, model, object, side);
+        let aim = match rng.random::<f64>() < APPROACHING {
+            true => approach(world, model, object, (side, held), &mut rng),
+            false => None,
+        };
+        let aim = aim.or_else(|| {
+            let holding = choose(world, model, object, (side, held), &mut rng)?;
+            let (transition, target) = release(world, model, object, &holding)?;
+            object.bridges[holding.bridge].tries[side as usize] += 1;
+            aims.push(Aim { candidate: index as usize, object: number, bridge: holding.bridge, side });
+            Some((holding.leaf, transition, Some(target)))
+        });
+        let Some((leaf, transition, target)) = aim else { continue };
+        let tree = side_of(world, side);
         if let Some(mut candidate) = world.get_mut::<Candidate>(entity) {
-            candidate.tree = Some(holding.tree);
-            candidate.leaf = Some(holding.leaf);
+            candidate.tree = tree;
+            candidate.leaf = Some(leaf);
             candidate.transition = Some(transition);
-            candidate.target_leaf = Some(target);
+            candidate.target_leaf = target;
         }
     }
+}
+
+/// The root of a side.
+fn root_of(world: &World, side: Side) -> Option<NodeId> {
+    let roots = world.resource::<Roots>();
+    match side {
+        Side::Start => roots.start,
+        Side::Goal => roots.goals.first().copied(),
+    }
+}
+
+fn side_of(world: &World, side: Side) -> Option<TreeId> {
+    Some(roadmap_in(world).side_of(root_of(world, side)?))
+}
+
+/// The leaves that a side has reached in states in which the object is held by a grasp.
+fn held_by<'w>(
+    world: &'w World,
+    model: &'w Model,
+    side: Side,
+    constraint: ConstraintId,
+) -> impl Iterator<Item = &'w StateLeaves> {
+    let reached = side_of(world, side).map_or(&[][..], |tree| world.resource::<ReachedLeaves>().of_tree(tree));
+    reached.iter().filter(move |leaves| model.graph.state(leaves.state).manifold.contains(&constraint))
+}
+
+/// The grasps by which a side has held the object.
+fn held_grasps(world: &World, model: &Model, object: &ObjectPlacements, side: Side) -> u64 {
+    let is_held = |grasp: &usize| {
+        let constraint = object.hands.grasps[*grasp].constraint;
+        held_by(world, model, side, constraint).next().is_some()
+    };
+    (0..object.hands.grasps.len()).filter(is_held).fold(0, |all, grasp| all | 1 << grasp)
+}
+
+/// A grasp of the object where it rests in start or goal that bridges want and by which the side has not held it yet.
+fn approach(
+    world: &World,
+    model: &Model,
+    object: &mut ObjectPlacements,
+    (side, held): (Side, u64),
+    rng: &mut impl RngExt,
+) -> Option<(LeafId, TransitionId, Option<LeafId>)> {
+    let tries = &object.approaches[side as usize];
+    let weigh = |(grasp, wanted): (usize, f64)| match held & 1 << grasp == 0 {
+        true => (grasp, wanted / (1.0 + f64::from(tries[grasp]) / APPROACH_PATIENCE)),
+        false => (grasp, 0.0),
+    };
+    let choices: Vec<_> = object.wanted_at_root(side).map(weigh).collect();
+    let grasp = draw(&choices, rng.random())?;
+    object.approaches[side as usize][grasp] += 1;
+    let wanted = object.hands.grasps[grasp].constraint;
+    let root = roadmap_in(world).node(root_of(world, side)?);
+    let leads = |transition: &Transition| {
+        let holds = |state| model.graph.state(state).manifold.contains(&wanted);
+        transition.kind == TransitionKind::Regular && holds(transition.to) && !holds(transition.from)
+    };
+    let leading: Vec<_> = model.graph.leaving(root.state).filter(|(_, t)| leads(t)).map(|(id, _)| id).collect();
+    Some((root.leaf, *leading.choose(rng)?, None))
 }
 
 /// Chooses a placement, and a leaf on which the side holds the object by a grasp that fits.
@@ -134,32 +206,20 @@ fn choose(
     world: &World,
     model: &Model,
     object: &ObjectPlacements,
-    side: Side,
+    (side, held): (Side, u64),
     rng: &mut impl RngExt,
 ) -> Option<Holding> {
-    let (roots, roadmap) = (world.resource::<Roots>(), roadmap_in(world));
-    let root = match side {
-        Side::Start => roots.start?,
-        Side::Goal => *roots.goals.first()?,
-    };
-    let tree = roadmap.side_of(root);
-    let reached = world.resource::<ReachedLeaves>().of_tree(tree);
-    let held = |grasp: usize| {
-        let constraint = object.hands.grasps[grasp].constraint;
-        reached.iter().filter(move |leaves| model.graph.state(leaves.state).manifold.contains(&constraint))
-    };
-    let possible = (0..object.hands.grasps.len()).filter(|&grasp| held(grasp).next().is_some());
-    let possible = possible.fold(0u64, |all, grasp| all | 1 << grasp);
     let weigh = |bridge: usize| {
         let entry = &object.bridges[bridge];
-        (bridge, if entry.grasps[side as usize] & possible == 0 { 0.0 } else { entry.weight(side) })
+        (bridge, if entry.grasps[side as usize] & held == 0 { 0.0 } else { entry.weight(side) })
     };
     let choices: Vec<_> = (0..object.bridges.len()).map(weigh).collect();
     let bridge = draw(&choices, rng.random())?;
-    let fitting: Vec<usize> = bits(object.bridges[bridge].grasps[side as usize] & possible).collect();
-    let states: Vec<_> = held(*fitting.choose(rng)?).collect();
+    let fitting: Vec<usize> = bits(object.bridges[bridge].grasps[side as usize] & held).collect();
+    let constraint = object.hands.grasps[*fitting.choose(rng)?].constraint;
+    let states: Vec<_> = held_by(world, model, side, constraint).collect();
     let leaf = *states.choose(rng)?.leaves.choose(rng)?;
-    Some(Holding { side, tree, leaf, bridge })
+    Some(Holding { leaf, bridge })
 }
 
 /// The crossed transition that sets the object down, and the leaf that it then lies on.
@@ -171,7 +231,7 @@ fn release(
 ) -> Option<(TransitionId, LeafId)> {
     let placed = object.resting.constraint;
     let from = world.resource::<LeafIndex>().leaf(holding.leaf).clone();
-    let leads = |&(_, transition): &(TransitionId, &foliate_components::graph::Transition)| {
+    let leads = |&(_, transition): &(TransitionId, &Transition)| {
         transition.kind == TransitionKind::Crossed && transition.adds == [placed]
     };
     let (id, transition) = model.graph.leaving(from.state).find(leads)?;
