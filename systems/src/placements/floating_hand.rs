@@ -108,7 +108,7 @@ impl FloatingHands {
                 continue;
             }
             let hand = hands.hand(model, gripper, is_object);
-            hands.grasps.push(FloatingGrasp { constraint, hand, grasp: grasp.clone(), is_free: None });
+            hands.grasps.push(FloatingGrasp { constraint, hand, grasp: *grasp, is_free: None });
         }
         let mut scratch = HandScratch::default();
         for number in 0..hands.grasps.len() {
