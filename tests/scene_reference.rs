@@ -62,6 +62,8 @@ fn the_example_loads_as_the_page_says() {
     assert_eq!(problem.cost, CostOptions { motion: MotionCost::Duration, grasp_charge: 3.0 });
     assert_eq!(problem.start[0], 0.1);
     assert_eq!(problem.goals.len(), 4);
+    let suggested: Vec<f64> = problem.suggestions.iter().map(|(_, pose)| pose.translation.x).collect();
+    assert_eq!((robot.parts[problem.suggestions[0].0.at()].name.as_str(), suggested), ("box", vec![0.5, 0.6]));
     let Goal::Configuration(whole) = &problem.goals[0] else { panic!("the first goal is whole") };
     assert_eq!((whole[0], whole[19]), (0.1, 0.2));
     assert!(matches!(&problem.goals[1], Goal::Partial(goal) if goal.poses.len() == 2));
@@ -81,7 +83,7 @@ fn every_key_that_is_read_is_in_the_example_and_described() {
                 when allow placement_margin preplacement_distance plane frame pair distance configuration handles surfaces xyz rpy \
                 quaternion frame to value parameter at_least at_most length parts polygon margin first second height joint \
                 everywhere state constraints transition from legs within until short hands fingers open closed travel resting_joints velocity_limits acceleration_limits \
-                timing velocity_scale velocity acceleration ramp jerk_ramp dwell cost motion grasp_charge";
+                timing velocity_scale velocity acceleration ramp jerk_ramp dwell cost motion grasp_charge suggest";
     let kinds = "\"pose\" \"centre_of_mass\" \"centre_of_mass_between\" \"distance\" \"joint\" \"start\" \"stays\"";
     let keys = format!("{keys} {kinds}");
     let tables = REFERENCE.replacen(example(), "", 1);
@@ -128,6 +130,8 @@ fn mistakes_are_told_with_line_key_and_a_way_out() {
             "exactly one rotation",
         ),
         ("root_bounds = [[0.2, 1.0],", "root_bounds = [[1.2, 1.0],", "part[2].root_bounds[0]", "above the upper"),
+        ("[suggest]\nbox = [", "[suggest]\nbax = [", "suggest.bax", "did you mean `box`?"),
+        ("[suggest]\nbox = [{ xyz = [0.5, 0.0,", "[suggest]\nbox = [{ xyz = [0.5,", "suggest.box[0].xyz", "3"),
         ("velocity_scale = 0.5", "velocity_scale = 1.5", "timing.velocity_scale", "above 1"),
         ("velocity_scale = 0.5", "velocity_scale = 0", "timing.velocity_scale", "not above 0"),
         ("ramp = 0.4", "rampe = 0.4", "timing.rampe", "did you mean `ramp`?"),

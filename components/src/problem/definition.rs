@@ -28,6 +28,9 @@ pub struct Problem {
     pub start: Vec<f64>,
     /// At least one goal; reaching any of them solves the problem.
     pub goals: Vec<Goal>,
+    /// Poses in the world of movable objects' root links that may help on the way: each is laid onto the nearest support, and
+    /// searches try to put the object down there. They are never needed and never trusted.
+    pub suggestions: Vec<(PartIndex, Pose)>,
     /// How fast joints may move, and how long hands take.
     pub timing: TimingOptions,
     /// What a path costs.
@@ -46,6 +49,7 @@ impl Problem {
             margins: Vec::new(),
             start,
             goals,
+            suggestions: Vec::new(),
             timing: TimingOptions::default(),
             cost: CostOptions::default(),
         }

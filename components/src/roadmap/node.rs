@@ -18,7 +18,7 @@ pub struct RoadmapNode {
     pub leaf: LeafId,
     /// Tree in which it was born.
     pub tree: TreeId,
-    /// Search side: the tree, as born, of the start or the goal on whose behalf the node's tree grows. The tree itself
-    /// where it is one of these.
+    /// Search side: the tree, as born, of the start or of the first goal, on whose behalf the node's tree grows. All goals are
+    /// one side.
     pub side: TreeId,
 }

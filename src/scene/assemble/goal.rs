@@ -1,6 +1,6 @@
 //! `[[goal]]`: whole configurations, or requirements on any.
 
-use super::written::several;
+use crate::scene::assemble::graph::written::several;
 use crate::scene::assemble::names::configuration::{Reader, coordinate_names};
 use crate::scene::reading::error::{SceneError, did_you_mean, quoted};
 use crate::scene::reading::keys::{Item, Keys};
@@ -67,16 +67,21 @@ fn partial(
 
 /// Poses of freely moving objects.
 fn poses(item: &Item<'_>, robot: &Robot) -> Result<Vec<(PartIndex, Pose)>, SceneError> {
+    item.keys()?
+        .entries()
+        .into_iter()
+        .map(|(name, item)| Ok((moving_object(name, &item, robot)?, item.pose()?)))
+        .collect()
+}
+
+/// The freely moving object of a name.
+pub(super) fn moving_object(name: &str, item: &Item<'_>, robot: &Robot) -> Result<PartIndex, SceneError> {
     let moves = |p: &foliate_components::robot::Part| p.kind == PartKind::Object && p.root == RootJoint::FreeFlyer;
-    let mut poses = Vec::new();
-    for (name, item) in item.keys()?.entries() {
-        let part = robot.parts.iter().position(|p| p.name == name && moves(p)).ok_or_else(|| {
-            let known = robot.parts.iter().filter(|p| moves(p)).map(|p| p.name.as_str());
-            item.error("there is no freely moving object of this name").hint(did_you_mean(name, known))
-        })?;
-        poses.push((PartIndex(part as u32), item.pose()?));
-    }
-    Ok(poses)
+    let part = robot.parts.iter().position(|p| p.name == name && moves(p)).ok_or_else(|| {
+        let known = robot.parts.iter().filter(|p| moves(p)).map(|p| p.name.as_str());
+        item.error("there is no freely moving object of this name").hint(did_you_mean(name, known))
+    })?;
+    Ok(PartIndex(part as u32))
 }
 
 /// Numbers of a configuration by name. Of a rotation all four are named or none.

@@ -1,8 +1,9 @@
 //! Reads a scene file table by table and composes its problem.
 
+use crate::scene::assemble::graph::options;
 use crate::scene::assemble::names::{configuration, locked};
 use crate::scene::assemble::scene::{Loader, Scene, SceneFile, SceneOrigin};
-use crate::scene::assemble::{goal, graph, pairs, part, timing};
+use crate::scene::assemble::{goal, pairs, part, suggest, timing};
 use crate::scene::mesh::meshes::Meshes;
 use crate::scene::reading::error::{SceneError, quoted};
 use crate::scene::reading::input;
@@ -51,13 +52,15 @@ pub(crate) fn load(name: &str, text: &str, base: SceneBase, packages: &PackagePa
     let locks = locked::read(&mut keys, &robot)?;
     let reader = configuration::Reader { robot: &robot, locked: &locks.at_values, order: order.as_deref() };
     let start = reader.start(&keys.required("start")?)?;
-    let graph = graph::read(&mut keys, &robot, &start, &locks)?;
+    let graph = options::read(&mut keys, &robot, &start, &locks)?;
     let reader = configuration::Reader { locked: &graph.locked, ..reader };
     let goals = goal::read(&keys.required("goal")?, &reader, &start, &graph.constraints)?;
     let timing = timing::timing(&mut keys, &robot, parts.iter().map(|p| (p.placement.name.as_str(), &p.rates)))?;
     let cost = timing::cost(&mut keys)?;
+    let suggestions = suggest::read(&mut keys, &robot)?;
     keys.finish()?;
-    let problem = Problem { name: scene_name, robot, graph, ignored_pairs, margins, start, goals, timing, cost };
+    let problem =
+        Problem { name: scene_name, robot, graph, ignored_pairs, margins, start, goals, suggestions, timing, cost };
     let parts = parts.into_iter().map(|p| p.source).collect();
     loader.warnings.extend(loader.meshes.finish());
     Ok(Scene { problem, description, parts, warnings: loader.warnings, file: None })

@@ -3,6 +3,7 @@
 use bevy_ecs::prelude::{Schedule, World};
 use foliate_systems::goals::systems::draw_more_goals;
 use foliate_systems::heuristic::systems;
+use foliate_systems::placements::systems::{aim_at_placements, learn_from_placements};
 use foliate_systems::schedule::{SearchSet, StepSystems};
 use foliate_systems::search::scheduler::Scheduler;
 use foliate_systems::step::connection::connect;
@@ -35,6 +36,7 @@ pub fn step_systems() -> StepSystems {
                 selection::gather_weights,
                 systems::measure_leaves,
                 systems::choose_leaves,
+                aim_at_placements,
                 selection::select_nodes,
                 selection::select_transitions,
             ),
@@ -42,7 +44,7 @@ pub fn step_systems() -> StepSystems {
         .in_set(SearchSet::Rendezvous, (rendezvous::draw_leaves,))
         .in_set(SearchSet::Project, (project::project_waypoints,))
         .in_set(SearchSet::Steer, (waypoints::check_waypoints, steering::steer_legs))
-        .in_set(SearchSet::Validate, (validation::certify_legs,))
+        .in_set(SearchSet::Validate, (validation::certify_legs, learn_from_placements))
         .in_set(SearchSet::Commit, (commit::commit_extensions, draw_more_goals))
         .in_set(
             SearchSet::Connect,

@@ -25,10 +25,11 @@ pub fn expand(world: &mut World, state: StateId) {
     }
 }
 
-/// Adds a root node: a start or a goal. Its parameters must be interned already.
-pub fn add_root(world: &mut World, q: &[f64], leaf: Leaf) -> NodeId {
+/// Adds a root node: a start, or a goal. All goals are one search side, that of the first of them: however many configurations
+/// there are of a goal that leaves something free, the start gets half of the effort. Its parameters must be interned already.
+pub fn add_root(world: &mut World, q: &[f64], leaf: Leaf, first_goal: Option<NodeId>) -> NodeId {
     let leaf_id = intern_leaf(world, leaf);
-    let node = add_node(world, q, leaf_id, Born::AsRoot);
+    let node = add_node(world, q, leaf_id, first_goal.map_or(Born::AsRoot, Born::OnSideOf));
     world.resource_mut::<NewNodes>().0.push(node);
     node
 }

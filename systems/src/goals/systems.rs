@@ -15,13 +15,28 @@ use bevy_ecs::prelude::{Mut, World};
 use foliate_components::graph::leaf::{Leaf, LeafIndex};
 use foliate_components::roadmap::NodeId;
 
-/// Makes a start or a goal the root of a tree.
-pub(crate) fn add_feasible_root(world: &mut World, root: Feasible) -> NodeId {
+/// Makes a start and goals the roots of trees.
+pub(crate) fn add_start_and_goals(world: &mut World, start: Option<Feasible>, goals: Vec<Feasible>) {
+    let start = start.map(|start| add_feasible_root(world, start, None));
+    world.insert_resource(Roots { start, goals: Vec::new() });
+    for goal in goals {
+        add_goal(world, goal);
+    }
+}
+
+/// Makes a goal the root of a tree, on the side of the first goal.
+fn add_goal(world: &mut World, goal: Feasible) {
+    let first_goal = world.resource::<Roots>().goals.first().copied();
+    let root = add_feasible_root(world, goal, first_goal);
+    world.resource_mut::<Roots>().goals.push(root);
+}
+
+fn add_feasible_root(world: &mut World, root: Feasible, first_goal: Option<NodeId>) -> NodeId {
     writer::spawn_graph(world);
     let tolerance = world.resource::<SearchSettings>().projection_tolerance;
     let mut index = world.resource_mut::<LeafIndex>();
     let parameters = root.parameters.into_iter().map(|p| index.intern_parameter(p, tolerance)).collect();
-    let node = writer::add_root(world, &root.q, Leaf { state: root.state, parameters });
+    let node = writer::add_root(world, &root.q, Leaf { state: root.state, parameters }, first_goal);
     if let Some(given) = root.given {
         world.resource_mut::<GivenRoots>().0.push((node, given));
     }
@@ -43,16 +58,15 @@ pub fn draw_more_goals(world: &mut World) {
         });
         writer::spawn_graph(world);
         for goal in found {
-            add_goal_root(world, goal);
+            add_new_goal(world, goal);
         }
     });
 }
 
-fn add_goal_root(world: &mut World, goal: Feasible) {
+fn add_new_goal(world: &mut World, goal: Feasible) {
     let (roadmap, roots) = (roadmap_in(world), world.resource::<Roots>());
     if roots.goals.iter().any(|&root| roadmap.configuration(root) == goal.q) {
         return;
     }
-    let root = add_feasible_root(world, goal);
-    world.resource_mut::<Roots>().goals.push(root);
+    add_goal(world, goal);
 }

@@ -5,7 +5,7 @@ use crate::planning_model::model::Model;
 use foliate_components::Pose;
 use foliate_components::constraint::Frame;
 use foliate_components::graph::{ConstraintKind, StateId, TransitionId};
-use foliate_components::robot::{LinkIndex, Robot, ShapeIndex};
+use foliate_components::robot::{JointIndex, LinkIndex, Robot, ShapeIndex};
 use foliate_kernels::collision::{
     CollisionScratch, Contact, PairId, PairSet, RigidPair, all_collisions, first_collision, rigid_collisions,
 };
@@ -40,6 +40,11 @@ impl Model {
             let touching = self.touching_along(transition);
             with_rigid_pairs(PairSet::new(&self.collision, rigid_attachments, &touching))
         })
+    }
+
+    /// The pairs of shapes of two bodies that are `wanted` (`None` is the world), without margins.
+    pub(crate) fn pairs_between(&self, wanted: impl Fn(Option<JointIndex>, Option<JointIndex>) -> bool) -> PairSet {
+        self.all_pairs.between(&self.collision, wanted)
     }
 
     /// What motions in a state keep together, though it is carried by neither: a second hand and what it holds, say.

@@ -25,6 +25,11 @@ impl Purpose {
     /// How far from the near node the search for the waypoints of a lazy extension starts.
     pub const LAZY_EXTENSION: Self = Self(8);
 
+    /// Drawing placements of objects that are worth aiming at.
+    pub const PLACEMENT: Self = Self(10);
+    /// Choosing among such placements.
+    pub const AIM: Self = Self(11);
+
     /// Drawing changes of a path that is to become better.
     pub const IMPROVE: Self = Self(9);
 

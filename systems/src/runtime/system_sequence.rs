@@ -40,6 +40,7 @@ tuples_of_systems!(A MA, B MB, C MC, D MD, E ME);
 tuples_of_systems!(A MA, B MB, C MC, D MD, E ME, F MF);
 tuples_of_systems!(A MA, B MB, C MC, D MD, E ME, F MF, G MG);
 tuples_of_systems!(A MA, B MB, C MC, D MD, E ME, F MF, G MG, H MH);
+tuples_of_systems!(A MA, B MB, C MC, D MD, E ME, F MF, G MG, H MH, I MI);
 
 impl SystemSequence {
     /// The systems of a tuple, from the first to the last.

@@ -5,7 +5,7 @@ use crate::exploration::roadmap_query::roadmap_in;
 use crate::exploration::roots::{Ending, GivenRoots, Roots};
 use crate::exploration::{memory, writer};
 use crate::goals::sampler::GoalSampler;
-use crate::goals::systems::add_feasible_root;
+use crate::goals::systems::add_start_and_goals;
 use crate::planning_model::model::PlanningModel;
 use crate::planning_model::state_classification::Feasible;
 use crate::runtime::watch::Watch;
@@ -54,9 +54,7 @@ impl Search {
         let model = beside.resource::<PlanningModel>();
         let mut world = empty_world(model, settings, beside.resource::<StopSignal>().clone(), events);
         let (start, goals) = roots_in(beside);
-        let start = start.map(|root| add_feasible_root(&mut world, root));
-        let goals = goals.into_iter().map(|root| add_feasible_root(&mut world, root)).collect();
-        world.insert_resource(Roots { start, goals });
+        add_start_and_goals(&mut world, start, goals);
         world.insert_resource(beside.resource::<GoalSampler>().clone());
         let schedule = scheduler.schedule(&mut world);
         Self { world, schedule, ending: None }
@@ -73,9 +71,7 @@ impl Search {
         (start, goals): (Feasible, Vec<Feasible>),
     ) -> Self {
         let mut world = empty_world(model, settings, stop, EventSink::default());
-        let start = Some(add_feasible_root(&mut world, start));
-        let goals = goals.into_iter().map(|goal| add_feasible_root(&mut world, goal)).collect();
-        world.insert_resource(Roots { start, goals });
+        add_start_and_goals(&mut world, Some(start), goals);
         let schedule = scheduler.schedule(&mut world);
         Self { world, schedule, ending: None }
     }

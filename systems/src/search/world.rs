@@ -12,7 +12,8 @@ use crate::exploration::roadmap_query::{insert_roadmap, roadmap_in};
 use crate::exploration::roots::{Ending, GivenRoots, Roots};
 use crate::exploration::writer;
 use crate::goals::sampler::GoalSampler;
-use crate::goals::systems::add_feasible_root;
+use crate::goals::systems::add_start_and_goals;
+use crate::placements::PlacementPool;
 use crate::planning_model::model::PlanningModel;
 use crate::planning_model::state_classification;
 use crate::planning_model::state_classification::Feasible;
@@ -53,6 +54,7 @@ pub(crate) fn empty_world(
     world.init_resource::<GivenRoots>();
     world.init_resource::<Ending>();
     world.init_resource::<GoalSampler>();
+    world.init_resource::<PlacementPool>();
     world.insert_resource(Neighbours::new(model, &settings));
     world.insert_resource(settings);
     world.insert_resource(stop);
@@ -83,9 +85,7 @@ pub(crate) fn add_roots(world: &mut World) -> Result<(), SearchOutcome> {
     if let Some(why) = found.hopeless {
         return Err(SearchOutcome::InfeasibleGoal(why));
     }
-    let start = add_feasible_root(world, found.start);
-    let goals = found.goals.into_iter().map(|goal| add_feasible_root(world, goal)).collect();
-    world.insert_resource(Roots { start: Some(start), goals });
+    add_start_and_goals(world, Some(found.start), found.goals);
     Ok(())
 }
 

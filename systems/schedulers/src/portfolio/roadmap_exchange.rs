@@ -200,7 +200,8 @@ impl Correspondence {
                     writer::add_branch(world, (NodeId(from), way.along, way.outwards), &posted.q, leaf, motions);
                 }
                 None => {
-                    let root = writer::add_root(world, &posted.q, leaf);
+                    let first_goal = world.resource::<Roots>().goals.first().copied();
+                    let root = writer::add_root(world, &posted.q, leaf, first_goal);
                     world.resource_mut::<Roots>().goals.push(root);
                 }
             }

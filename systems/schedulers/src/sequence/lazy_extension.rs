@@ -21,6 +21,12 @@ use std::collections::BTreeMap;
 /// A transition loses half of its weight on a leaf in so many tries.
 const PATIENCE: f64 = 8.0;
 
+/// What is left at least of the weight of a transition that finds a new leaf each time.
+const FLOOR: f64 = 0.5;
+
+/// How often at least such a transition is extended lazily when it is drawn.
+const FLOOR_KEPT: f64 = 1.0;
+
 /// With so many successes a transition is extended lazily half as often on a leaf as it is drawn there.
 const ENOUGH: f64 = 3.0;
 
@@ -45,10 +51,12 @@ struct Count {
 
 impl LazyExtensions {
     /// What is left of a transition's weight on a leaf: it falls with every success and, slower, with every try, but never to
-    /// zero.
-    fn freshness(&self, attempt: Attempt) -> f64 {
+    /// zero. One that finds a new leaf each time keeps at least [`FLOOR`]: what its tries have found says little of what the next
+    /// one will, and all its leaves share one entry here, where those that are aimed at have one each.
+    fn freshness(&self, attempt: Attempt, finds_new_leaves: bool) -> f64 {
         let Count { tries, succeeded } = self.counts.get(&attempt).copied().unwrap_or_default();
-        1.0 / ((1.0 + f64::from(succeeded)) * (1.0 + f64::from(tries) / PATIENCE))
+        let left = 1.0 / ((1.0 + f64::from(succeeded)) * (1.0 + f64::from(tries) / PATIENCE));
+        if finds_new_leaves { left.max(FLOOR) } else { left }
     }
 
     /// Takes a success back: the lazy extension leads nowhere.
@@ -59,9 +67,10 @@ impl LazyExtensions {
     }
 
     /// Probability that it is extended lazily once more.
-    fn keeping_probability(&self, attempt: Attempt) -> f64 {
+    fn keeping_probability(&self, attempt: Attempt, finds_new_leaves: bool) -> f64 {
         let succeeded = self.counts.get(&attempt).map_or(0, |count| count.succeeded);
-        ENOUGH / (ENOUGH + f64::from(succeeded))
+        let kept = ENOUGH / (ENOUGH + f64::from(succeeded));
+        if finds_new_leaves { kept.max(FLOOR_KEPT) } else { kept }
     }
 }
 
@@ -88,8 +97,12 @@ pub fn choose_lazy_extensions(
     mut heuristic: ResMut<'_, LeafHeuristic>,
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
-    for mut candidate in candidates.iter_mut().filter(|c| c.is_alive() && c.transition.is_none()) {
+    for mut candidate in candidates.iter_mut().filter(|c| c.is_alive()) {
         let Some(near) = candidate.near else { continue };
+        if let Some(chosen) = candidate.transition {
+            candidate.commit_as = commit_as(model.graph.transition(chosen));
+            continue;
+        }
         if CandidateRole::of(&step, arena.complete.len(), &candidate).is_ordinary() {
             continue;
         }
@@ -101,7 +114,12 @@ pub fn choose_lazy_extensions(
             let drawn = candidate.target_leaf.filter(|_| transition.kind == TransitionKind::Crossed);
             let preference = target_leaf
                 .map_or(1.0, |target_leaf| heuristic.preference(&model.graph, from, transition, target_leaf));
-            (id, weights.0[id.at()] * preference * lazy_extensions.freshness((row.leaf, id, drawn)))
+            (
+                id,
+                weights.0[id.at()]
+                    * preference
+                    * lazy_extensions.freshness((row.leaf, id, drawn), finds_new_leaves(transition)),
+            )
         };
         let leads_on = |&(_, transition): &(TransitionId, &Transition)| transition.kind != TransitionKind::Loop;
         let choices: Vec<_> = model.graph.leaving(row.state).filter(leads_on).map(weigh).collect();
@@ -110,16 +128,25 @@ pub fn choose_lazy_extensions(
             let transition = model.graph.transition(id);
             let drawn = candidate.target_leaf.filter(|_| transition.kind == TransitionKind::Crossed);
             heuristic.count_try(row.leaf);
-            if rng.random::<f64>() >= lazy_extensions.keeping_probability((row.leaf, id, drawn)) {
+            if rng.random::<f64>()
+                >= lazy_extensions.keeping_probability((row.leaf, id, drawn), finds_new_leaves(transition))
+            {
                 candidate.reject(Rejection::LeftOut);
                 continue;
             }
             candidate.transition = Some(id);
-            if starts_far(transition) {
-                candidate.commit_as = CommitAs::DetachedTrees;
-            }
+            candidate.commit_as = commit_as(transition);
         }
     }
+}
+
+/// Whether a transition reaches another leaf of its target each time.
+fn finds_new_leaves(transition: &Transition) -> bool {
+    transition.kind == TransitionKind::Regular && !transition.adds.is_empty()
+}
+
+fn commit_as(transition: &Transition) -> CommitAs {
+    if starts_far(transition) { CommitAs::DetachedTrees } else { CommitAs::Extension }
 }
 
 /// Whether the first leg of a transition is a long motion on the leaf that it leaves.

@@ -4,6 +4,7 @@ use crate::mrrt;
 use crate::sequence::{connect_iterations, lazy_extension};
 use foliate_systems::goals::systems::draw_more_goals;
 use foliate_systems::heuristic::systems;
+use foliate_systems::placements::systems::{aim_at_placements, learn_from_placements};
 use foliate_systems::search::scheduler::Scheduler;
 use foliate_systems::step::projection::project;
 
@@ -57,6 +58,7 @@ pub fn step_systems() -> StepSystems {
                 selection::gather_weights,
                 systems::measure_leaves,
                 systems::choose_leaves,
+                aim_at_placements,
                 selection::select_nodes,
                 lazy_extension::choose_lazy_extensions,
                 selection::select_transitions,
@@ -65,7 +67,7 @@ pub fn step_systems() -> StepSystems {
         .in_set(SearchSet::Rendezvous, (rendezvous::draw_leaves, lazy_extension::stay_near))
         .in_set(SearchSet::Project, (project::project_waypoints, lazy::leave_out_first_legs))
         .in_set(SearchSet::Steer, (waypoints::check_waypoints, steering::steer_legs, lazy::drop_cut_short))
-        .in_set(SearchSet::Validate, (validation::certify_legs, lazy_extension::count_outcomes))
+        .in_set(SearchSet::Validate, (validation::certify_legs, lazy_extension::count_outcomes, learn_from_placements))
         .in_set(SearchSet::Commit, (commit::commit_extensions, draw_more_goals))
         .in_set(SearchSet::Connect, (connect_iterations::join_iteratively, connect_iterations::count_memory))
         .in_set(

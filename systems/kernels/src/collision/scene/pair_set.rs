@@ -71,6 +71,29 @@ impl PairSet {
         Self { rigid_pairs, ..self }
     }
 
+    /// Of these pairs those between two bodies that are `wanted` (`None` is the world), without margins.
+    #[must_use]
+    pub fn between(
+        &self,
+        scene: &CollisionScene,
+        wanted: impl Fn(Option<JointIndex>, Option<JointIndex>) -> bool,
+    ) -> Self {
+        let keep = |active: &&ActiveGroup| {
+            let group = &scene.groups[active.group as usize];
+            let [a, b] = [group.first, group.second].map(|c| scene.clusters[c as usize].body);
+            wanted(a, b) || wanted(b, a)
+        };
+        let without_margin = |active: &ActiveGroup| ActiveGroup { margin: 0.0, ..*active };
+        let select = |list: &[ActiveGroup]| list.iter().filter(keep).map(without_margin).collect();
+        Self {
+            chains: self.chains.clone(),
+            moving: select(&self.moving),
+            constant: select(&self.constant),
+            margins: vec![0.0; self.margins.len()],
+            rigid_pairs: Vec::new(),
+        }
+    }
+
     /// A group by number: those that move first, then those that do not.
     #[inline]
     pub(crate) fn active(&self, number: u32) -> &ActiveGroup {

@@ -81,7 +81,7 @@ fn capped<'f>(item: Option<Item<'f>>, most: usize) -> Result<Vec<Item<'f>>, Scen
 }
 
 /// Numbers of names, each at most once.
-pub(super) fn several<'a>(
+pub(crate) fn several<'a>(
     item: &Item<'_>,
     known: impl Iterator<Item = &'a str> + Clone,
     what: &str,

@@ -1,7 +1,7 @@
 //! `[graph]`: who may hold what, where things may lie.
 
-use super::{hands, written};
 use crate::scene::assemble::constraints::constraint;
+use crate::scene::assemble::graph::{hands, written};
 use crate::scene::assemble::names::frame;
 use crate::scene::assemble::names::frame::{Context, one_of};
 use crate::scene::assemble::names::locked::{Locks, scalar_joint, within};
@@ -20,7 +20,7 @@ const PREPLACEMENT_DISTANCE: f64 = 0.05;
 /// Most grasps of a table.
 const GRASPS: usize = 100_000;
 
-pub(super) fn read(
+pub(crate) fn read(
     keys: &mut Keys<'_>,
     robot: &Robot,
     start: &[f64],
