@@ -62,6 +62,7 @@ pub(super) fn read(
     if let Some(item) = keys.optional("placement_margin") {
         options.placement_margin = item.distance()?;
     }
+    options.rests = super::rests::read(&mut keys)?;
     if let Some(item) = keys.optional("preplacement_distance") {
         options.preplacement_distance = item.distance()?;
     }

@@ -2,7 +2,7 @@
 
 use crate::scene::assemble::names::{configuration, locked};
 use crate::scene::assemble::scene::{Loader, Scene, SceneFile, SceneOrigin};
-use crate::scene::assemble::{goal, graph, pairs, part, timing};
+use crate::scene::assemble::{goal, graph, pairs, part, rests, timing};
 use crate::scene::mesh::meshes::Meshes;
 use crate::scene::reading::error::{SceneError, quoted};
 use crate::scene::reading::input;
@@ -52,6 +52,7 @@ pub(crate) fn load(name: &str, text: &str, base: SceneBase, packages: &PackagePa
     let reader = configuration::Reader { robot: &robot, locked: &locks.at_values, order: order.as_deref() };
     let start = reader.start(&keys.required("start")?)?;
     let graph = graph::read(&mut keys, &robot, &start, &locks)?;
+    loader.warnings.extend(rests::remarks(name, &robot, &graph));
     let reader = configuration::Reader { locked: &graph.locked, ..reader };
     let goals = goal::read(&keys.required("goal")?, &reader, &start, &graph.constraints)?;
     let timing = timing::timing(&mut keys, &robot, parts.iter().map(|p| (p.placement.name.as_str(), &p.rates)))?;

@@ -85,6 +85,8 @@ impl PlacementOnSupport {
         }
         let place = |(on, supports): (Option<JointIndex>, Vec<SurfaceIndex>)| {
             let placement = Placement::new(robot, &object.surfaces, &supports, options.placement_margin)?;
+            let centre = robot.body_centre(object.part, placement.object_joint()).map(|(centre, _)| centre);
+            let placement = placement.resting(options.rests, centre)?;
             Ok(Self { on, supports, touches: None, resting: SupportPlacement::Surfaces(placement) })
         };
         carrying_bodies(robot, options, object).into_iter().map(place).collect()
