@@ -4,6 +4,7 @@
 //! them.
 
 use crate::events::StopSignal;
+use crate::planning_model::snapping::{Snapped, snap};
 use foliate_components::constraint::{Constraint, Locked, LockedValue};
 use foliate_components::coverage::LeftOutPair;
 use foliate_components::graph::ConstraintKind;
@@ -16,8 +17,10 @@ use foliate_kernels::kinematics::Kinematics;
 /// long. Any number of models may share it.
 #[derive(Debug)]
 pub struct ProblemTables {
-    /// The problem.
+    /// The problem; its start and goals with objects moved onto their supports, as `snapped` says.
     pub problem: Problem,
+    /// Objects of start and goals that were a little off their support.
+    pub snapped: Vec<Snapped>,
     /// Forward kinematics.
     pub kinematics: Kinematics,
     /// Solids and pairs.
@@ -50,10 +53,13 @@ impl ProblemTables {
         Some(Self::on_scene(problem, still, collision))
     }
 
-    fn on_scene(problem: Problem, still: Vec<JointIndex>, collision: CollisionScene) -> Self {
+    fn on_scene(mut problem: Problem, still: Vec<JointIndex>, collision: CollisionScene) -> Self {
+        let kinematics = Kinematics::new(&problem.robot);
+        let snapped = snap(&mut problem, &kinematics);
         let robot = &problem.robot;
         Self {
-            kinematics: Kinematics::new(robot),
+            kinematics,
+            snapped,
             weights: coordinate_weights(robot),
             locked: locked_coordinates(&problem),
             all_pairs: PairSet::new(&collision, &[], &[]),

@@ -16,6 +16,9 @@ use foliate_kernels::collision::{CollisionScratch, Contact};
 use foliate_kernels::constraints;
 use std::sync::Arc;
 
+/// What is closer than this may overlap, metres.
+const TOUCHING: f64 = 1e-6;
+
 /// A configuration that may be a root: its state and the values of the state's foliating constraints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Feasible {
@@ -36,7 +39,7 @@ pub(crate) fn feasible(model: &PlanningModel, settings: &SearchSettings, q: &[f6
     let (root, X_WJ) = in_a_state(model, settings, q)?;
     let scratch = &mut CollisionScratch::at_level(settings.level);
     match model.first_collision(root.state, &X_WJ, settings.clearance_guard, scratch) {
-        Some(contact) => Err(collision(model, root.state, &[contact])),
+        Some(contact) => Err(collision(model, root.state, &[contact], None)),
         None => Ok(root),
     }
 }
@@ -80,10 +83,11 @@ fn reach(
     if is_start {
         contacts.extend(model.rigid_collisions(root.state, &X_WJ, settings.clearance_guard));
     }
-    if contacts.is_empty() { Ok(root) } else { Err(collision(model, root.state, &contacts)) }
+    if contacts.is_empty() { Ok(root) } else { Err(collision(model, root.state, &contacts, Some(&X_WJ))) }
 }
 
-fn collision(model: &Model, state: StateId, contacts: &[Contact]) -> Infeasibility {
+/// With the poses of the bodies also how deep shapes overlap, which a verdict does not know and which takes long.
+fn collision(model: &Model, state: StateId, contacts: &[Contact], X_WJ: Option<&[Pose]>) -> Infeasibility {
     let robot = &model.problem.robot;
     let named = |shape: ShapeIndex| {
         let found = &robot.shapes[shape.at()];
@@ -91,7 +95,9 @@ fn collision(model: &Model, state: StateId, contacts: &[Contact]) -> Infeasibili
     };
     let pair = |contact: &Contact| {
         let (a, b) = model.pair_shapes(contact.pair);
-        CollidingPair::new(named(a), named(b), contact.clearance, model.margin_in(state, contact.pair))
+        let overlap = X_WJ.filter(|_| contact.clearance <= TOUCHING).and_then(|X_WJ| model.overlap(contact.pair, X_WJ));
+        let distance = overlap.map_or(contact.clearance, |depth| -depth);
+        CollidingPair::new(named(a), named(b), distance, model.margin_in(state, contact.pair))
     };
     Infeasibility::Collision(contacts.iter().map(pair).collect())
 }
@@ -270,7 +276,13 @@ fn why_no_state(model: &Model, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> Infe
     let weakest = model.graph.states.iter().filter(|s| Some(s.priority) == least);
     let broken = weakest.filter_map(|state| worst(state).map(|(c, r)| (state, c, r)));
     let nearest = broken.min_by(|a, b| a.2.total_cmp(&b.2)).map(|(state, constraint, r)| {
-        NearestState::new(state.name.clone(), model.graph.constraint(constraint).name.clone(), r)
+        let row = model.graph.constraint(constraint);
+        let mut nearest = NearestState::new(state.name.clone(), row.name.clone(), r);
+        if let ConstraintKind::Placement { object, on } = row.kind {
+            let place = model.objects()[object as usize].placement_on(on);
+            nearest.off = place.and_then(|place| place.resting.off(X_WJ));
+        }
+        nearest
     });
     Infeasibility::NoState { nearest, lazy: false }
 }

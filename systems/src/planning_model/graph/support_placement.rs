@@ -4,6 +4,7 @@
 
 use foliate_components::Pose;
 use foliate_components::constraint::{Constraint, Frame, Placement, PlacementError, Reference, RelativePose, Row};
+use foliate_components::infeasibility::OffSupport;
 use foliate_components::pose::{exp_so3, log_so3};
 use foliate_components::problem::{GraphOptions, ObjectOptions};
 use foliate_components::robot::{JointIndex, LinkIndex, Robot, SurfaceIndex};
@@ -114,6 +115,15 @@ impl SupportPlacement {
             }
             Self::Plane { plane, frame } => relative_pose_residual(&on_plane(plane, frame, lift), X_WJ),
         }
+    }
+
+    /// How far the object is off the polygons that are nearest to contact; `None` on a plane.
+    #[must_use]
+    pub fn off(&self, X_WJ: &[Pose]) -> Option<OffSupport> {
+        let Self::Surfaces(lying) = self else { return None };
+        let [x, y, z, turn_y, turn_z] = placement::value(lying, placement::contact(lying, X_WJ), X_WJ);
+        // x points into the support.
+        Some(OffSupport::new(-x, y.hypot(z), turn_y.hypot(turn_z)))
     }
 
     /// Where exactly the object rests, given poses at which it does to within a projection's tolerance: its carrier, and
