@@ -121,9 +121,11 @@ impl SupportPlacement {
     #[must_use]
     pub fn off(&self, X_WJ: &[Pose]) -> Option<OffSupport> {
         let Self::Surfaces(lying) = self else { return None };
-        let [x, y, z, turn_y, turn_z] = placement::value(lying, placement::contact(lying, X_WJ), X_WJ);
+        let contact = placement::contact(lying, X_WJ);
+        let [x, y, z, ..] = placement::value(lying, contact, X_WJ);
+        let tilt = (placement::pose(lying, contact, X_WJ).rotation * DVec3::X).angle_between(DVec3::X);
         // x points into the support.
-        Some(OffSupport::new(-x, y.hypot(z), turn_y.hypot(turn_z)))
+        Some(OffSupport::new(-x, y.hypot(z), tilt))
     }
 
     /// Where exactly the object rests, given poses at which it does to within a projection's tolerance: its carrier, and
