@@ -86,3 +86,114 @@ fn worst(polygon: &Polygon, beyond: impl Fn(usize) -> f64) -> (usize, f64) {
 fn in_plane(v: DVec3) -> DVec2 {
     DVec2::new(v.y, v.z)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use foliate_components::constraint::{Frame, Rests, Side};
+    use foliate_components::pose::exp_so3;
+
+    /// Numbers in [-1, 1), the same in every run.
+    struct Numbers(u64);
+
+    impl Numbers {
+        fn next(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        }
+    }
+
+    fn rectangle(half: DVec2, at: DVec2, side: Side) -> Polygon {
+        let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
+        let points = corners.map(|(x, y)| DVec3::new(at.x + x * half.x, at.y + y * half.y, 0.0));
+        Polygon::new(Frame::world(Pose::identity()), &points, side).unwrap()
+    }
+
+    fn placement(half: DVec2, support: Polygon, rests: Rests, centre: DVec3) -> Placement {
+        let object = rectangle(half, DVec2::ZERO, Side::Object);
+        Placement::from_polygons(vec![object], vec![support], 0.001).unwrap().resting(rests, Some(centre)).unwrap()
+    }
+
+    fn at(p: DVec2, turn: f64) -> Pose {
+        Pose::from_parts(DVec3::new(-0.001, p.x, p.y), exp_so3(DVec3::X * turn))
+    }
+
+    /// How far the farthest footing is beyond the margin, from the definition.
+    fn broken(placement: &Placement, X_SO: &Pose) -> f64 {
+        let inside = |footing: &DVec2| {
+            let p = in_plane(X_SO.transform_point(DVec3::new(0.0, footing.x, footing.y)));
+            placement.supports[0].signed_distance(p) + placement.rests.margin()
+        };
+        placement.footings[0].iter().map(inside).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    #[test]
+    fn one_correction_leads_to_a_place_that_keeps_the_rule() {
+        let mut random = Numbers(7);
+        let rules =
+            [Rests::Stable { margin: 0.005 }, Rests::WholeFace { margin: 0.0 }, Rests::WholeFace { margin: 0.01 }];
+        let mut spread: f64 = 0.0;
+        for case in 0..3000 {
+            let half = DVec2::new(0.05 + 0.02 * random.next(), 0.08 + 0.03 * random.next());
+            let support = rectangle(DVec2::new(0.2, 0.3), DVec2::ZERO, Side::Support);
+            let centre = DVec3::new(0.02 * random.next(), 0.03 * random.next(), 0.1);
+            let lying = placement(half, support, rules[case % 3], centre);
+            let p = DVec2::new(random.next(), random.next());
+            let turn = 3.0 * random.next();
+            let Some(over) = overhang(&lying, 0, 0, &at(p, turn)) else {
+                assert!(broken(&lying, &at(p, turn)) <= 1e-12);
+                continue;
+            };
+            assert!(broken(&lying, &at(p, turn)) > -1e-12 && over.distance > 0.0);
+            let corrected = p - over.error;
+            assert!(broken(&lying, &at(corrected, turn)) <= 1e-12, "{p} {corrected}");
+            spread = spread.max(corrected.length());
+        }
+        assert!(spread > 0.15, "all corrections end in the middle");
+    }
+
+    #[test]
+    fn near_the_edge_the_error_is_about_what_hangs_over() {
+        let support = || rectangle(DVec2::new(0.2, 0.3), DVec2::ZERO, Side::Support);
+        let lying = placement(DVec2::new(0.05, 0.08), support(), Rests::WholeFace { margin: 0.0 }, DVec3::ZERO);
+        for by in [1e-12, 1e-6, 1e-3] {
+            // Along the long side of the support: y of its frame is x of the world or its opposite.
+            let over = [0.15 + by, 0.22 + by]
+                .map(|far| [DVec2::X, DVec2::Y].map(|axis| overhang(&lying, 0, 0, &at(axis * far, 0.0))));
+            let errors = over.iter().flatten().flatten().map(|over| (over.error.length(), over.distance));
+            let near = errors
+                .filter(|&(error, distance)| (distance - by).abs() < 0.5 * by && (error - 2.0 * by).abs() < 0.5 * by);
+            assert!(near.count() >= 1, "{by}: {over:?}");
+        }
+    }
+
+    #[test]
+    fn where_nothing_fits_the_error_never_ends() {
+        // 100 mm of object on 60 mm of support: it fits at no turn.
+        let support = rectangle(DVec2::new(0.03, 0.5), DVec2::ZERO, Side::Support);
+        let lying = placement(DVec2::new(0.05, 0.05), support, Rests::WholeFace { margin: 0.0 }, DVec3::ZERO);
+        let mut random = Numbers(11);
+        for _ in 0..200 {
+            let (mut p, turn) = (0.3 * DVec2::new(random.next(), random.next()), 3.0 * random.next());
+            for _ in 0..30 {
+                let over = overhang(&lying, 0, 0, &at(p, turn)).unwrap();
+                assert!(over.error.length() > 0.015, "{over:?}");
+                p -= over.error;
+            }
+        }
+    }
+
+    #[test]
+    fn a_place_is_found_that_is_not_in_the_middle() {
+        // The mean of the corners of this triangle is too near to its sides for the long object, the wide end is not.
+        let points = [(0.0, 0.0), (0.3, -0.02), (0.3, 0.2), (0.28, 0.2)].map(|(x, y)| DVec3::new(x, y, 0.0));
+        let support = Polygon::new(Frame::world(Pose::identity()), &points, Side::Support).unwrap();
+        let lying = placement(DVec2::new(0.01, 0.075), support, Rests::WholeFace { margin: 0.0 }, DVec3::ZERO);
+        let fits = (0..64).filter(|turn| {
+            let pose = |p| at(p, f64::from(*turn) * 0.1);
+            let over = overhang(&lying, 0, 0, &pose(DVec2::new(1.0, 1.0))).unwrap();
+            broken(&lying, &pose(DVec2::new(1.0, 1.0) - over.error)) <= 1e-9
+        });
+        assert!(fits.count() > 4);
+    }
+}
