@@ -281,6 +281,14 @@ fn polygons_that_are_a_little_bent_are_made_flat() {
     let corners: Vec<_> = surface.polygons[0].iter().map(|&i| surface.points[i as usize]).collect();
     let normal = (corners[1] - corners[0]).cross(corners[2] - corners[1]).normalize();
     assert!(corners.iter().all(|c| (*c - corners[0]).dot(normal).abs() < 1e-12), "{corners:?}");
+    // What is bent by less is planned on: the plane is 0.1 mm higher, and objects are moved onto it.
+    let folder = Folder::new("bent-less", &bent(0.44), 0.0);
+    let scene = folder.scene(SCENE);
+    assert!(scene.warnings.iter().any(|w| w.to_string().contains("bent by up to 0.33 mm")), "{:?}", scene.warnings);
+    let solution = try_to_solve(&scene, 1).unwrap();
+    assert_eq!(solution.report.snapped.len(), 4, "{:?}", solution.report.snapped);
+    let report = folder.check(&folder.write(&scene, &solution));
+    assert!(report.passed(), "{:?}", report.violations);
     // Bent by more than is a slip.
     let folder = Folder::new("bent-more", &bent(40.0), 0.0);
     let refused = folder.try_to_read(SCENE).unwrap_err().to_string();

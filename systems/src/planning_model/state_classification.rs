@@ -265,7 +265,8 @@ fn why_no_state(model: &Model, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> Infe
     if let Some(lazy_graph) = model.lazy_graph() {
         let residual = |kind| residual_of(model, lazy_grasp(lazy_graph, kind), kind, q, X_WJ);
         let worst = lazy_graph.worst_when_free(&model.problem, residual).filter(|&(.., r)| r > tolerance);
-        let nearest = worst.map(|(constraint, state, r)| NearestState::new(state, constraint, r));
+        let nearest =
+            worst.map(|(kind, constraint, state, r)| nearest_state(model, kind, (state, constraint, r), X_WJ));
         return Infeasibility::NoState { nearest, lazy: true };
     }
     let least = model.graph.states.iter().map(|s| s.priority).min();
@@ -277,14 +278,24 @@ fn why_no_state(model: &Model, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> Infe
     let broken = weakest.filter_map(|state| worst(state).map(|(c, r)| (state, c, r)));
     let nearest = broken.min_by(|a, b| a.2.total_cmp(&b.2)).map(|(state, constraint, r)| {
         let row = model.graph.constraint(constraint);
-        let mut nearest = NearestState::new(state.name.clone(), row.name.clone(), r);
-        if let ConstraintKind::Placement { object, on } = row.kind {
-            let place = model.objects()[object as usize].placement_on(on);
-            nearest.off = place.and_then(|place| place.resting.off(X_WJ));
-        }
-        nearest
+        nearest_state(model, row.kind, (state.name.clone(), row.name.clone(), r), X_WJ)
     });
     Infeasibility::NoState { nearest, lazy: false }
+}
+
+/// A state that is nearest, a constraint of it and its error; of a placement also how far the object is off its support.
+fn nearest_state(
+    model: &Model,
+    kind: ConstraintKind,
+    (state, constraint, error): (String, String, f64),
+    X_WJ: &[Pose],
+) -> NearestState {
+    let mut nearest = NearestState::new(state, constraint, error);
+    if let ConstraintKind::Placement { object, on } = kind {
+        let place = model.objects()[object as usize].placement_on(on);
+        nearest.off = place.and_then(|place| place.resting.off(X_WJ));
+    }
+    nearest
 }
 
 /// Where a joint's range is smaller than its own limits: whose limits make it so.
