@@ -2,7 +2,7 @@
 //! of a millimetre, and constraints to far less.
 //!
 //! An object is moved along the normal of its support and tilted, not along it; by so little that no corner of the polygon that
-//! touches moves by more than [`FARTHEST`]. What is farther off stays where it is, and is refused by the constraint that it breaks.
+//! touches moves by more than a millimetre. What is farther off stays where it is, and is refused by the constraint that it breaks.
 
 use crate::planning_model::graph::attachment_order::{grasp_of, root_of};
 use crate::planning_model::graph::support_placement::{PlacementOnSupport, SupportPlacement, relative_pose_residual};
