@@ -36,7 +36,7 @@ fn the_example_loads_as_the_page_says() {
     assert!(robot.gripper("robot/left_palm_face").is_some());
     assert_eq!(robot.surfaces[robot.surface("brick/bottom").expect("the surface").at()].polygons.len(), 1);
 
-    assert_eq!(problem.graph.locked.len(), 4);
+    assert_eq!(problem.graph.locked.len(), 3);
     assert_eq!(problem.graph.grasps.as_ref().map(Vec::len), Some(3));
     assert_eq!(problem.graph.rules.len(), 2);
     assert!(!problem.graph.rules[0].allowed && problem.graph.rules[1].grasps[0].1.is_none());
@@ -80,7 +80,7 @@ fn every_key_that_is_read_is_in_the_example_and_described() {
                 clearance mask mask_complement approaching_direction points polygons grippers supports objects grasps rules \
                 when allow placement_margin rests rests_margin preplacement_distance plane frame pair distance configuration handles surfaces xyz rpy \
                 quaternion frame to value parameter at_least at_most length parts polygon margin first second height joint \
-                everywhere state constraints transition from legs within until short resting_joints velocity_limits acceleration_limits \
+                everywhere state constraints transition from legs within until short hands fingers open closed travel resting_joints velocity_limits acceleration_limits \
                 timing velocity_scale velocity acceleration ramp jerk_ramp dwell cost motion grasp_charge";
     let kinds = "\"pose\" \"centre_of_mass\" \"centre_of_mass_between\" \"distance\" \"joint\" \"start\" \"stays\"";
     let keys = format!("{keys} {kinds}");

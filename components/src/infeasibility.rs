@@ -55,6 +55,11 @@ pub enum Infeasibility {
     },
     /// Shapes collide.
     Collision(Vec<CollidingPair>),
+    /// Fingers cannot move from where they are given to where their hand has them on its way, or back.
+    FingersBlocked {
+        /// The shapes that come too close, where that is known.
+        by: Option<(String, String)>,
+    },
     /// The problem has no goal.
     NoGoal,
     /// No goal has a configuration: one failure per goal that leaves something free.
@@ -225,6 +230,12 @@ impl fmt::Display for Infeasibility {
             }
             Self::NoState { nearest: None, lazy: false } => f.write_str("it lies in no state: no state is allowed"),
             Self::Collision(pairs) => tell_pairs(pairs, f),
+            Self::FingersBlocked { by: Some((a, b)) } => {
+                write!(f, "fingers cannot open or close there: {a} and {b} come too close")
+            }
+            Self::FingersBlocked { by: None } => {
+                f.write_str("fingers are not where their hands have them, and the graph has no motion of them")
+            }
             Self::NoGoal => f.write_str("the problem names no goal"),
             Self::GoalsNotFound(failures) => {
                 let messages: Vec<&str> = failures.iter().map(|failure| failure.message.as_str()).collect();

@@ -4,7 +4,7 @@ use crate::path_file::document::{EventEntry, RateLimitEntry};
 use crate::path_file::names::held;
 use crate::scene::assemble::names::configuration::coordinate_names;
 use foliate_components::path::{
-    Attachment, EventKind, ManipulationPath, Segment, SegmentTiming, events as events_of, fingers,
+    Attachment, EventKind, ManipulationPath, Segment, SegmentTiming, events as events_of, fingers, knot_of_event,
 };
 use foliate_components::problem::{Problem, RateLimits};
 use foliate_components::robot::{GripperIndex, JointIndex, PartKind, Robot, RootJoint, Source};
@@ -52,18 +52,22 @@ pub(super) fn events(robot: &Robot, path: &ManipulationPath) -> Vec<EventEntry> 
         object: held(robot, event.handle),
         gripper: robot.grippers[event.gripper.at()].name.clone(),
         handle: robot.handles[event.handle.at()].name.clone(),
-        fingers: finger_positions(robot, event.gripper, &path.segments[event.segment].knots[0]),
+        fingers: finger_positions(robot, event.gripper, &path.segments[event.segment]),
     };
     events_of(path).into_iter().map(entry).collect()
 }
 
-/// Positions of a gripper's joints.
-fn finger_positions(robot: &Robot, gripper: GripperIndex, q: &[f64]) -> BTreeMap<String, f64> {
-    let position = |joint: JointIndex| match robot.joints[joint.at()].source {
-        Source::Coordinates { q: index, .. } => Some((robot.joints[joint.at()].name.clone(), q[index])),
+/// Positions of a gripper's joints when what an event says is done.
+fn finger_positions(robot: &Robot, gripper: GripperIndex, segment: &Segment) -> BTreeMap<String, f64> {
+    let coordinate = |joint: &JointIndex| match robot.joints[joint.at()].source {
+        Source::Coordinates { q, .. } => Some(q),
         Source::Follows { .. } => None,
     };
-    fingers(robot, gripper).into_iter().filter_map(position).collect()
+    let joints = fingers(robot, gripper);
+    let coordinates: Vec<usize> = joints.iter().filter_map(coordinate).collect();
+    let q = knot_of_event(segment, &coordinates);
+    let position = |joint: &JointIndex| Some((robot.joints[joint.at()].name.clone(), q[coordinate(joint)?]));
+    joints.iter().filter_map(position).collect()
 }
 
 /// By coordinate, whether it moves as the knots say: all but those of objects that follow a carrier or rest.

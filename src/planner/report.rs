@@ -9,7 +9,7 @@ use foliate_components::robot::{PartIndex, ShapeIndex};
 use foliate_schedulers::portfolio::{MemberCount, MemberCounts};
 use foliate_systems::events::{EventSink, SolveId};
 use foliate_systems::planning_model::PlanningModel;
-use foliate_systems::planning_model::snapping::Snapped;
+use foliate_systems::planning_model::graph::snapping::Snapped;
 use foliate_systems::search::Search;
 use foliate_systems::trajectory::TimedPathError;
 use std::time::Duration;

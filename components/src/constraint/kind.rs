@@ -6,6 +6,7 @@
 use crate::constraint::{
     CentreOfMass, CentreOfMassBetween, Custom, Distance, Locked, LockedValue, Placement, Reference, RelativePose, Row,
 };
+use crate::robot::indices::JointIndex;
 /// One constraint of a state or a transition.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Constraint {
@@ -39,6 +40,29 @@ impl Constraint {
             Self::Placement(_) | Self::CentreOfMassBetween(_) | Self::Distance(_) | Self::Custom(_) => false,
             Self::PlacementComplement(..) | Self::PlacementHold(..) => true,
             Self::Locked(locked) => matches!(locked.value, LockedValue::Argument(_)),
+        }
+    }
+
+    /// The bodies that it depends on; `None` for the world.
+    #[must_use]
+    pub fn bodies(&self) -> Vec<Option<JointIndex>> {
+        match self {
+            Self::RelativePose(pose) => vec![pose.a.joint, pose.b.joint],
+            Self::Placement(placement)
+            | Self::PlacementComplement(placement, _)
+            | Self::PlacementHold(placement, _) => {
+                placement.object.iter().chain(&placement.supports).map(|polygon| polygon.frame.joint).collect()
+            }
+            Self::Locked(locked) => vec![Some(locked.joint)],
+            Self::CentreOfMass(balance) => {
+                balance.masses.bodies().iter().map(|mass| mass.body).chain([balance.frame.joint]).collect()
+            }
+            Self::CentreOfMassBetween(balance) => {
+                let feet = [balance.first.joint, balance.second.joint];
+                balance.masses.bodies().iter().map(|mass| mass.body).chain(feet).collect()
+            }
+            Self::Distance(apart) => vec![apart.a.joint, apart.b.joint],
+            Self::Custom(own) => own.0.frames().iter().map(|frame| frame.joint).collect(),
         }
     }
 

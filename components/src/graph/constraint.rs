@@ -25,6 +25,22 @@ pub struct GraphConstraint {
     pub foliates: bool,
 }
 
+/// How far a hand is open.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Opening {
+    /// As it travels while it is empty.
+    Travel,
+    /// Wide open, beside what it is to grasp.
+    Wide,
+    /// Closed on a handle: until a finger nearly touches the body of the handle.
+    Closed {
+        /// Who holds.
+        gripper: GripperIndex,
+        /// What is held.
+        handle: HandleIndex,
+    },
+}
+
 /// What a constraint requires. Objects are indices into [`crate::graph::constraint_graph::ConstraintGraph::objects`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ConstraintKind {
@@ -65,6 +81,15 @@ pub enum ConstraintKind {
     JointRest {
         /// Number in [`crate::problem::GraphOptions::resting_joints`].
         joint: u32,
+    },
+    /// A finger of a hand has the value that belongs to an opening of the hand.
+    Finger {
+        /// Number in [`crate::problem::GraphOptions::hands`].
+        hand: u32,
+        /// Number in [`crate::problem::Hand::fingers`].
+        finger: u32,
+        /// How far the hand is open.
+        opening: Opening,
     },
     /// A constraint of the problem's own.
     Given {

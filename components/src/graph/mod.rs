@@ -6,7 +6,7 @@ pub mod leaf;
 pub(crate) mod state;
 pub(crate) mod transition;
 
-pub use crate::graph::constraint::{ConstraintId, ConstraintKind, GraphConstraint};
+pub use crate::graph::constraint::{ConstraintId, ConstraintKind, GraphConstraint, Opening};
 pub use crate::graph::constraint_graph::ConstraintGraph;
-pub use crate::graph::state::{State, StateId};
+pub use crate::graph::state::{Fingers, State, StateId};
 pub use crate::graph::transition::{Leg, Transition, TransitionId, TransitionKind};

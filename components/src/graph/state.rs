@@ -16,6 +16,20 @@ impl StateId {
     }
 }
 
+/// What the fingers of hands do in a state.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Fingers {
+    /// All hold still: of empty hands as they travel, of others closed on what they hold.
+    #[default]
+    Still,
+    /// Those of this hand open or close; the others hold still.
+    Moving(u32),
+    /// Those of all hands may move: where a path begins or ends with hands open as far as they like.
+    Free,
+    /// Those of this hand hold still wide open, though it holds nothing; the others as ever.
+    Wide(u32),
+}
+
 /// A manifold of configurations, foliated by the complements of its constraints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
@@ -26,6 +40,9 @@ pub struct State {
     pub written: Option<u32>,
     /// Who holds what, in the order of the problem's grippers.
     pub grasps: Vec<(GripperIndex, HandleIndex)>,
+    /// What the fingers of hands do in it. Where they do not all hold still as ever, the state is only passed through: no node lies in
+    /// it, and no transition leaves it.
+    pub fingers: Fingers,
     /// What holds everywhere in the state (f_S).
     pub manifold: Vec<ConstraintId>,
     /// Those of them with right-hand sides: a leaf of the state gives each a value (g_T).
@@ -37,6 +54,12 @@ pub struct State {
 }
 
 impl State {
+    /// Whether only legs of transitions lie in it, and motions of fingers at the ends of paths.
+    #[must_use]
+    pub fn is_passed_through(&self) -> bool {
+        self.fingers != Fingers::Still
+    }
+
     /// About how many bytes it takes.
     #[must_use]
     pub fn bytes(&self) -> u64 {

@@ -13,8 +13,9 @@ pub enum EventKind {
     Grasp,
 }
 
-/// A hand takes or lets go of an object. It happens at the joint knot of two segments, and in a path with times the next segment
-/// begins by standing still while the gripper moves.
+/// A hand takes or lets go of an object. It happens at the joint knot of two segments. Where fingers are planned, the segment that
+/// begins with a grasp closes them, and the one before a release opens them. In a path with times the next segment begins by standing
+/// still, while the gripper moves whose fingers are not planned.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
     /// Number of the segment that begins with it.
@@ -61,6 +62,19 @@ fn grasps(segment: &Segment) -> impl Iterator<Item = (JointIndex, GripperIndex, 
         Attachment::Grasp { object, gripper, handle, .. } => Some((object, gripper, handle)),
         Attachment::Contact { .. } | Attachment::Rest { .. } => None,
     })
+}
+
+/// Objects that are taken may be written anew by as much: metres, radians.
+const STILL: f64 = 1e-6;
+
+/// The knot of a segment at which a gripper has done what the event says that begins it: the last one where the segment moves its
+/// `fingers` alone, else the first one. Fingers are numbers of a configuration.
+#[must_use]
+pub fn knot_of_event<'s>(segment: &'s Segment, fingers: &[usize]) -> &'s [f64] {
+    let (first, last) = (&segment.knots[0], &segment.knots[segment.knots.len() - 1]);
+    let moved: Vec<usize> = (0..first.len()).filter(|&i| (first[i] - last[i]).abs() > STILL).collect();
+    let is_of_fingers = !moved.is_empty() && moved.iter().all(|i| fingers.contains(i));
+    if is_of_fingers { last } else { first }
 }
 
 /// How long a segment stands still at its beginning, seconds.

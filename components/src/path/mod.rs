@@ -7,7 +7,7 @@ pub mod events;
 pub mod fingers;
 pub mod manipulation_path;
 
-pub use crate::path::events::{Event, EventKind, events};
+pub use crate::path::events::{Event, EventKind, events, knot_of_event};
 pub use crate::path::fingers::fingers;
 pub use crate::path::manipulation_path::{
     Attachment, Certificate, ManipulationPath, PathConstraint, Segment, SegmentTiming,

@@ -4,6 +4,7 @@ use crate::Pose;
 use crate::constraint::kind::Constraint;
 use crate::constraint::rests::Rests;
 use crate::problem::cost::CostOptions;
+use crate::problem::hand::Hand;
 use crate::problem::timing::TimingOptions;
 use crate::robot::error::CoordinateError;
 use crate::robot::hybrid_robot::{DisabledPair, Robot};
@@ -153,6 +154,8 @@ pub struct GraphOptions {
     pub locked: Vec<(JointIndex, f64)>,
     /// Joints of articulated parts (doors, drawers, lids) that move only while a handle beyond them is held.
     pub resting_joints: Vec<RestingJoint>,
+    /// Hands that open and close. Grippers that are not named here get theirs from the structure of the robot.
+    pub hands: Vec<Hand>,
     /// Constraints of the problem's own; what follows names them by number. Parameter rows name slot 0.
     pub constraints: Vec<NamedConstraint>,
     /// Those of them that hold in every state: feet that stand still, balance.

@@ -3,7 +3,8 @@
 use crate::check::contract::scene_contract::Contract;
 use crate::check::report::check_report::{CheckReport, Place, shown};
 use crate::check::report::kind::Kind;
-use crate::path_file::document::{AttachmentEntry, PathFile};
+use crate::path_file::document::{AttachmentEntry, PathFile, SegmentEntry};
+use foliate_components::path::fingers;
 use foliate_components::problem::{ObjectOptions, Rule};
 use foliate_components::robot::{GripperIndex, HandleIndex, JointIndex, PartKind, RootJoint};
 use std::collections::HashSet;
@@ -29,11 +30,41 @@ impl Contract<'_> {
             for object in &self.problem.graph.objects {
                 self.object(object, &segment.attachments, &mut wrong);
             }
+            for (gripper, _) in grasps.iter().filter(|(gripper, _)| !self.holds_firmly(*gripper, file, segment)) {
+                let gripper = shown(&self.problem.robot.grippers[gripper.at()].name);
+                wrong.insert(format!("fingers of `{gripper}` move while it holds something and the robot moves"));
+            }
             let mut wrong: Vec<_> = wrong.into_iter().collect();
             wrong.sort_unstable();
             let place = Place { segment: Some(index), t: None };
             wrong.into_iter().for_each(|subject| report.violate(place, Kind::Holding, subject, None, None));
         }
+    }
+
+    /// Whether the fingers of a gripper stand still along a segment, or nothing but fingers moves. Fingers that the scene plans as other
+    /// joints, or of which it locks one, are no fingers here.
+    fn holds_firmly(&self, gripper: GripperIndex, file: &PathFile, segment: &SegmentEntry) -> bool {
+        let (robot, options) = (&self.problem.robot, &self.problem.graph);
+        let joints = match options.hands.iter().find(|hand| hand.grippers.contains(&gripper)) {
+            Some(hand) => hand.fingers.iter().map(|finger| finger.joint).collect(),
+            None => fingers(robot, gripper),
+        };
+        if joints.iter().any(|joint| options.locked.iter().any(|(locked, _)| locked == joint)) {
+            return true;
+        }
+        let first = &segment.knots[0];
+        let moves = |column: usize| {
+            segment.knots.iter().any(|knot| knot[column] != first[column])
+                || segment.velocities.iter().flatten().any(|row| row[column] != 0.0)
+        };
+        let is_finger = |name: &str| joints.iter().any(|joint| robot.joints[joint.at()].name == name);
+        let is_of_object = |name: &str| {
+            let part = robot.part(name.split('/').next().unwrap_or_default());
+            part.is_some_and(|part| robot.parts[part.at()].kind == PartKind::Object)
+        };
+        let moving: Vec<_> = (0..first.len()).filter(|&column| moves(column)).map(|c| &file.coordinates[c]).collect();
+        let has_finger = moving.iter().any(|name| is_finger(name));
+        !has_finger || moving.iter().all(|name| is_finger(name) || is_of_object(name))
     }
 
     fn grasps(&self, entries: &[AttachmentEntry], wrong: &mut HashSet<String>) -> Grasps {

@@ -10,6 +10,9 @@ use std::collections::BTreeMap;
 /// Rounding of times, and of fingers' positions: seconds, radians, metres.
 const SLACK: f64 = 1e-9;
 
+/// By as much an object that is taken may be written anew: metres, radians.
+const STILL: f64 = 1e-6;
+
 /// What happens: `grasp` or `release`, object, gripper, handle.
 type Happening<'f> = (&'f str, &'f str, &'f str, &'f str);
 
@@ -98,12 +101,17 @@ fn stands(index: usize, pair: &[SegmentEntry], file: &PathFile, report: &mut Che
     }
 }
 
-/// The fingers of an event are those of its gripper, and are where the knot has them.
+/// The fingers of an event are those of its gripper, and are where the segment's first knot has them; where the segment moves them alone,
+/// where the last one has them.
 fn fingers(event: &EventEntry, segment: &SegmentEntry, (world, frames): (&World, &Frames), report: &mut CheckReport) {
     let place = Place::at(event.segment, 0.0);
     let expected = fingers_of(&event.gripper, world, frames);
+    let (first, last) = (&segment.knots[0], &segment.knots[segment.knots.len() - 1]);
+    let moved: Vec<usize> = (0..first.len()).filter(|&column| (first[column] - last[column]).abs() > STILL).collect();
+    let is_theirs = |column: &usize| expected.values().any(|own| own == column);
+    let knot = if !moved.is_empty() && moved.iter().all(is_theirs) { last } else { first };
     for (name, &column) in &expected {
-        let stands = segment.knots[0][column];
+        let stands = knot[column];
         match event.fingers.get(*name) {
             None => report.violate(place, Kind::Event, format!("finger {name} is not listed"), None, None),
             // Compared so that NaN is off.

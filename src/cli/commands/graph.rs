@@ -73,7 +73,8 @@ path files. A transition onto a leaf of another tree takes the new values from a
 /// States with their constraints, and the transitions that leave each.
 fn listing(graph: &ConstraintGraph) -> String {
     let count = |number: usize, what: &str| format!("{number} {what}{}", if number == 1 { "" } else { "s" });
-    let (states, transitions) = (count(graph.states.len(), "state"), count(graph.transitions.len(), "transition"));
+    let states = graph.states.iter().filter(|state| !state.is_passed_through()).count();
+    let (states, transitions) = (count(states, "state"), count(graph.transitions.len(), "transition"));
     let mut out = format!("{states}, {transitions}\n");
     if graph.lazy {
         out = format!(
@@ -82,7 +83,7 @@ fn listing(graph: &ConstraintGraph) -> String {
         );
     }
     out.push_str(LEGEND);
-    for (index, state) in graph.states.iter().enumerate() {
+    for (index, state) in graph.states.iter().enumerate().filter(|(_, state)| !state.is_passed_through()) {
         let names = |ids: &[foliate::components::graph::ConstraintId]| {
             ids.iter().map(|&c| graph.constraint(c).name.clone()).collect::<Vec<_>>().join(", ")
         };

@@ -1,11 +1,12 @@
 //! When hands take and let go.
 
 use crate::planner::trajectory::trajectory::Trajectory;
-use foliate_components::path::{EventKind, events, fingers};
+use foliate_components::path::{EventKind, events, fingers, knot_of_event};
 use foliate_components::robot::{GripperIndex, HandleIndex, JointIndex, LinkIndex};
 
-/// A hand takes or lets go of an object. All joints stand still from `time` on for `dwell` seconds, in which the gripper closes or
-/// opens.
+/// A hand takes or lets go of an object. Where fingers are planned, the segment that begins with a grasp closes them, and the one before
+/// a release has opened them. All joints stand still from `time` on for `dwell` seconds, in which a gripper closes or opens whose fingers
+/// are not planned.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrajectoryEvent<'a> {
     /// Seconds, as the path counts them.
@@ -22,8 +23,8 @@ pub struct TrajectoryEvent<'a> {
     pub gripper: &'a str,
     /// `part/handle`.
     pub handle: &'a str,
-    /// The joints of the gripper (those that mimic others left out), `part/joint`, and where they are when the dwell ends: radians or
-    /// metres.
+    /// The joints of the gripper (those that mimic others left out), `part/joint`, and where they are when the hand has closed or
+    /// opened: radians or metres.
     pub fingers: Vec<(&'a str, f64)>,
     /// The gripper in the robot.
     pub gripper_index: GripperIndex,
@@ -49,7 +50,13 @@ impl<'a> Trajectory<'a> {
             let handle = &robot.handles[event.handle.at()];
             let joints: Vec<JointIndex> = fingers(robot, event.gripper);
             let names: Vec<&'a str> = joints.iter().map(|j| robot.joints[j.at()].name.as_str()).collect();
-            let positions = self.joints(&names).map(|joints| joints.at(time + event.dwell).positions);
+            let coordinates: Vec<usize> = joints.iter().filter_map(|joint| self.first_coordinate(*joint)).collect();
+            let segment = &self.path.segments[event.segment];
+            // Where the segment moves the fingers alone it is what closes or opens the hand.
+            let moves_fingers = knot_of_event(segment, &coordinates) != segment.knots[0].as_slice();
+            let ends = segment.timing.as_ref().and_then(|timing| timing.times.last()).filter(|_| moves_fingers);
+            let done = ends.copied().unwrap_or(time + event.dwell);
+            let positions = self.joints(&names).map(|joints| joints.at(done).positions);
             TrajectoryEvent {
                 time,
                 dwell: event.dwell,

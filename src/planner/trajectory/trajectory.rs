@@ -185,7 +185,7 @@ impl<'a> Trajectory<'a> {
         }
     }
 
-    fn first_coordinate(&self, joint: JointIndex) -> Option<usize> {
+    pub(super) fn first_coordinate(&self, joint: JointIndex) -> Option<usize> {
         match self.robot.joints[joint.at()].source {
             Source::Coordinates { q, .. } => Some(q),
             Source::Follows { .. } => None,

@@ -1,6 +1,6 @@
 //! `[graph]`: who may hold what, where things may lie.
 
-use super::written;
+use super::{hands, written};
 use crate::scene::assemble::constraints::constraint;
 use crate::scene::assemble::names::frame;
 use crate::scene::assemble::names::frame::{Context, one_of};
@@ -62,9 +62,12 @@ pub(super) fn read(
     if let Some(item) = keys.optional("placement_margin") {
         options.placement_margin = item.distance()?;
     }
-    options.rests = super::rests::read(&mut keys)?;
+    options.rests = crate::scene::assemble::constraints::rests::read(&mut keys)?;
     if let Some(item) = keys.optional("preplacement_distance") {
         options.preplacement_distance = item.distance()?;
+    }
+    if let Some(item) = keys.optional("hands") {
+        options.hands = hands::read(&item, robot, &options.locked, |item, name| named_gripper(item, name, robot))?;
     }
     written::read(&mut keys, &mut options)?;
     keys.finish()?;

@@ -1,8 +1,9 @@
 //! Reads a scene file table by table and composes its problem.
 
+use crate::scene::assemble::constraints::rests;
 use crate::scene::assemble::names::{configuration, locked};
 use crate::scene::assemble::scene::{Loader, Scene, SceneFile, SceneOrigin};
-use crate::scene::assemble::{goal, graph, pairs, part, rests, timing};
+use crate::scene::assemble::{goal, graph, pairs, part, timing};
 use crate::scene::mesh::meshes::Meshes;
 use crate::scene::reading::error::{SceneError, quoted};
 use crate::scene::reading::input;

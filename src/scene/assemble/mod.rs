@@ -1,7 +1,7 @@
 //! From a scene file to a problem.
 //!
 //! `load` reads the tables of a file in turn: parts by `part` (with `documents`, the grippers, handles and surfaces that a
-//! scene adds), pairs by `pairs`, the graph by `graph`, `rests` and `written`, goals by `goal`, rate limits
+//! scene adds), pairs by `pairs`, the graph by `graph`, `hands` and `written`, goals by `goal`, rate limits
 //! and cost by `timing`. Graph and goals read their constraints by
 //! `constraints`; all of them read coordinates, frames and locked joints by `names`. `scene` is the result, and what is at
 //! hand while it is made.
@@ -10,11 +10,11 @@ pub(crate) mod constraints;
 pub(crate) mod documents;
 pub(crate) mod goal;
 pub(crate) mod graph;
+pub(crate) mod hands;
 pub(crate) mod load;
 pub(crate) mod names;
 pub(crate) mod pairs;
 pub(crate) mod part;
-pub(crate) mod rests;
 pub(crate) mod scene;
 pub(crate) mod timing;
 pub(crate) mod written;

@@ -13,6 +13,18 @@ pub struct Roots {
     pub goals: Vec<NodeId>,
 }
 
+/// Roots whose configuration was given with fingers elsewhere, and that configuration: there a path begins or ends.
+#[derive(Clone, Debug, Default, Resource)]
+pub struct GivenRoots(pub Vec<(NodeId, Vec<f64>)>);
+
+impl GivenRoots {
+    /// The configuration of a root as it was given, where that is another one.
+    #[must_use]
+    pub fn of(&self, root: NodeId) -> Option<&[f64]> {
+        self.0.iter().find(|(node, _)| *node == root).map(|(_, q)| q.as_slice())
+    }
+}
+
 /// How the search has ended, once it has.
 #[derive(Clone, Debug, Default, Resource)]
 pub struct Ending(pub Option<SearchOutcome>);

@@ -92,7 +92,7 @@ impl GoalConstraints {
             let rows = named.constraint.without_parameters();
             goal_constraints.constraints.extend(rows.map(|rows| (named.name.clone(), rows)));
         }
-        goal_constraints.constraints.extend(coordinate_rows(model, &goal.coordinates));
+        goal_constraints.constraints.extend(coordinate_rows(model, &without_fingers(model, &goal.coordinates)));
         goal_constraints
     }
 
@@ -167,6 +167,21 @@ fn named(coordinates: &[(usize, f64)], index: usize) -> Option<f64> {
     coordinates.iter().find(|(i, _)| *i == index).map(|&(_, value)| value)
 }
 
+/// The numbers that are of no finger: fingers move to where a goal has them when the path ends.
+fn without_fingers(model: &Model, coordinates: &[(usize, f64)]) -> Vec<(usize, f64)> {
+    coordinates.iter().copied().filter(|(index, _)| !is_finger(model, *index)).collect()
+}
+
+fn is_finger(model: &Model, index: usize) -> bool {
+    let hands = 0..model.problem.graph.hands.len() as u32;
+    hands.into_iter().any(|hand| model.finger_coordinates(hand).any(|finger| finger == index))
+}
+
+/// Puts the fingers that a goal names where it has them.
+pub(crate) fn put_fingers(model: &Model, goal: &PartialGoal, q: &mut [f64]) {
+    goal.coordinates.iter().filter(|(index, _)| is_finger(model, *index)).for_each(|&(index, value)| q[index] = value);
+}
+
 /// Numbers of a configuration as constraints: locked joints, and rows of roots.
 fn coordinate_rows(model: &Model, coordinates: &[(usize, f64)]) -> Vec<(String, Constraint)> {
     let mut rows = Vec::new();
@@ -226,7 +241,7 @@ fn rows_of(model: &Model, constraint: ConstraintId) -> Option<Constraint> {
             Some(model.objects()[object as usize].placement_on(on)?.resting.constraint(lift))
         }
         ConstraintKind::Rest { .. } => None,
-        ConstraintKind::JointRest { .. } | ConstraintKind::Given { .. } => {
+        ConstraintKind::JointRest { .. } | ConstraintKind::Finger { .. } | ConstraintKind::Given { .. } => {
             model.constraint(constraint)?.without_parameters()
         }
     }

@@ -4,7 +4,7 @@
 //! number of threads.
 
 use crate::events::StopSignal;
-use crate::goals::programs::{GoalProgram, validate};
+use crate::goals::programs::{GoalProgram, put_fingers, validate};
 use crate::planning_model::model::{Model, PlanningModel};
 use crate::planning_model::state_classification;
 use crate::planning_model::state_classification::Feasible;
@@ -82,7 +82,9 @@ enum Try {
 impl Region {
     pub(crate) fn new(model: &Model, number: usize, goal: &PartialGoal) -> Self {
         let malformed = validate(model, goal).err();
-        let sites: Vec<_> = (0..model.graph.states.len() as u32).map(|state| Site::new(StateId(state))).collect();
+        let states = (0..model.graph.states.len() as u32).map(StateId);
+        let states = states.filter(|&state| !model.graph.state(state).is_passed_through());
+        let sites: Vec<_> = states.map(Site::new).collect();
         let widened = if model.graph.lazy { 0 } else { sites.len() };
         Self {
             number,
@@ -229,6 +231,7 @@ impl Region {
         if !project(&program.program, &mut q, &[], &solve, &mut scratch.newton).is_converged() {
             return Try::ProjectionFailed;
         }
+        put_fingers(model, &self.goal, &mut q);
         if state_classification::is_unreached(model, &q, settings.classification_tolerance) {
             return Try::Unreached(q);
         }

@@ -4,7 +4,7 @@
 
 use crate::events::StopSignal;
 use crate::exploration::roadmap_query::roadmap_in;
-use crate::exploration::roots::Roots;
+use crate::exploration::roots::{GivenRoots, Roots};
 use crate::exploration::writer;
 use crate::goals::sampler::{GoalSampler, LATER_TRIES};
 use crate::planning_model::model::PlanningModel;
@@ -21,7 +21,11 @@ pub(crate) fn add_feasible_root(world: &mut World, root: Feasible) -> NodeId {
     let tolerance = world.resource::<SearchSettings>().projection_tolerance;
     let mut index = world.resource_mut::<LeafIndex>();
     let parameters = root.parameters.into_iter().map(|p| index.intern_parameter(p, tolerance)).collect();
-    writer::add_root(world, &root.q, Leaf { state: root.state, parameters })
+    let node = writer::add_root(world, &root.q, Leaf { state: root.state, parameters });
+    if let Some(given) = root.given {
+        world.resource_mut::<GivenRoots>().0.push((node, given));
+    }
+    node
 }
 
 /// Set Commit, after the extensions: draws more configurations of goals that leave something free. Every step while there

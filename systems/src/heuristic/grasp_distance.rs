@@ -17,12 +17,15 @@ use std::collections::HashMap;
 /// Farther than this is as far.
 const FAR: u8 = 16;
 
+/// The subject of constraints that are about none.
+const NO_SUBJECT: usize = usize::MAX;
+
 /// Distances between the leaves of one graph.
 #[derive(Clone, Debug, Default)]
 pub struct GraspDistance {
     subjects: Vec<Subject>,
     numbers: HashMap<Of, usize>,
-    /// By constraint: the number of its subject.
+    /// By constraint: the number of its subject, or [`NO_SUBJECT`].
     subject_of: Vec<usize>,
     /// By state and subject: what the state says of it, as a number of [`Subject::situations`].
     situations: Vec<Vec<usize>>,
@@ -103,8 +106,12 @@ impl GraspDistance {
     /// Gives new constraints their subjects; the states that are known say nothing of new subjects.
     fn number_constraints(&mut self, graph: &ConstraintGraph) {
         for constraint in &graph.constraints[self.subject_of.len()..] {
+            let Some(of) = Of::constraint(graph, constraint.kind) else {
+                self.subject_of.push(NO_SUBJECT);
+                continue;
+            };
             let next = self.numbers.len();
-            let number = *self.numbers.entry(Of::constraint(graph, constraint.kind)).or_insert(next);
+            let number = *self.numbers.entry(of).or_insert(next);
             self.subject_of.push(number);
         }
         for _ in self.subjects.len()..self.numbers.len() {
@@ -175,17 +182,19 @@ impl GraspDistance {
 }
 
 impl Of {
-    fn constraint(graph: &ConstraintGraph, kind: ConstraintKind) -> Self {
+    /// What a constraint is about; none for fingers, which follow from what is grasped.
+    fn constraint(graph: &ConstraintGraph, kind: ConstraintKind) -> Option<Self> {
         match kind {
             ConstraintKind::Grasp { handle, .. } | ConstraintKind::Pregrasp { handle, .. } => {
                 let object = graph.objects.iter().position(|o| o.handles.contains(&handle));
-                Self::Object(object.map_or(u32::MAX, |o| o as u32))
+                Some(Self::Object(object.map_or(u32::MAX, |o| o as u32)))
             }
             ConstraintKind::Placement { object, .. }
             | ConstraintKind::Preplacement { object, .. }
-            | ConstraintKind::Rest { object } => Self::Object(object),
-            ConstraintKind::JointRest { joint } => Self::Joint(joint),
-            ConstraintKind::Given { .. } => Self::Stance,
+            | ConstraintKind::Rest { object } => Some(Self::Object(object)),
+            ConstraintKind::JointRest { joint } => Some(Self::Joint(joint)),
+            ConstraintKind::Finger { .. } => None,
+            ConstraintKind::Given { .. } => Some(Self::Stance),
         }
     }
 }

@@ -5,7 +5,7 @@ use crate::planning_model::state_classification::{parameters_of, residual};
 use foliate_components::Pose;
 use foliate_components::candidate::LegParameter;
 use foliate_components::graph::leaf::{Leaf, LeafIndex, Parameter};
-use foliate_components::graph::{ConstraintId, StateId, TransitionId, TransitionKind};
+use foliate_components::graph::{ConstraintId, Fingers, StateId, TransitionId, TransitionKind};
 use foliate_components::path::{ManipulationPath, Segment};
 use foliate_components::pose::log_so3;
 use foliate_kernels::kinematics::RigidAttachment;
@@ -28,6 +28,8 @@ pub struct LeafMotion {
     pub arguments: Vec<Pose>,
     /// Whether implicit rows keep the motion on its leaf. Its knots are dense then.
     pub is_implicit: bool,
+    /// What the fingers of hands do. While those of one move nothing else of the robot does.
+    pub fingers: Fingers,
     /// Whole configurations, end to end.
     pub knots: Vec<f64>,
     /// Proven bound of the residual of implicit rows, metres and radians.
@@ -67,6 +69,7 @@ impl LeafMotion {
             rigid_attachments: Vec::new(),
             arguments: Vec::new(),
             is_implicit: model.interior_program(state).ok()?.program.rows() > 0,
+            fingers: model.graph.state(state).fingers,
             knots: segment.knots.concat(),
             residual: 0.0,
             starts_at_waypoint: false,
@@ -202,6 +205,12 @@ pub fn merged(model: &Model, motions: Vec<LeafMotion>) -> Vec<LeafMotion> {
         }
     }
     all
+}
+
+/// Whether fingers move, and nothing else.
+#[must_use]
+pub fn moves_fingers(motion: &LeafMotion) -> bool {
+    matches!(motion.fingers, Fingers::Moving(_) | Fingers::Free)
 }
 
 /// How many grasps and releases there are between two motions: at each of them the robot stands still.

@@ -51,7 +51,7 @@ impl Model {
             ConstraintKind::Grasp { handle, .. } | ConstraintKind::Pregrasp { handle, .. } => {
                 self.graph.objects.iter().position(|o| o.handles.contains(&handle))
             }
-            ConstraintKind::JointRest { .. } | ConstraintKind::Given { .. } => None,
+            ConstraintKind::JointRest { .. } | ConstraintKind::Finger { .. } | ConstraintKind::Given { .. } => None,
         }
     }
 
@@ -240,11 +240,12 @@ impl Model {
         }
     }
 
-    /// Sets joints that are at rest in a state to the value at which they rest; those that stay where they were left
-    /// keep theirs.
+    /// Sets joints that are at rest in a state to the value at which they rest, and fingers to their opening there; joints that stay
+    /// where they were left keep theirs.
     pub fn rest(&self, state: StateId, q: &mut [f64]) {
         for &constraint in &self.graph.state(state).manifold {
-            if matches!(self.graph.constraint(constraint).kind, ConstraintKind::JointRest { .. })
+            let kind = self.graph.constraint(constraint).kind;
+            if matches!(kind, ConstraintKind::JointRest { .. } | ConstraintKind::Finger { .. })
                 && let Some(Constraint::Locked(Locked { joint, value: LockedValue::Fixed(value) })) =
                     self.constraint(constraint)
                 && let Source::Coordinates { q: coordinate, .. } = self.problem.robot.joints[joint.at()].source

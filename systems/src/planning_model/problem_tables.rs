@@ -4,12 +4,14 @@
 //! them.
 
 use crate::events::StopSignal;
-use crate::planning_model::snapping::{Snapped, snap};
+use crate::planning_model::graph::snapping::{Snapped, snap};
+use crate::planning_model::hands;
+use crate::planning_model::hands::Closings;
 use foliate_components::constraint::{Constraint, Locked, LockedValue};
 use foliate_components::coverage::LeftOutPair;
-use foliate_components::graph::ConstraintKind;
-use foliate_components::problem::{JointRest, Problem};
-use foliate_components::robot::{JointIndex, JointType, Robot, Source};
+use foliate_components::graph::{ConstraintKind, Opening};
+use foliate_components::problem::{Goal, JointRest, Problem};
+use foliate_components::robot::{JointIndex, JointType, LinkIndex, PartKind, Robot, Source};
 use foliate_kernels::collision::{CollisionScene, PairRule, PairSet};
 use foliate_kernels::kinematics::Kinematics;
 
@@ -29,10 +31,15 @@ pub struct ProblemTables {
     pub weights: Vec<f64>,
     /// Values that the locked joints keep, by configuration index.
     pub(crate) locked: Vec<(usize, f64)>,
+    /// Numbers of the joints on which neither a grasp, a support, a constraint nor a goal depends: a head, a laser. They matter only where
+    /// they are in the way.
+    pub(crate) uninvolved: Vec<usize>,
     /// All joints that never move.
     still: Vec<JointIndex>,
     /// Every pair, for verdicts.
     pub(crate) all_pairs: PairSet,
+    /// Where the fingers of a hand are that holds a handle, found when it is first asked for.
+    pub(crate) closed: Closings,
 }
 
 impl ProblemTables {
@@ -56,10 +63,14 @@ impl ProblemTables {
     fn on_scene(mut problem: Problem, still: Vec<JointIndex>, collision: CollisionScene) -> Self {
         let kinematics = Kinematics::new(&problem.robot);
         let snapped = snap(&mut problem, &kinematics);
+        problem.graph.hands = hands::complete(&problem, &still, &kinematics, &collision);
+        let closed = hands::closings(&problem);
         let robot = &problem.robot;
         Self {
-            kinematics,
             snapped,
+            closed,
+            uninvolved: uninvolved_joints(&problem),
+            kinematics,
             weights: coordinate_weights(robot),
             locked: locked_coordinates(&problem),
             all_pairs: PairSet::new(&collision, &[], &[]),
@@ -73,6 +84,28 @@ impl ProblemTables {
     #[must_use]
     pub fn left_out(&self) -> Vec<LeftOutPair> {
         self.collision.left_out(&self.problem.robot, &pair_rule(&self.problem, &self.still))
+    }
+
+    /// Where the fingers of a hand are in a configuration.
+    pub fn finger_coordinates(&self, hand: u32) -> impl Iterator<Item = usize> + '_ {
+        let fingers = self.problem.graph.hands.get(hand as usize).into_iter().flat_map(|hand| &hand.fingers);
+        fingers.filter_map(|finger| hands::coordinate(&self.problem.robot, finger.joint))
+    }
+
+    /// The value of a finger at an opening of its hand; `None` of a hand, finger or grasp that the problem does not have.
+    #[must_use]
+    pub fn finger_value(&self, hand: u32, finger: u32, opening: Opening) -> Option<f64> {
+        let hand = self.problem.graph.hands.get(hand as usize)?;
+        let record = hand.fingers.get(finger as usize)?;
+        match opening {
+            Opening::Travel => record.travel,
+            Opening::Wide => Some(record.open),
+            Opening::Closed { gripper, handle } => {
+                let tables = (&self.problem, &self.kinematics, &self.collision);
+                let closing = || hands::closing(tables, hand, (gripper, handle));
+                hand.at(*self.closed.get(&(gripper, handle))?.get_or_init(closing)).nth(finger as usize)
+            }
+        }
     }
 
     /// A constraint of the problem's own, or a joint's rest, as kernels know it; parameter rows name slot 0.
@@ -90,6 +123,11 @@ impl ProblemTables {
                 };
                 Constraint::Locked(Locked { joint: resting.joint, value })
             }),
+            ConstraintKind::Finger { hand, finger, opening } => {
+                let joint = options.hands.get(hand as usize)?.fingers.get(finger as usize)?.joint;
+                let value = LockedValue::Fixed(self.finger_value(hand, finger, opening)?);
+                Some(Constraint::Locked(Locked { joint, value }))
+            }
             _ => None,
         }
     }
@@ -98,6 +136,47 @@ impl ProblemTables {
 /// Which pairs are tested: as the problem says, which names neighbours too.
 fn pair_rule<'a>(problem: &'a Problem, still: &'a [JointIndex]) -> PairRule<'a> {
     PairRule { ignored: &problem.ignored_pairs, margins: &problem.margins, locked: still }
+}
+
+/// See [`ProblemTables::uninvolved`]. None in a problem that moves no objects and has no constraints: there the motion is all.
+fn uninvolved_joints(problem: &Problem) -> Vec<usize> {
+    let (robot, options) = (&problem.robot, &problem.graph);
+    let joints = &robot.joints;
+    let link_of = |link: LinkIndex| robot.links[link.at()].joint;
+    let grippers = options.grippers.iter().map(|gripper| link_of(robot.grippers[gripper.at()].link));
+    let supports = options.supports.iter().map(|support| link_of(robot.surfaces[support.at()].link));
+    let constraints = options.constraints.iter().flat_map(|given| given.constraint.bodies());
+    let partial = problem.goals.iter().filter_map(|goal| match goal {
+        Goal::Partial(goal) => Some(goal),
+        Goal::Configuration(_) => None,
+    });
+    let goals = partial.flat_map(|goal| &goal.constraints).flat_map(|given| given.constraint.bodies());
+    if options.grippers.is_empty() && options.constraints.is_empty() {
+        return Vec::new();
+    }
+    let mut is_involved = vec![false; joints.len()];
+    for body in grippers.chain(supports).chain(constraints).chain(goals) {
+        for joint in std::iter::successors(body, |body| joints[body.at()].parent) {
+            is_involved[joint.at()] = true;
+            if let Source::Follows { leader, .. } = joints[joint.at()].source {
+                is_involved[leader.at()] = true;
+            }
+        }
+    }
+    let is_wanted_elsewhere = |q: usize| {
+        problem.goals.iter().any(|goal| match goal {
+            Goal::Configuration(goal) => goal.get(q) != problem.start.get(q),
+            Goal::Partial(goal) => goal.coordinates.iter().any(|&(index, _)| index == q),
+        })
+    };
+    let of_robots = joints.iter().enumerate().filter(|(index, joint)| {
+        !is_involved[*index] && robot.parts[joint.part.at()].kind == PartKind::Robot && !joint.is_immovable()
+    });
+    let numbers = of_robots.filter_map(|(_, joint)| match joint.source {
+        Source::Coordinates { q, .. } if joint.motion.configuration_size() == 1 => Some(q),
+        _ => None,
+    });
+    numbers.filter(|&q| !is_wanted_elsewhere(q)).collect()
 }
 
 /// Joints that never move: those that the problem locks, and those between equal bounds.

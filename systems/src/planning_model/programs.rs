@@ -151,7 +151,7 @@ impl<'a> Draft<'a> {
     }
 
     fn push(&mut self, constraint: Constraint) {
-        self.involved.extend(bodies_of(&constraint));
+        self.involved.extend(constraint.bodies());
         self.constraints.push(constraint);
     }
 
@@ -194,7 +194,7 @@ impl<'a> Draft<'a> {
                 let root = model.objects()[object as usize].root?;
                 drawn.then(|| held_at(None, root, slot))
             }
-            ConstraintKind::JointRest { .. } | ConstraintKind::Given { .. } => {
+            ConstraintKind::JointRest { .. } | ConstraintKind::Finger { .. } | ConstraintKind::Given { .. } => {
                 let constraint = model.constraint(target)?;
                 if drawn { Some(constraint.at_slot(slot)) } else { constraint.without_parameters() }
             }
@@ -236,28 +236,6 @@ impl<'a> Draft<'a> {
 fn held_at(on: Option<JointIndex>, root: JointIndex, slot: usize) -> Constraint {
     let carrier = on.map_or_else(|| Frame::world(Pose::identity()), Frame::of_joint);
     Constraint::RelativePose(RelativePose::rigid(carrier, Frame::of_joint(root), Reference::Argument(slot)))
-}
-
-/// The bodies that a constraint depends on.
-fn bodies_of(constraint: &Constraint) -> Vec<Option<JointIndex>> {
-    match constraint {
-        Constraint::RelativePose(pose) => vec![pose.a.joint, pose.b.joint],
-        Constraint::Placement(placement)
-        | Constraint::PlacementComplement(placement, _)
-        | Constraint::PlacementHold(placement, _) => {
-            placement.object.iter().chain(&placement.supports).map(|polygon| polygon.frame.joint).collect()
-        }
-        Constraint::Locked(locked) => vec![Some(locked.joint)],
-        Constraint::CentreOfMass(balance) => {
-            balance.masses.bodies().iter().map(|mass| mass.body).chain([balance.frame.joint]).collect()
-        }
-        Constraint::CentreOfMassBetween(balance) => {
-            let feet = [balance.first.joint, balance.second.joint];
-            balance.masses.bodies().iter().map(|mass| mass.body).chain(feet).collect()
-        }
-        Constraint::Distance(apart) => vec![apart.a.joint, apart.b.joint],
-        Constraint::Custom(own) => own.0.frames().iter().map(|frame| frame.joint).collect(),
-    }
 }
 
 /// Numbers of the joints that move none of the involved bodies; none where nothing is involved.

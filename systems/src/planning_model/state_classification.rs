@@ -28,6 +28,8 @@ pub struct Feasible {
     pub state: StateId,
     /// One per foliating constraint of the state.
     pub parameters: Vec<Parameter>,
+    /// The configuration as it was given, where its fingers are not where the state has them.
+    pub given: Option<Vec<f64>>,
 }
 
 /// Checks a start or goal; the error says what is wrong, with values.
@@ -40,7 +42,7 @@ pub(crate) fn feasible(model: &PlanningModel, settings: &SearchSettings, q: &[f6
     let scratch = &mut CollisionScratch::at_level(settings.level);
     match model.first_collision(root.state, &X_WJ, settings.clearance_guard, scratch) {
         Some(contact) => Err(collision(model, root.state, &[contact], None)),
-        None => Ok(root),
+        None => model.check_finger_motion(settings, &root, scratch).map(|()| root),
     }
 }
 
@@ -79,11 +81,20 @@ fn reach(
         model.reach(q, settings.classification_tolerance);
     }
     let (root, X_WJ) = in_a_state(model, settings, q)?;
+    let mut X_WJ = X_WJ;
+    if let Some(given) = &root.given {
+        // What is given comes first: fingers move only where that is free.
+        model.kinematics.forward(given, &mut X_WJ);
+    }
     let mut contacts = model.all_collisions(root.state, &X_WJ, settings.clearance_guard);
     if is_start {
         contacts.extend(model.rigid_collisions(root.state, &X_WJ, settings.clearance_guard));
     }
-    if contacts.is_empty() { Ok(root) } else { Err(collision(model, root.state, &contacts, Some(&X_WJ))) }
+    if !contacts.is_empty() {
+        return Err(collision(model, root.state, &contacts, Some(&X_WJ)));
+    }
+    let scratch = &mut CollisionScratch::at_level(settings.level);
+    model.check_finger_motion(settings, &root, scratch).map(|()| root)
 }
 
 /// With the poses of the bodies also how deep shapes overlap, which a verdict does not know and which takes long.
@@ -134,10 +145,12 @@ fn in_a_state(
     let tolerance = settings.classification_tolerance;
     let state =
         state_of(model, &locked, &X_WJ, tolerance).ok_or_else(|| why_no_state(model, &locked, &X_WJ, tolerance))?;
+    let written = locked.clone();
     model.rest(state, &mut locked);
+    let given = Some(model.with_fingers_of(&locked, &written)).filter(|given| *given != locked);
     model.kinematics.forward(&locked, &mut X_WJ);
     let parameters = parameters_of(model, state, &locked, &X_WJ);
-    Ok((Feasible { q: locked, state, parameters }, X_WJ))
+    Ok((Feasible { q: locked, state, parameters, given }, X_WJ))
 }
 
 /// The state of a configuration `q` with bodies at `X_WJ`: the first, by falling priority, whose manifold it is on. In a lazy
@@ -148,15 +161,24 @@ pub fn state_of(model: &Model, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> Opti
         return lazy_graph.known(&key_of(model, lazy_graph, q, X_WJ, tolerance)?);
     }
     let count = model.graph.constraints.len() as u32;
-    let holds: Vec<bool> = (0..count).map(|c| residual(model, ConstraintId(c), q, X_WJ) <= tolerance).collect();
-    let mut order: Vec<_> = (0..model.graph.states.len() as u32).map(StateId).collect();
+    let holds =
+        |c: ConstraintId| is_any_finger(model.graph.constraint(c).kind) || residual(model, c, q, X_WJ) <= tolerance;
+    let holds: Vec<bool> = (0..count).map(|c| holds(ConstraintId(c))).collect();
+    let states = (0..model.graph.states.len() as u32).map(StateId);
+    let mut order: Vec<_> = states.filter(|&state| !model.graph.state(state).is_passed_through()).collect();
     order.sort_by_key(|&s| std::cmp::Reverse(model.graph.state(s).priority));
     order.into_iter().find(|&s| model.graph.state(s).manifold.iter().all(|&c| holds[c.at()]))
 }
 
 fn key_of(model: &Model, lazy_graph: &LazyGraph, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> Option<StateKey> {
-    lazy_graph
-        .key_where(&model.problem, |kind| residual_of(model, lazy_grasp(lazy_graph, kind), kind, q, X_WJ) <= tolerance)
+    lazy_graph.key_where(&model.problem, |kind| {
+        is_any_finger(kind) || residual_of(model, lazy_grasp(lazy_graph, kind), kind, q, X_WJ) <= tolerance
+    })
+}
+
+/// Whether a constraint is about a finger. Hands may be open as far as they like where a path begins and ends.
+fn is_any_finger(kind: ConstraintKind) -> bool {
+    matches!(kind, ConstraintKind::Finger { .. })
 }
 
 fn lazy_grasp(lazy_graph: &LazyGraph, kind: ConstraintKind) -> Option<&Grasp> {
@@ -218,7 +240,7 @@ fn residual_of(model: &Model, grasp: Option<&Grasp>, kind: ConstraintKind, q: &[
         }
         // It stays wherever it is: no rows.
         ConstraintKind::Rest { .. } => 0.0,
-        ConstraintKind::JointRest { .. } | ConstraintKind::Given { .. } => {
+        ConstraintKind::JointRest { .. } | ConstraintKind::Finger { .. } | ConstraintKind::Given { .. } => {
             let given = model.constraint_of(kind);
             given.map_or(f64::INFINITY, |given| constraints::residual(&model.problem.robot, &given, q, X_WJ))
         }
@@ -250,7 +272,7 @@ pub fn parameter_of(model: &Model, constraint: ConstraintId, q: &[f64], X_WJ: &[
         },
         ConstraintKind::Placement { on, .. } | ConstraintKind::Preplacement { on, .. } => is_carried_by(on),
         ConstraintKind::Rest { .. } => is_carried_by(None),
-        ConstraintKind::JointRest { .. } | ConstraintKind::Given { .. } => {
+        ConstraintKind::JointRest { .. } | ConstraintKind::Finger { .. } | ConstraintKind::Given { .. } => {
             let given = model.constraint(constraint);
             let value = given
                 .map_or_else(Pose::identity, |given| constraints::parameter(&model.problem.robot, &given, q, X_WJ));
@@ -263,7 +285,10 @@ pub fn parameter_of(model: &Model, constraint: ConstraintId, q: &[f64], X_WJ: &[
 /// nearest to.
 fn why_no_state(model: &Model, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> Infeasibility {
     if let Some(lazy_graph) = model.lazy_graph() {
-        let residual = |kind| residual_of(model, lazy_grasp(lazy_graph, kind), kind, q, X_WJ);
+        let residual = |kind| match is_any_finger(kind) {
+            true => 0.0,
+            false => residual_of(model, lazy_grasp(lazy_graph, kind), kind, q, X_WJ),
+        };
         let worst = lazy_graph.worst_when_free(&model.problem, residual).filter(|&(.., r)| r > tolerance);
         let nearest =
             worst.map(|(kind, constraint, state, r)| nearest_state(model, kind, (state, constraint, r), X_WJ));
@@ -271,7 +296,8 @@ fn why_no_state(model: &Model, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> Infe
     }
     let least = model.graph.states.iter().map(|s| s.priority).min();
     let worst = |state: &'_ State| {
-        let all = state.manifold.iter().map(|&c| (c, residual(model, c, q, X_WJ)));
+        let counts = |&&c: &&ConstraintId| !is_any_finger(model.graph.constraint(c).kind);
+        let all = state.manifold.iter().filter(counts).map(|&c| (c, residual(model, c, q, X_WJ)));
         all.filter(|&(_, r)| r > tolerance).max_by(|a, b| a.1.total_cmp(&b.1))
     };
     let weakest = model.graph.states.iter().filter(|s| Some(s.priority) == least);

@@ -1,9 +1,11 @@
 //! From a roadmap in which start and goal are connected to the path between them.
 
+use crate::exploration::roots::GivenRoots;
 use crate::planning_model::model::{Model, PlanningModel};
+use crate::planning_model::state_classification::Feasible;
 use crate::search::path_clearance::{pair_counts, path_clearance};
 use crate::settings::SearchSettings;
-use foliate_components::graph::leaf::{LeafId, LeafIndex};
+use foliate_components::graph::leaf::{Leaf, LeafId, LeafIndex};
 use foliate_components::graph::{StateId, TransitionId};
 use foliate_components::path::{Certificate, ManipulationPath, Segment};
 use foliate_components::roadmap::{EdgeId, Motion, NodeId, Roadmap};
@@ -18,8 +20,7 @@ use std::f64::consts::TAU;
 pub(crate) fn extract_path(
     model: &PlanningModel,
     settings: &SearchSettings,
-    roadmap: Roadmap<'_>,
-    leaves: &LeafIndex,
+    (roadmap, leaves, given): (Roadmap<'_>, &LeafIndex, &GivenRoots),
     start: NodeId,
     goal: NodeId,
 ) -> Option<ManipulationPath> {
@@ -27,6 +28,7 @@ pub(crate) fn extract_path(
     let mut path = ManipulationPath::default();
     let mut certificate = Certificate { path_tolerance: settings.path_tolerance, ..Certificate::default() };
     let (mut at, mut moved) = (start, 0.0_f64);
+    path.segments.extend(finger_segment(model, roadmap, leaves, given, start));
     for edge in edges {
         let row = roadmap.edge(edge);
         let (forward, left) = (row.from == at, at);
@@ -48,11 +50,40 @@ pub(crate) fn extract_path(
             motions.iter().rev().for_each(&mut add);
         }
     }
+    path.segments.extend(finger_segment(model, roadmap, leaves, given, goal).map(reversed));
     path.certificate = certificate;
     unwrap_coordinates(model, path.segments.iter_mut().flat_map(|s| &mut s.knots).map(Vec::as_mut_slice));
     path.certificate.min_clearance = proved_clearance(model, settings, &path, moved);
     path.certificate.pairs = pair_counts(model, &path);
     Some(path)
+}
+
+/// The motion of fingers from where a root was given to where its state has them.
+fn finger_segment(
+    model: &PlanningModel,
+    roadmap: Roadmap<'_>,
+    leaves: &LeafIndex,
+    given: &GivenRoots,
+    root: NodeId,
+) -> Option<Segment> {
+    let (row, size) = (roadmap.node(root), model.problem.robot.space.size());
+    let given = Some(given.of(root)?.to_vec());
+    let q = roadmap.configuration(root).to_vec();
+    let motion = model.finger_motion(&Feasible { q, state: row.state, parameters: Vec::new(), given })?;
+    let leaf = Leaf { state: motion.state, ..leaves.leaf(row.leaf).clone() };
+    Some(Segment {
+        transition: model.graph.loop_of(row.state)?,
+        state: motion.state,
+        attachments: model.attachments(&leaf, leaves),
+        constraints: model.path_constraints(&leaf, leaves),
+        knots: motion.knots.chunks_exact(size).map(<[f64]>::to_vec).collect(),
+        timing: None,
+    })
+}
+
+fn reversed(mut segment: Segment) -> Segment {
+    segment.knots.reverse();
+    segment
 }
 
 /// What is proved of the clearance without asking again: nodes and motions keep the guard beyond all margins. As the path is

@@ -2,7 +2,7 @@
 
 use crate::events::{EventSink, StopSignal};
 use crate::exploration::roadmap_query::roadmap_in;
-use crate::exploration::roots::{Ending, Roots};
+use crate::exploration::roots::{Ending, GivenRoots, Roots};
 use crate::exploration::{memory, writer};
 use crate::goals::sampler::GoalSampler;
 use crate::goals::systems::add_feasible_root;
@@ -145,7 +145,8 @@ impl Search {
         let settings = self.world.resource::<SearchSettings>();
         let goal = roots.reached_goal(roadmap)?;
         let leaves = self.world.resource::<LeafIndex>();
-        extract_path(self.model(), settings, roadmap, leaves, roots.start?, goal)
+        let given = self.world.resource::<GivenRoots>();
+        extract_path(self.model(), settings, (roadmap, leaves, given), roots.start?, goal)
     }
 
     /// Leaves the world behind.

@@ -9,7 +9,7 @@ use crate::exploration::memory::{Compiled, SchedulerBytes};
 use crate::exploration::neighbours::index::Neighbours;
 use crate::exploration::reached_leaves::ReachedLeaves;
 use crate::exploration::roadmap_query::{insert_roadmap, roadmap_in};
-use crate::exploration::roots::{Ending, Roots};
+use crate::exploration::roots::{Ending, GivenRoots, Roots};
 use crate::exploration::writer;
 use crate::goals::sampler::GoalSampler;
 use crate::goals::systems::add_feasible_root;
@@ -50,6 +50,7 @@ pub(crate) fn empty_world(
     world.init_resource::<TransitionWeights>();
     world.init_resource::<StepCounter>();
     world.init_resource::<Roots>();
+    world.init_resource::<GivenRoots>();
     world.init_resource::<Ending>();
     world.init_resource::<GoalSampler>();
     world.insert_resource(Neighbours::new(model, &settings));
@@ -65,7 +66,8 @@ pub(crate) fn roots_in(world: &World) -> (Option<Feasible>, Vec<Feasible>) {
     let root = |node| {
         let row = roadmap.node(node);
         let parameters = leaves.leaf(row.leaf).parameters.iter().map(|&id| *leaves.parameter(id)).collect();
-        Feasible { q: roadmap.configuration(node).to_vec(), state: row.state, parameters }
+        let given = world.resource::<GivenRoots>().of(node).map(<[f64]>::to_vec);
+        Feasible { q: roadmap.configuration(node).to_vec(), state: row.state, parameters, given }
     };
     (roots.start.map(root), roots.goals.iter().copied().map(root).collect())
 }

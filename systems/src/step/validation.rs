@@ -100,11 +100,13 @@ fn certify_candidate(
         if !free {
             let kept = if moves(model, leg) { index + 1 } else { index };
             legs.truncate(kept);
+            end_in_a_state(model, legs);
             keep_margins(model, settings, leaves, transition, legs, scratch);
             return false;
         }
     }
     if !whole {
+        end_in_a_state(model, legs);
         keep_margins(model, settings, leaves, transition, legs, scratch);
     }
     whole
@@ -112,6 +114,13 @@ fn certify_candidate(
 
 fn moves(model: &PlanningModel, leg: &PlannedLeg) -> bool {
     leg.knots.len() > model.problem.robot.space.size()
+}
+
+/// Drops legs from the end that lie in states which are only passed through: no node lies there.
+fn end_in_a_state(model: &PlanningModel, legs: &mut Vec<PlannedLeg>) {
+    while legs.last().is_some_and(|leg| model.graph.state(leg.state).is_passed_through()) {
+        legs.pop();
+    }
 }
 
 /// Cuts what is kept of a transition that is not travelled to its end to what keeps the margins of pairs that have not
@@ -139,6 +148,7 @@ fn keep_margins(
         if let Some(index) = blocked {
             let kept = if moves(model, &legs[index]) { index + 1 } else { index };
             legs.truncate(kept);
+            end_in_a_state(model, legs);
             if legs.len() <= last {
                 continue;
             }
@@ -151,6 +161,7 @@ fn keep_margins(
             return;
         }
         legs.truncate(last);
+        end_in_a_state(model, legs);
     }
 }
 

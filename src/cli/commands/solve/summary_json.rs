@@ -7,7 +7,7 @@ use crate::cli::commands::solve::summary::{Loaded, name};
 use foliate::components::path::{ManipulationPath, events};
 use foliate::planner::{CostRow, ImprovementReport};
 use foliate::schedulers::portfolio::MemberCount;
-use foliate::systems::planning_model::snapping::Snapped;
+use foliate::systems::planning_model::graph::snapping::Snapped;
 use foliate::{FunnelRow, GoalReport, NoSolutionReason, StateRow};
 use serde_json::{Value, json};
 

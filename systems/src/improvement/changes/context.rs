@@ -2,7 +2,7 @@
 
 use crate::improvement::changes::limbs::Limbs;
 use crate::improvement::cost::{PathCost, way_along};
-use crate::improvement::leaf_motion::LeafMotion;
+use crate::improvement::leaf_motion::{LeafMotion, moves_fingers};
 use crate::planning_model::model::PlanningModel;
 use crate::search::path_extraction::unwrap_coordinates;
 use crate::search::timed_certificate::{object_numbers, resting_out_of_bounds};
@@ -55,8 +55,8 @@ impl Context<'_> {
         kinematics.write_back(rigid_attachments, &X_WJ, q);
     }
 
-    /// Whether joints and roots of robots are within their bounds at all knots of some motions, and objects that no hand holds where a
-    /// motion begins and ends. Motions are straight between knots, or dense.
+    /// Whether joints and roots of robots are within their bounds at all knots of some motions, objects that no hand holds where a motion
+    /// begins and ends, and fingers move alone. Motions are straight between knots, or dense.
     pub(crate) fn are_within_bounds(&self, motions: &[LeafMotion]) -> bool {
         let space = &self.model.problem.robot.space;
         let objects = object_numbers(self.model);
@@ -66,8 +66,21 @@ impl Context<'_> {
         motions.iter().all(|motion| {
             let rest = [motion.start(space.size()), motion.end(space.size())];
             motion.knots.chunks_exact(space.size()).all(|q| of_robots.iter().all(|&i| is_in(q, i)))
+                && self.moves_fingers_alone(motion)
                 && rest.iter().all(|q| resting_out_of_bounds(self.model, motion.state, q, ROUNDING).is_none())
         })
+    }
+
+    /// Whether nothing else of the robot moves while fingers do.
+    fn moves_fingers_alone(&self, motion: &LeafMotion) -> bool {
+        if !moves_fingers(motion) {
+            return true;
+        }
+        let (size, objects) = (self.size(), object_numbers(self.model));
+        let fingers: Vec<usize> = self.model.moving_fingers(motion.fingers).collect();
+        let stands = |i: &usize| !fingers.contains(i) && objects.iter().all(|numbers| !numbers.contains(i));
+        let start = motion.start(size);
+        motion.knots.chunks_exact(size).all(|q| (0..size).filter(stands).all(|i| q[i] == start[i]))
     }
 
     /// Whether a motion is certified to be free of collisions, with the search's own clearance.

@@ -6,7 +6,7 @@ use crate::improvement::changes::changed::Changed;
 use crate::improvement::changes::context::{Context, ImprovementScratch};
 use crate::improvement::changes::shortcut::LEAST_GAIN;
 use crate::improvement::changes::waypoint_chain::{
-    chain_around, draw_steps, is_inside_chain, is_on_leaf, is_still, keep_rotations, projected,
+    across_fingers, chain_around, draw_steps, is_inside_chain, is_on_leaf, is_still, keep_rotations, projected,
 };
 use crate::improvement::cost::path_cost;
 use crate::improvement::leaf_motion::{LeafMotion, interior_arguments, same_value};
@@ -172,7 +172,7 @@ impl Moving<'_> {
             // A motion that stands still begins and ends at one configuration.
             let known = match index > 0 && is_still(&self.motions[index - 1]) {
                 true => self.moved[index - 1].clone(),
-                false => None,
+                false => across_fingers(self.context, &self.motions, index, |knot| self.moved[knot].clone()),
             };
             let target: Vec<f64> = self.motions[index].start(size).iter().zip(&by).map(|(q, by)| q + by).collect();
             let moved = match known {

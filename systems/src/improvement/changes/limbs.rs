@@ -1,4 +1,4 @@
-//! Sets of coordinates that may change apart from all others: limbs, and single joints.
+//! Sets of coordinates that may change apart from all others: limbs, and single joints. Fingers are in none: states say where they are.
 
 use crate::planning_model::model::Model;
 use bevy_ecs::prelude::Resource;
@@ -19,7 +19,11 @@ impl Limbs {
     #[must_use]
     pub fn of(model: &Model) -> Self {
         let robot = &model.problem.robot;
-        let joints = moving_joints(robot);
+        let fingers: BTreeSet<usize> = {
+            let hands = 0..model.problem.graph.hands.len() as u32;
+            hands.flat_map(|hand| model.finger_coordinates(hand).collect::<Vec<_>>()).collect()
+        };
+        let joints = &moving_joints(robot) - &fingers;
         let chains: Vec<BTreeSet<usize>> =
             model.problem.graph.grippers.iter().map(|&gripper| chain(robot, gripper.at())).collect();
         let mut limbs = BTreeSet::new();
@@ -33,7 +37,8 @@ impl Limbs {
             limbs.insert(own.difference(&others).copied().filter(|q| joints.contains(q)).collect::<Vec<_>>());
         }
         for part in robot.parts.iter().filter(|part| part.kind == PartKind::Robot) {
-            let of_part = part.joints.clone().filter_map(|joint| coordinate(robot, joint));
+            let of_part =
+                part.joints.clone().filter_map(|joint| coordinate(robot, joint)).filter(|q| !fingers.contains(q));
             limbs.insert(of_part.collect());
         }
         // All joints together are what a shortcut changes.

@@ -51,6 +51,10 @@ pub(crate) fn replan(
     rng: &mut impl Rng,
     scratch: &mut ImprovementScratch,
 ) -> Replanned {
+    let ends = [range.start, range.end - 1].map(|end| context.model.graph.state(motions[end].state));
+    if range.len() < motions.len() && ends.iter().any(|state| state.is_passed_through()) {
+        return Replanned { motions: None, model: context.model.clone(), work: 0 };
+    }
     let mut settings = context.settings.clone();
     settings.seed = how.seed;
     settings.max_steps = how.max_steps;
@@ -64,6 +68,7 @@ pub(crate) fn replan(
             q: q.to_vec(),
             state: motion.state,
             parameters: motion.parameters.clone(),
+            given: None,
         };
         let (first, last) = (&motions[range.start], &motions[range.end - 1]);
         let ends = (root(first, first.start(size)), vec![root(last, last.end(size))]);

@@ -1,7 +1,7 @@
 //! The waypoints of a grasp change: the knots that belong to it, and how they are projected again when something moves them.
 
 use crate::improvement::changes::context::{Context, ImprovementScratch};
-use crate::improvement::leaf_motion::{LeafMotion, legs_ending_at, same_value};
+use crate::improvement::leaf_motion::{LeafMotion, legs_ending_at, moves_fingers, same_value};
 use crate::planning_model::state_classification::{parameters_of, residual};
 use foliate_components::Pose;
 use foliate_components::candidate::LegParameter;
@@ -29,13 +29,15 @@ pub(crate) fn chain_around(motions: &[LeafMotion], at: usize) -> RangeInclusive<
     let (mut first, mut last) = (at, at);
     while first > 1
         && changes_leaf(motions, first)
-        && (motions[first - 1].starts_at_waypoint || is_still(&motions[first - 1]))
+        && (motions[first - 1].starts_at_waypoint
+            || is_still(&motions[first - 1])
+            || moves_fingers(&motions[first - 1]))
     {
         first -= 1;
     }
     while last + 1 < motions.len()
         && changes_leaf(motions, last)
-        && (motions[last + 1].starts_at_waypoint || is_still(&motions[last]))
+        && (motions[last + 1].starts_at_waypoint || is_still(&motions[last]) || moves_fingers(&motions[last]))
     {
         last += 1;
     }
@@ -53,6 +55,22 @@ pub(crate) fn is_inside_chain(motions: &[LeafMotion], index: usize) -> bool {
 pub(crate) fn is_still(motion: &LeafMotion) -> bool {
     let half = motion.knots.len() / 2;
     motion.knots[..half] == motion.knots[half..]
+}
+
+/// Where a motion begins whose other end, or whose predecessor's, has `moved`, where only fingers move between the two.
+pub(crate) fn across_fingers(
+    context: &Context<'_>,
+    motions: &[LeafMotion],
+    index: usize,
+    moved: impl Fn(usize) -> Option<Vec<f64>>,
+) -> Option<Vec<f64>> {
+    let fingers_of = |motion: &LeafMotion| moves_fingers(motion).then(|| context.model.moving_fingers(motion.fingers));
+    let before = index.checked_sub(1).and_then(|before| Some((moved(before)?, fingers_of(&motions[before])?)));
+    let behind = || Some((moved(index + 1)?, fingers_of(motions.get(index)?)?));
+    let (mut q, fingers) = before.or_else(behind)?;
+    let own = motions[index].start(context.size());
+    fingers.for_each(|i| q[i] = own[i]);
+    Some(q)
 }
 
 /// How many knots away from a waypoint a motion is left: often one.

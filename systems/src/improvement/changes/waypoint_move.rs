@@ -5,9 +5,11 @@
 use crate::improvement::changes::changed::Changed;
 use crate::improvement::changes::context::{Context, ImprovementScratch};
 use crate::improvement::changes::shortcut::LEAST_GAIN;
-use crate::improvement::changes::waypoint_chain::{draw_chain, draw_steps, is_still, keep_rotations, projected};
+use crate::improvement::changes::waypoint_chain::{
+    across_fingers, draw_chain, draw_steps, is_still, keep_rotations, projected,
+};
 use crate::improvement::cost::path_cost;
-use crate::improvement::leaf_motion::LeafMotion;
+use crate::improvement::leaf_motion::{LeafMotion, moves_fingers};
 use crate::step::steering;
 use rand::{Rng, RngExt};
 use std::ops::RangeInclusive;
@@ -122,18 +124,37 @@ fn moved_knots(
     let knots = chain.clone().map(|index| motions[index].start(size));
     let stops: Vec<&[f64]> = [before].into_iter().chain(knots).chain([behind]).collect();
     let wish = draw_wish(context, &stops, rng);
-    let mut moved: Vec<Vec<f64>> = Vec::new();
-    for index in chain {
-        // A motion that stands still begins and ends at one configuration.
-        if let Some(known) = moved.last().filter(|_| is_still(&motions[index - 1])) {
-            moved.push(known.clone());
-            continue;
-        }
+    let mut wished = |index: usize| {
         let mut q = motions[index].start(size).to_vec();
         for _ in 0..wish.rounds() {
             q = projected(context, motions, (index, None), &wish.of(&q), scratch)?;
         }
-        moved.push(q);
+        Some(q)
+    };
+    let first = *chain.start();
+    let mut moved: Vec<Option<Vec<f64>>> = vec![None; chain.clone().count()];
+    for index in chain.clone() {
+        if moved[index - first].is_some() {
+            continue;
+        }
+        // What is let go lies on its leaf where the fingers have opened.
+        if chain.contains(&(index + 1)) && opens(context, motions, index) {
+            moved[index + 1 - first] = Some(wished(index + 1)?);
+        }
+        let known = |knot: usize| moved.get(knot.checked_sub(first)?).cloned().flatten();
+        // A motion that stands still begins and ends at one configuration.
+        let still = || known(index - 1).filter(|_| is_still(&motions[index - 1]));
+        moved[index - first] = match across_fingers(context, motions, index, known).or_else(still) {
+            Some(known) => Some(known),
+            None => Some(wished(index)?),
+        };
     }
-    Some(moved)
+    moved.into_iter().collect()
+}
+
+/// Whether a motion opens a hand that lets go of something.
+fn opens(context: &Context<'_>, motions: &[LeafMotion], index: usize) -> bool {
+    let grasps = |motion: &LeafMotion| context.model.graph.state(motion.state).grasps.len();
+    let lets_go = |behind: &LeafMotion| grasps(behind) < grasps(&motions[index]);
+    moves_fingers(&motions[index]) && motions.get(index + 1).is_some_and(lets_go)
 }

@@ -3,28 +3,17 @@
 //! A state is one of the problem's own states (one without constraints, where there are none), an injective map from some
 //! grippers to handles, and for every object that nothing holds the body on which it lies (or it stays where it is, when it
 //! has no surfaces). A transition adds or takes away one grasp, or goes from one of the problem's own states to another.
-//! Between two states lie waypoints; for a grasp in HPP's order and numbering (its factory's `_pregrasp`, `_intersec`,
-//! `_preplace`):
-//!
-//! | number | waypoint | holds besides the state's manifold |
-//! |---|---|---|
-//! | 1 | pre-grasp | the gripper stands back along its x axis |
-//! | 2 | intersection | grasp, and what holds while the grasp does not: placement, doors at rest |
-//! | 3 | pre-placement | grasp, and the object lifted along the support's normal |
-//!
-//! Legs 01 and 12 lie in the state without the grasp, 23 in the state with it. HPP's last leg of either direction (34, 10)
-//! has no length, because the waypoint already satisfies the target: it is left out.
+//! Between two states lie waypoints, see `legs`.
 
 use crate::planning_model::graph::attachment_order::Chain;
+use crate::planning_model::graph::builder::{Builder, Census};
 use crate::planning_model::graph::checks::{GraphError, MOST_SETS, MOST_STATES, check};
 use crate::planning_model::graph::state_keys::{Documents, Grasps, StateKey, StateKeys, grasp_sets, handles};
-use crate::planning_model::graph::transitions::{Change, led_to, leg, loop_transition, reverse_of};
+use crate::planning_model::graph::transitions::{Change, led_to, loop_transition, reverse_of};
 use foliate_components::graph::{
-    ConstraintGraph, ConstraintId, ConstraintKind, GraphConstraint, Leg, State, StateId, Transition, TransitionKind,
+    ConstraintGraph, ConstraintId, ConstraintKind, Fingers, Leg, StateId, Transition, TransitionKind,
 };
 use foliate_components::problem::{Problem, WrittenTransition};
-use std::collections::HashMap;
-use std::sync::Arc;
 
 /// Builds all states, transitions and crossed transitions.
 ///
@@ -47,27 +36,12 @@ pub fn build_constraint_graph(problem: &Problem) -> Result<ConstraintGraph, Grap
     if builder.graph.states.is_empty() {
         return Err(GraphError::NothingAllowed);
     }
+    // Making transitions adds states that are only passed through.
     for state in 0..builder.graph.states.len() as u32 {
         builder.make_transitions(StateId(state));
     }
     builder.link_reverses();
     Ok(graph)
-}
-
-/// Where the states and constraints of a graph are.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Census {
-    pub constraint_ids: HashMap<ConstraintKind, ConstraintId>,
-    pub state_ids: HashMap<Arc<StateKey>, StateId>,
-    /// By state.
-    pub state_keys: Vec<Arc<StateKey>>,
-}
-
-/// Adds to a graph.
-pub(crate) struct Builder<'a> {
-    pub state_keys: StateKeys<'a>,
-    pub graph: &'a mut ConstraintGraph,
-    pub census: &'a mut Census,
 }
 
 impl Builder<'_> {
@@ -80,53 +54,18 @@ impl Builder<'_> {
                 if self.graph.states.len() >= MOST_STATES {
                     return None;
                 }
-                self.make_state(StateKey { written, grasps: grasps.clone(), lying: lying.clone() });
+                let (grasps, lying) = (grasps.clone(), lying.clone());
+                self.make_state(StateKey { written, grasps, lying, fingers: Fingers::Still });
             }
         }
         Some(())
-    }
-
-    fn make_state(&mut self, key: StateKey) -> StateId {
-        let kinds = self.state_keys.manifold(&key);
-        let manifold: Vec<_> = kinds.into_iter().map(|kind| self.constraint(kind)).collect();
-        let foliation = manifold.iter().copied().filter(|&c| self.graph.constraint(c).foliates).collect();
-        let id = self.graph.add_state(State {
-            name: self.state_keys.state_name(&key),
-            written: (!self.state_keys.options.states.is_empty()).then_some(key.written as u32),
-            grasps: key.grasps.clone(),
-            manifold,
-            foliation,
-            priority: key.grasps.len() as u32,
-        });
-        let key = Arc::new(key);
-        self.census.state_ids.insert(Arc::clone(&key), id);
-        self.census.state_keys.push(key);
-        id
-    }
-
-    /// The state of a case. In a lazy graph it comes into being, if it is allowed.
-    pub fn state(&mut self, key: StateKey) -> Option<StateId> {
-        if let Some(&id) = self.census.state_ids.get(&key) {
-            return Some(id);
-        }
-        (self.graph.lazy && self.state_keys.are_allowed(&key.grasps)).then(|| self.make_state(key))
-    }
-
-    fn constraint(&mut self, kind: ConstraintKind) -> ConstraintId {
-        if let Some(&id) = self.census.constraint_ids.get(&kind) {
-            return id;
-        }
-        let (name, foliates) = self.state_keys.describe(kind);
-        let id = ConstraintId(self.graph.constraints.len() as u32);
-        self.graph.constraints.push(GraphConstraint { name, kind, foliates });
-        self.census.constraint_ids.insert(kind, id);
-        id
     }
 
     /// P1 Algorithm 1, lines 11-16 and MAKETRANSITIONS: all that leaves a state.
     pub fn make_transitions(&mut self, state: StateId) {
         let here = self.state_keys.abbreviation(&self.census.state_keys[state.at()]);
         let mut leaving = vec![loop_transition(state, &here)];
+        self.let_fingers_move(state);
         for change in self.changes_at(state) {
             leaving.extend(self.transitions_of(state, &here, change));
         }
@@ -137,10 +76,6 @@ impl Builder<'_> {
         let others: f64 = leaving[1..].iter().map(|t| t.weight).sum();
         leaving[0].weight = if others > 0.0 { others / 7.0 } else { 1.0 };
         self.graph.add_leaving(state, leaving);
-    }
-
-    fn key(&self, state: StateId) -> Arc<StateKey> {
-        Arc::clone(&self.census.state_keys[state.at()])
     }
 
     /// Every grasp that can be made or released from a state, with every way to lie of what is let go.
@@ -171,7 +106,7 @@ impl Builder<'_> {
     fn states_with(&mut self, (key, before): (&StateKey, &Chain<'_>), grasps: &Grasps) -> Vec<StateId> {
         let lies_there = |object: usize, body| before.is_carried(object) || key.lying[object] == body;
         let ways = self.state_keys.ways_to_lie(grasps, lies_there, MOST_STATES).unwrap_or_default();
-        let key = |lying| StateKey { written: key.written, grasps: grasps.clone(), lying };
+        let key = |lying| StateKey { written: key.written, grasps: grasps.clone(), lying, fingers: Fingers::Still };
         ways.into_iter().filter_map(|lying| self.state(key(lying))).collect()
     }
 
@@ -228,12 +163,6 @@ impl Builder<'_> {
         self.with_twin(name, from, to, legs)
     }
 
-    /// What `state` requires and `other` does not.
-    fn difference(&self, state: StateId, other: StateId) -> Vec<ConstraintId> {
-        let other = &self.graph.state(other).manifold;
-        self.graph.state(state).manifold.iter().copied().filter(|c| !other.contains(c)).collect()
-    }
-
     /// A regular transition, and its crossed twin where the target's foliation has rows to aim at.
     fn with_twin(&self, name: String, from: StateId, to: StateId, legs: Vec<Leg>) -> Vec<Transition> {
         let source = &self.graph.state(from).foliation;
@@ -272,58 +201,6 @@ impl Builder<'_> {
     fn leads_to(&self, target: ConstraintId, adds: &[ConstraintId]) -> bool {
         let wanted = led_to(self.graph.constraint(target).kind);
         adds.iter().any(|&added| self.graph.constraint(added).kind == wanted)
-    }
-
-    /// 01 approach, 12 close, 23 lift.
-    fn grasping_legs(&mut self, name: &str, change: Change) -> Vec<Leg> {
-        let Change { gripper, handle, without, with } = change;
-        let mut legs = Vec::new();
-        if self.state_keys.has_pregrasp(gripper, handle) {
-            let target = vec![self.constraint(ConstraintKind::Pregrasp { gripper, handle })];
-            legs.push(leg(name, "01", without, target, false));
-        }
-        legs.push(leg(name, "12", without, self.difference(with, without), !legs.is_empty()));
-        let lifted = self.lifted(&self.difference(without, with));
-        if !lifted.is_empty() {
-            legs.push(leg(name, "23", with, lifted, true));
-        }
-        legs
-    }
-
-    /// 43 approach with the object, 32 put down and shut, 21 retreat.
-    fn releasing_legs(&mut self, name: &str, change: Change) -> Vec<Leg> {
-        let Change { gripper, handle, without, with } = change;
-        let lost = self.difference(without, with);
-        let mut legs = Vec::new();
-        let lifted = self.lifted(&lost);
-        if !lifted.is_empty() {
-            legs.push(leg(name, "43", with, lifted, false));
-        }
-        let stays = lost.is_empty();
-        if !stays {
-            legs.push(leg(name, "32", with, lost, !legs.is_empty()));
-        }
-        // Where another hand keeps the object, this one only backs off: random motion belongs to the loop of that state.
-        if self.state_keys.has_pregrasp(gripper, handle) {
-            let target = vec![self.constraint(ConstraintKind::Pregrasp { gripper, handle })];
-            legs.push(leg(name, "21", without, target, true));
-        } else if stays {
-            legs.push(leg(name, "21", without, Vec::new(), false));
-        }
-        legs
-    }
-
-    /// The pre-placements of those of the constraints that are placements.
-    fn lifted(&mut self, constraints: &[ConstraintId]) -> Vec<ConstraintId> {
-        if self.state_keys.options.preplacement_distance <= 0.0 {
-            return Vec::new();
-        }
-        let placed = constraints.iter().filter_map(|&c| match self.graph.constraint(c).kind {
-            ConstraintKind::Placement { object, on } => Some(ConstraintKind::Preplacement { object, on }),
-            _ => None,
-        });
-        let placed: Vec<_> = placed.collect();
-        placed.into_iter().map(|kind| self.constraint(kind)).collect()
     }
 
     /// A motion travelled backwards is one of a transition back: where there are several, the one with the same legs.

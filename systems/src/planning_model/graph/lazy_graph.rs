@@ -5,11 +5,11 @@
 //! parallel systems, in the order of the candidates, so ids do not depend on threads. Names, constraints, weights and
 //! transitions are those of the whole graph; only ids follow the search.
 
+use crate::planning_model::graph::builder::{Builder, Census};
 use crate::planning_model::graph::checks::{GraphError, check};
-use crate::planning_model::graph::enumeration::{Builder, Census};
 use crate::planning_model::graph::state_keys::{Documents, StateKey, StateKeys, grasp_sets, handles};
 use foliate_components::constraint::Grasp;
-use foliate_components::graph::{ConstraintGraph, ConstraintKind, StateId};
+use foliate_components::graph::{ConstraintGraph, ConstraintKind, Fingers, StateId};
 use foliate_components::problem::Problem;
 use foliate_components::robot::{GripperIndex, HandleIndex, JointIndex};
 use std::sync::Arc;
@@ -99,7 +99,8 @@ impl LazyGraph {
             let ways = state_keys.ways_to_lie(&grasps, lies, MOST_READINGS)?;
             for written in 0..problem.graph.states.len().max(1) {
                 for lying in &ways {
-                    let key = StateKey { written, grasps: grasps.clone(), lying: lying.clone() };
+                    let key =
+                        StateKey { written, grasps: grasps.clone(), lying: lying.clone(), fingers: Fingers::Still };
                     if state_keys.manifold(&key).into_iter().all(&holds) {
                         return Some(key);
                     }
@@ -122,7 +123,7 @@ impl LazyGraph {
             bodies.iter().copied().min_by(|a, b| apart(a).total_cmp(&apart(b))).flatten()
         };
         let lying = self.documents.bodies.iter().enumerate().map(nearest).collect();
-        let key = StateKey { written: 0, grasps: Vec::new(), lying };
+        let key = StateKey { written: 0, grasps: Vec::new(), lying, fingers: Fingers::Still };
         let all = state_keys.manifold(&key).into_iter().map(|kind| (kind, residual(kind)));
         let (kind, worst) = all.max_by(|a, b| a.1.total_cmp(&b.1))?;
         Some((kind, state_keys.describe(kind).0, state_keys.state_name(&key), worst))

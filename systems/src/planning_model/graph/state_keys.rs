@@ -5,7 +5,7 @@ use crate::planning_model::graph::attachment_order::{Chain, grasp_of, is_beyond,
 use crate::planning_model::graph::checks::GraphError;
 use crate::planning_model::graph::support_placement::carrying_bodies;
 use foliate_components::constraint::Grasp;
-use foliate_components::graph::ConstraintKind;
+use foliate_components::graph::{ConstraintKind, Fingers, Opening};
 use foliate_components::problem::{GraphOptions, JointRest, Problem};
 use foliate_components::robot::{GripperIndex, HandleIndex, JointIndex, Robot};
 use std::collections::HashMap;
@@ -23,6 +23,8 @@ pub(crate) struct StateKey {
     pub written: usize,
     pub grasps: Grasps,
     pub lying: Lying,
+    /// Only legs of transitions lie in states in which they do not hold still as ever.
+    pub fingers: Fingers,
 }
 
 /// What is read of a problem once.
@@ -189,6 +191,7 @@ impl<'a> StateKeys<'a> {
                 manifold.push(ConstraintKind::JointRest { joint: joint as u32 });
             }
         }
+        manifold.extend(self.fingers(key));
         let own = self.options.states.get(key.written).map_or(&[][..], |state| &state.constraints);
         for &constraint in self.options.everywhere.iter().chain(own) {
             let given = ConstraintKind::Given { constraint };
@@ -197,6 +200,46 @@ impl<'a> StateKeys<'a> {
             }
         }
         manifold
+    }
+
+    /// Where the fingers of all hands are that hold still.
+    fn fingers<'k>(&'k self, key: &'k StateKey) -> impl Iterator<Item = ConstraintKind> + 'k {
+        let opening = move |hand: u32| match key.fingers {
+            Fingers::Moving(moving) if moving == hand => None,
+            Fingers::Free => None,
+            Fingers::Wide(wide) if wide == hand => Some(Opening::Wide),
+            _ => Some(self.opening(hand, &key.grasps)),
+        };
+        let hands = (0u32..).zip(&self.options.hands);
+        hands.filter_map(move |(number, hand)| Some((number, hand, opening(number)?))).flat_map(
+            |(number, hand, opening)| {
+                (0..hand.fingers.len() as u32).map(move |finger| ConstraintKind::Finger {
+                    hand: number,
+                    finger,
+                    opening,
+                })
+            },
+        )
+    }
+
+    /// How far a hand is open while it does not move its fingers.
+    fn opening(&self, hand: u32, grasps: &Grasps) -> Opening {
+        let grippers = &self.options.hands[hand as usize].grippers;
+        let held = grasps.iter().find(|(gripper, _)| grippers.contains(gripper));
+        held.map_or_else(|| self.travel(hand), |&(gripper, handle)| Opening::Closed { gripper, handle })
+    }
+
+    /// How far a hand is open while it is empty.
+    pub fn travel(&self, hand: u32) -> Opening {
+        if self.options.hands[hand as usize].travels_open() { Opening::Wide } else { Opening::Travel }
+    }
+
+    /// The hand of a gripper that holds nothing yet with another of its grippers: it opens and closes with a grasp.
+    pub fn hand_of(&self, gripper: GripperIndex, without: &Grasps) -> Option<u32> {
+        let hand = self.options.hands.iter().position(|hand| hand.grippers.contains(&gripper))?;
+        let record = &self.options.hands[hand];
+        let is_empty = without.iter().all(|(gripper, _)| !record.grippers.contains(gripper));
+        (is_empty && !record.fingers.is_empty()).then_some(hand as u32)
     }
 
     /// What keeps an object in place while no gripper holds it.
@@ -264,6 +307,18 @@ impl<'a> StateKeys<'a> {
                 let stays = matches!(resting.rest, JointRest::Stays);
                 (format!("rest_{}", self.robot.joints[resting.joint.at()].name), stays)
             }
+            ConstraintKind::Finger { hand, finger, opening } => {
+                let finger = self.options.hands[hand as usize].fingers[finger as usize].joint;
+                let finger = &self.robot.joints[finger.at()].name;
+                let name = match opening {
+                    Opening::Travel => format!("travel_{finger}"),
+                    Opening::Wide => format!("open_{finger}"),
+                    Opening::Closed { handle, .. } => {
+                        format!("close_{finger}_on_{}", self.robot.handles[handle.at()].name)
+                    }
+                };
+                (name, false)
+            }
             ConstraintKind::Given { constraint } => {
                 let given = &self.options.constraints[constraint as usize];
                 (given.name.clone(), given.constraint.foliates())
@@ -295,6 +350,13 @@ impl<'a> StateKeys<'a> {
             words.push("free".into());
         }
         words.extend(self.lying_name(key, None));
+        let gripper = |hand: u32| &self.robot.grippers[self.options.hands[hand as usize].grippers[0].at()].name;
+        match key.fingers {
+            Fingers::Still => {}
+            Fingers::Free => words.push("fingers move".into()),
+            Fingers::Moving(hand) => words.push(format!("{} moves its fingers", gripper(hand))),
+            Fingers::Wide(hand) => words.push(format!("{} is wide open", gripper(hand))),
+        }
         words.join(" : ")
     }
 

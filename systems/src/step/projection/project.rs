@@ -24,6 +24,9 @@ use std::cmp::Reverse;
 /// (docs/decisions/0017).
 const DAMPING: f64 = 1e-2;
 
+/// Probability that joints which nothing depends on stay where they are. They move at times, because they may be in the way.
+const UNINVOLVED_STILL: f64 = 0.984_375;
+
 /// What a system reads of the world.
 pub(crate) struct Context<'a> {
     pub(crate) model: &'a PlanningModel,
@@ -236,6 +239,10 @@ impl Context<'_> {
             for &index in &program.idle {
                 seed[index] = lane.q[index];
             }
+        }
+        let uninvolved = &self.model.uninvolved;
+        if !uninvolved.is_empty() && rng.random::<f64>() < UNINVOLVED_STILL {
+            uninvolved.iter().for_each(|&index| seed[index] = lane.q[index]);
         }
         self.model.lock(&mut seed);
         seed

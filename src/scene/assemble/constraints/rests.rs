@@ -10,7 +10,7 @@ use foliate_components::robot::{CentreSource, Robot};
 /// How far inside both polygons the centre of mass must be where a scene does not say, metres.
 const STABLE_MARGIN: f64 = 5e-3;
 
-pub(super) fn read(keys: &mut Keys<'_>) -> Result<Rests, SceneError> {
+pub(in crate::scene::assemble) fn read(keys: &mut Keys<'_>) -> Result<Rests, SceneError> {
     let words = [
         ("centre", Rests::Centre),
         ("stable", Rests::Stable { margin: STABLE_MARGIN }),
@@ -30,7 +30,7 @@ pub(super) fn read(keys: &mut Keys<'_>) -> Result<Rests, SceneError> {
 }
 
 /// Says of which objects it is not known where their mass is, though it is asked.
-pub(super) fn remarks(scene: &str, robot: &Robot, options: &GraphOptions) -> Vec<SceneError> {
+pub(in crate::scene::assemble) fn remarks(scene: &str, robot: &Robot, options: &GraphOptions) -> Vec<SceneError> {
     if !matches!(options.rests, Rests::Stable { .. }) {
         return Vec::new();
     }

@@ -1,0 +1,66 @@
+//! `[graph.hands]`: which joints are the fingers of a gripper, and how far they open.
+
+use crate::scene::assemble::names::frame::one_of;
+use crate::scene::assemble::names::locked::{scalar_joint, within};
+use crate::scene::reading::error::SceneError;
+use crate::scene::reading::keys::Item;
+use foliate_components::problem::{Finger, Hand};
+use foliate_components::robot::{GripperIndex, JointIndex, Robot};
+
+/// `hands = { "robot/gripper" = { fingers = { "robot/joint" = { open = …, closed = … } } } or "planned" }`. `gripper` finds the gripper of a
+/// name.
+pub(super) fn read(
+    item: &Item<'_>,
+    robot: &Robot,
+    locked: &[(JointIndex, f64)],
+    gripper: impl Fn(&Item<'_>, &str) -> Result<GripperIndex, SceneError>,
+) -> Result<Vec<Hand>, SceneError> {
+    let mut hands: Vec<Hand> = Vec::new();
+    for (name, item) in item.keys()?.entries() {
+        let grippers = vec![gripper(&item, name)?];
+        if item.is_string() {
+            one_of(&item, &[("planned", ())])?;
+            hands.push(Hand { grippers, fingers: Vec::new() });
+            continue;
+        }
+        let mut keys = item.keys()?;
+        let mut fingers: Vec<Finger> = Vec::new();
+        for (joint, item) in keys.required("fingers")?.keys()?.entries() {
+            let finger = finger(&item, scalar_joint(&item, joint, robot)?, robot)?;
+            if locked.iter().any(|(joint, _)| *joint == finger.joint) {
+                return Err(item
+                    .error("is locked as well")
+                    .hint("a finger opens and closes, a locked joint never moves"));
+            }
+            fingers.push(finger);
+        }
+        keys.finish()?;
+        if fingers.is_empty() {
+            let hint = "\"planned\" makes the joints of the gripper joints as any";
+            return Err(item.error("names no finger").hint(hint));
+        }
+        let shares = |hand: &&mut Hand| hand.fingers.iter().any(|f| fingers.iter().any(|own| own.joint == f.joint));
+        match hands.iter_mut().find(shares) {
+            Some(hand) if hand.fingers == fingers => hand.grippers.extend(grippers),
+            Some(_) => {
+                let hint = "grippers that share fingers have the same fingers, with the same values";
+                return Err(item.error("has a finger of another gripper, and is not the same hand").hint(hint));
+            }
+            None => hands.push(Hand { grippers, fingers }),
+        }
+    }
+    Ok(hands)
+}
+
+/// `{ open = …, closed = …, travel = … }`: values of the joint, metres or radians.
+fn finger(item: &Item<'_>, joint: JointIndex, robot: &Robot) -> Result<Finger, SceneError> {
+    let mut keys = item.keys()?;
+    let open = within(&keys.required("open")?, joint, robot)?;
+    let closed = within(&keys.required("closed")?, joint, robot)?;
+    let travel = keys.optional("travel").map(|item| within(&item, joint, robot)).transpose()?;
+    keys.finish()?;
+    if open == closed {
+        return Err(item.error("is as far open as closed"));
+    }
+    Ok(Finger { joint, open, closed, travel })
+}

@@ -1,0 +1,349 @@
+//! Hands that open and close: which grippers have fingers, which bound of a finger is the open one, and how far the fingers close on a
+//! handle.
+
+use crate::planning_model::graph::attachment_order::{grasp_of, is_beyond};
+use crate::planning_model::graph::support_placement::relative_pose_residual;
+use foliate_components::Pose;
+use foliate_components::constraint::{Grasp, Mask};
+use foliate_components::path::fingers;
+use foliate_components::pose::exp_so3;
+use foliate_components::problem::{Finger, Hand, Problem};
+use foliate_components::robot::{GripperIndex, HandleIndex, JointIndex, JointType, LinkIndex, Robot, Source};
+use foliate_kernels::collision::convex::core::{Convex, Core};
+use foliate_kernels::collision::scene::scene_solid::SceneSolid;
+use foliate_kernels::collision::{CollisionScene, DistanceQuery, Solid, clearance};
+use foliate_kernels::kinematics::Kinematics;
+use glam::DVec3;
+use std::collections::HashMap;
+use std::f64::consts::TAU;
+use std::sync::OnceLock;
+
+/// How far fingers stay off what they hold, metres: contact, less what certificates need to prove that they do not collide.
+pub const FINGER_GAP: f64 = 2e-4;
+
+/// Residual at which a gripper holds a handle at the start, metres and radians.
+const HOLDS: f64 = 1e-4;
+
+/// How close to [`FINGER_GAP`] a closing hand comes, metres.
+const NEARLY: f64 = 2e-6;
+
+/// Steps of a closing hand at most.
+const MOST_STEPS: usize = 200;
+
+/// Turns about a free axis of a grasp at which the width of the object is measured.
+const TURNS: usize = 8;
+
+/// By gripper and handle: the shares of the way from open to shut at which the hand has closed.
+pub(crate) type Closings = HashMap<(GripperIndex, HandleIndex), OnceLock<f64>>;
+
+/// The hands of a problem: those that it names, and those that the structure of the robot has.
+#[must_use]
+pub(crate) fn complete(
+    problem: &Problem,
+    still: &[JointIndex],
+    kinematics: &Kinematics,
+    scene: &CollisionScene,
+) -> Vec<Hand> {
+    let (robot, options) = (&problem.robot, &problem.graph);
+    let mut hands = options.hands.clone();
+    let named = hands.len();
+    for &gripper in &options.grippers {
+        if hands[..named].iter().any(|hand| hand.grippers.contains(&gripper)) {
+            continue;
+        }
+        let joints = fingers(robot, gripper);
+        // Who locks a finger has chosen the opening.
+        if joints.iter().any(|joint| options.locked.iter().any(|(locked, _)| locked == joint)) {
+            continue;
+        }
+        let joints: Vec<_> = joints.into_iter().filter(|&joint| may_move(problem, still, joint)).collect();
+        let shared = hands[named..].iter_mut().find(|hand| hand.fingers.iter().any(|f| joints.contains(&f.joint)));
+        match shared {
+            Some(hand) => hand.grippers.push(gripper),
+            None if joints.is_empty() => {}
+            None => {
+                let mut measured = Measurement::new(problem, kinematics, scene);
+                let fingers = joints.iter().map(|&joint| measured.finger(gripper, joint)).collect();
+                hands.push(Hand { grippers: vec![gripper], fingers });
+            }
+        }
+    }
+    for hand in &mut hands {
+        let holds = holds_at_start(problem, kinematics, hand);
+        for finger in &mut hand.fingers {
+            let at_start = coordinate(robot, finger.joint).and_then(|q| problem.start.get(q).copied());
+            let travel = at_start.filter(|_| !holds).unwrap_or(finger.open);
+            finger.travel.get_or_insert(travel);
+        }
+    }
+    hands
+}
+
+/// Whether a joint may be a finger: neither locked nor at rest, with bounds to open and shut.
+fn may_move(problem: &Problem, still: &[JointIndex], joint: JointIndex) -> bool {
+    let record = &problem.robot.joints[joint.at()];
+    let rests = problem.graph.resting_joints.iter().any(|resting| resting.joint == joint);
+    let is_bounded = record.lower[0].is_finite() && record.upper[0].is_finite();
+    !still.contains(&joint) && !rests && is_bounded
+}
+
+/// The number of a joint in a configuration; none of one that follows another.
+#[must_use]
+pub(crate) fn coordinate(robot: &Robot, joint: JointIndex) -> Option<usize> {
+    match robot.joints[joint.at()].source {
+        Source::Coordinates { q, .. } => Some(q),
+        Source::Follows { .. } => None,
+    }
+}
+
+/// The grasps that a gripper may make.
+fn grasps_of(problem: &Problem, gripper: GripperIndex) -> impl Iterator<Item = (HandleIndex, Grasp)> + '_ {
+    let options = &problem.graph;
+    let handles = options.objects.iter().flat_map(|object| object.handles.iter().copied());
+    let allowed =
+        move |&handle: &HandleIndex| options.grasps.as_ref().is_none_or(|table| table.contains(&(gripper, handle)));
+    handles.filter(allowed).filter_map(move |handle| Some((handle, grasp_of(problem, gripper, handle).ok()?)))
+}
+
+/// Whether a hand must be open to travel: it holds something at the start, or has a grasp without a pregrasp beside which it could open.
+fn holds_at_start(problem: &Problem, kinematics: &Kinematics, hand: &Hand) -> bool {
+    if problem.start.len() != problem.robot.space.size() || problem.start.iter().any(|x| !x.is_finite()) {
+        return true;
+    }
+    let mut X_WJ = vec![Pose::identity(); kinematics.bodies()];
+    kinematics.forward(&problem.start, &mut X_WJ);
+    let all = hand.grippers.iter().flat_map(|&gripper| grasps_of(problem, gripper));
+    all.into_iter()
+        .any(|(_, grasp)| grasp.standoff <= 0.0 || relative_pose_residual(&grasp.constraint(), &X_WJ) <= HOLDS)
+}
+
+/// The table of closings, none measured yet.
+#[must_use]
+pub(crate) fn closings(problem: &Problem) -> Closings {
+    let hands = problem.graph.hands.iter().filter(|hand| !hand.fingers.is_empty());
+    let grippers = hands.flat_map(|hand| hand.grippers.iter().copied());
+    let grasps = grippers.flat_map(|gripper| grasps_of(problem, gripper).map(move |(handle, _)| (gripper, handle)));
+    grasps.map(|grasp| (grasp, OnceLock::new())).collect()
+}
+
+/// The share of the way from open to shut at which a hand has closed on a handle: where a finger is [`FINGER_GAP`] from the body of the
+/// handle or from another finger, or wholly shut. Where the grasp leaves a turn free, where that is so first for any turn.
+#[must_use]
+pub(crate) fn closing(
+    (problem, kinematics, scene): (&Problem, &Kinematics, &CollisionScene),
+    hand: &Hand,
+    (gripper, handle): (GripperIndex, HandleIndex),
+) -> f64 {
+    let Ok(grasp) = grasp_of(problem, gripper, handle) else { return 1.0 };
+    let mut measurement = Measurement::new(problem, kinematics, scene);
+    let pairs = measurement.finger_pairs(hand, handle);
+    let turns = free_turns(grasp.mask);
+    turns.into_iter().map(|turn| measurement.closing_at(hand, &grasp, &pairs, turn)).fold(1.0, f64::min)
+}
+
+/// Measures distances of fingers, at the start of a problem with some joints elsewhere.
+struct Measurement<'a> {
+    problem: &'a Problem,
+    kinematics: &'a Kinematics,
+    scene: &'a CollisionScene,
+    q: Vec<f64>,
+    X_WJ: Vec<Pose>,
+}
+
+impl<'a> Measurement<'a> {
+    fn new(problem: &'a Problem, kinematics: &'a Kinematics, scene: &'a CollisionScene) -> Self {
+        let space = &problem.robot.space;
+        let is_whole = problem.start.len() == space.size() && problem.start.iter().all(|x| x.is_finite());
+        let q = if is_whole { problem.start.clone() } else { space.neutral() };
+        let X_WJ = vec![Pose::identity(); kinematics.bodies()];
+        Self { problem, kinematics, scene, q, X_WJ }
+    }
+
+    /// Sets a joint and moves the bodies.
+    fn set(&mut self, joints: impl Iterator<Item = (JointIndex, f64)>) {
+        for (joint, value) in joints {
+            if let Some(q) = coordinate(&self.problem.robot, joint) {
+                self.q[q] = value;
+            }
+        }
+        self.kinematics.forward(&self.q, &mut self.X_WJ);
+    }
+
+    /// A finger with its open bound: the one at which what it moves is farther from the gripper's frame. Documents may know better:
+    /// a named configuration of the robot called `open`.
+    fn finger(&mut self, gripper: GripperIndex, joint: JointIndex) -> Finger {
+        let record = &self.problem.robot.joints[joint.at()];
+        let (low, high) = (record.lower[0], record.upper[0]);
+        let told = |name: &str| {
+            let part = &self.problem.robot.parts[record.part.at()];
+            let own = record.name.rsplit('/').next().unwrap_or(&record.name);
+            let states = part.group_states.iter().filter(|state| state.name.eq_ignore_ascii_case(name));
+            let value = |(joint, value): &(String, f64)| (joint == own).then_some(*value);
+            states.flat_map(|state| &state.values).find_map(value).filter(|v| (low..=high).contains(v))
+        };
+        let [open, closed] = [["open", "opened"], ["close", "closed"]].map(|names| names.into_iter().find_map(told));
+        let before = self.q.clone();
+        let [at_low, at_high] = [low, high].map(|value| {
+            self.set(std::iter::once((joint, value)));
+            self.distance_of(gripper, joint)
+        });
+        self.q = before;
+        let (wide, shut) = if at_low > at_high { (low, high) } else { (high, low) };
+        let open = open.filter(|open| closed != Some(*open)).unwrap_or(wide);
+        let closed = closed.filter(|closed| *closed != open).unwrap_or(if open == shut { wide } else { shut });
+        Finger { joint, open, closed, travel: None }
+    }
+
+    /// How far the shapes that a joint moves are from the origin of a gripper, metres; 0 without shapes.
+    fn distance_of(&self, gripper: GripperIndex, joint: JointIndex) -> f64 {
+        let robot = &self.problem.robot;
+        let record = &robot.grippers[gripper.at()];
+        let body = robot.links[record.link.at()].joint;
+        let link = foliate_components::constraint::Frame::on_link(robot, record.link, &record.link_from_gripper);
+        let X_WG = body.map_or(Pose::IDENTITY, |body| self.X_WJ[body.at()]) * link.joint_from_frame;
+        let point = Solid::Convex(Convex { core: Core::Point, radius: 0.0 });
+        let moved = self
+            .scene
+            .solids()
+            .iter()
+            .filter(|solid| is_beyond(robot, solid.body, joint) || self.follows(solid.body, joint));
+        let distance = |solid: &SceneSolid| {
+            let X_WS = solid.body.map_or(Pose::IDENTITY, |body| self.X_WJ[body.at()]) * solid.X_JS;
+            clearance(&point, &X_WG, &solid.solid, &X_WS, DistanceQuery::exact(f64::INFINITY), &mut DVec3::ZERO.clone())
+        };
+        moved.map(distance).fold(f64::INFINITY, f64::min).min(1e3)
+    }
+
+    /// Whether a body moves with a joint that mimics another.
+    fn follows(&self, body: Option<JointIndex>, leader: JointIndex) -> bool {
+        let joints = &self.problem.robot.joints;
+        let above = std::iter::successors(body, |body| joints[body.at()].parent);
+        above
+            .into_iter()
+            .any(|joint| matches!(joints[joint.at()].source, Source::Follows { leader: l, .. } if l == leader))
+    }
+
+    /// Conservative advancement: the fingers close by as much as they cannot touch within.
+    fn closing_at(&mut self, hand: &Hand, grasp: &Grasp, pairs: &[FingerPair], turn: Pose) -> f64 {
+        let mut share = 0.0;
+        for _ in 0..MOST_STEPS {
+            let values: Vec<_> = hand.fingers.iter().map(|finger| finger.joint).zip(hand.at(share)).collect();
+            self.set(values.into_iter());
+            let X_WG = grasp.gripper.joint.map_or(Pose::IDENTITY, |body| self.X_WJ[body.at()])
+                * grasp.gripper.joint_from_frame;
+            let X_WB = X_WG * turn * grasp.handle.joint_from_frame.inverse();
+            let mut step = 1.0 - share;
+            for pair in pairs {
+                let room = pair.clearance(self.scene, &self.X_WJ, X_WB, FINGER_GAP + step * pair.speed) - FINGER_GAP;
+                step = step.min(if room > NEARLY { room / pair.speed } else { 0.0 });
+            }
+            // Compared so that NaN ends it.
+            let goes_on = step > 0.0;
+            if !goes_on {
+                break;
+            }
+            share += step;
+        }
+        share
+    }
+
+    /// How fast a point of a body moves at most while a hand closes, metres over its whole way.
+    fn speed(&self, hand: &Hand, body: Option<JointIndex>) -> f64 {
+        let joints = &self.problem.robot.joints;
+        let range = |joint: JointIndex| {
+            let of =
+                |joint: JointIndex| hand.fingers.iter().find(|f| f.joint == joint).map(|f| (f.open - f.closed).abs());
+            match joints[joint.at()].source {
+                Source::Coordinates { .. } => of(joint),
+                Source::Follows { leader, multiplier, .. } => of(leader).map(|range| range * multiplier.abs()),
+            }
+        };
+        let above = std::iter::successors(body, |body| joints[body.at()].parent);
+        above.filter_map(|joint| Some(range(joint)? * self.reach(joint))).sum()
+    }
+
+    /// How far from its axis a joint moves points, metres per radian; 1 where it slides.
+    fn reach(&self, joint: JointIndex) -> f64 {
+        let robot = &self.problem.robot;
+        if matches!(robot.joints[joint.at()].motion, JointType::Prismatic { .. }) {
+            return 1.0;
+        }
+        let origin = self.X_WJ[joint.at()].translation;
+        let moved = self.scene.solids().iter().filter(|solid| is_beyond(robot, solid.body, joint));
+        let far = |solid: &SceneSolid| {
+            let X_WB = solid.body.map_or(Pose::IDENTITY, |body| self.X_WJ[body.at()]);
+            X_WB.transform_point(solid.ball.center).distance(origin) + solid.ball.radius
+        };
+        moved.map(far).fold(0.0, f64::max)
+    }
+
+    /// The tested pairs of a finger with the body of a handle, or with another finger.
+    fn finger_pairs(&mut self, hand: &Hand, handle: HandleIndex) -> Vec<FingerPair> {
+        let open: Vec<_> = hand.fingers.iter().map(|finger| (finger.joint, finger.open)).collect();
+        self.set(open.into_iter());
+        let robot = &self.problem.robot;
+        let held = robot.handles[handle.at()].link;
+        let is_held = |link: LinkIndex| {
+            let (link, held) = (&robot.links[link.at()], &robot.links[held.at()]);
+            link.part == held.part && link.joint == held.joint
+        };
+        let solids = self.scene.solids();
+        let mut pairs = Vec::new();
+        for pair in self.scene.pairs() {
+            let shapes = [pair.first.at(), pair.second.at()];
+            let speeds = shapes.map(|shape| self.speed(hand, solids[shape].body));
+            let [a, b] = shapes.map(|shape| is_held(solids[shape].link));
+            let pair = |finger: usize, other: usize, holds: bool| FingerPair {
+                finger: shapes[finger],
+                other: shapes[other],
+                holds,
+                speed: speeds[0] + speeds[1],
+            };
+            match speeds.map(|speed| speed > 0.0) {
+                [true, true] => pairs.push(pair(0, 1, false)),
+                [true, false] if b => pairs.push(pair(0, 1, true)),
+                [false, true] if a => pairs.push(pair(1, 0, true)),
+                _ => {}
+            }
+        }
+        pairs
+    }
+}
+
+/// Two shapes that may touch when a hand closes, by number.
+struct FingerPair {
+    finger: usize,
+    other: usize,
+    /// Whether the other one is of the body that is held, and not another finger.
+    holds: bool,
+    /// How fast they come closer at most, metres over the whole way from open to shut.
+    speed: f64,
+}
+
+impl FingerPair {
+    /// A lower bound of the distance, nearly exact, or at least `enough`, where the held body is at `X_WB`.
+    fn clearance(&self, scene: &CollisionScene, X_WJ: &[Pose], X_WB: Pose, enough: f64) -> f64 {
+        let [a, b] = [self.finger, self.other].map(|shape| &scene.solids()[shape]);
+        let [X_WA, X_WF] = [a, b].map(|solid| solid.body.map_or(Pose::IDENTITY, |body| X_WJ[body.at()]));
+        let X_WO = if self.holds { X_WB } else { X_WF };
+        let far = X_WA.transform_point(a.ball.center).distance(X_WO.transform_point(b.ball.center));
+        let rough = far - a.ball.radius - b.ball.radius;
+        if rough >= enough {
+            return rough;
+        }
+        let query = DistanceQuery::exact(enough);
+        clearance(&a.solid, &(X_WA * a.X_JS), &b.solid, &(X_WO * b.X_JS), query, &mut DVec3::ZERO.clone())
+    }
+}
+
+/// Poses of a handle in a gripper that a grasp with this mask allows: turns about its axes that are free.
+fn free_turns(mask: Mask) -> Vec<Pose> {
+    let mut turns = vec![Pose::identity()];
+    for (row, axis) in [(3, DVec3::X), (4, DVec3::Y), (5, DVec3::Z)] {
+        if !mask.0[row] {
+            let angles = (1..TURNS).map(|turn| TAU * turn as f64 / TURNS as f64);
+            turns.extend(angles.map(|angle| Pose::from_rotation(exp_so3(axis * angle))));
+        }
+    }
+    turns
+}
