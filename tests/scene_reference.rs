@@ -80,7 +80,7 @@ fn every_key_that_is_read_is_in_the_example_and_described() {
     let keys = "format name description part coordinates ignore margins default_margin constraint locked graph start goal sha256 kind urdf srdf root \
                 pose root_bounds joint_bounds values mimic mesh_up_axis masks mask_complements gripper handle surface link \
                 clearance mask mask_complement approaching_direction points polygons grippers supports objects grasps rules \
-                when allow placement_margin preplacement_distance plane frame pair distance configuration handles surfaces xyz rpy \
+                when allow placement_margin rests rests_margin preplacement_distance plane frame pair distance configuration handles surfaces xyz rpy \
                 quaternion frame to value parameter at_least at_most length parts polygon margin first second height joint \
                 everywhere state constraints transition from legs within until short hands fingers open closed travel resting_joints velocity_limits acceleration_limits \
                 timing velocity_scale velocity acceleration ramp jerk_ramp dwell cost motion grasp_charge suggest";

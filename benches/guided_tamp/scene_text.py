@@ -54,7 +54,7 @@ def scene_text(instance: Instance, fingers: str) -> str:
     for part in instance.parts:
         lines += ["", *_part(part, instance.bounds)]
     grasps = [f"{object}/{handle}" for object, handles in instance.handles.items() for handle in handles]
-    lines += ["", "[graph]", f"grippers = [{_text(instance.gripper)}]", f"supports = {_texts(instance.supports)}",
+    lines += ["", "[graph]", 'rests = "whole-face"', f"grippers = [{_text(instance.gripper)}]", f"supports = {_texts(instance.supports)}",
               f"grasps = {{ {_text(instance.gripper)} = {_texts(grasps)} }}"]
     if fingers == OPEN:
         joint, value = instance.finger

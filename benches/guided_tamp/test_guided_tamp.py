@@ -114,6 +114,7 @@ class ScenesSayWhatInstancesHold(unittest.TestCase):
         self.assertEqual(scene["start"]["arm/finger"], 0.0)
         self.assertEqual(scene["goal"], [{"configuration": {"can": [1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]}}])
         self.assertEqual(scene["graph"]["grasps"], {"arm/hand": ["can/top", "can/side"]})
+        self.assertEqual(scene["graph"]["rests"], "whole-face")
         self.assertEqual([part["kind"] for part in scene["part"]], ["robot", "object", "environment"])
         self.assertEqual([("pose" in part, "root_bounds" in part) for part in scene["part"]],
                          [(True, False), (False, True), (False, False)])

@@ -94,13 +94,52 @@ pub struct NearestState {
     pub constraint: String,
     /// Largest row of its error, metres and radians.
     pub residual: f64,
+    /// Of a placement on surfaces: how far the object is off its support.
+    pub off: Option<OffSupport>,
+}
+
+/// How far an object is off the support that it is nearest to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct OffSupport {
+    /// Gap between the object's polygon and where it should be, over the support by the placement margin, metres; negative where it
+    /// is too low.
+    pub gap: f64,
+    /// How far along the support it would have to go to lie on it as it must, metres; by the rule of centres to its middle.
+    pub aside: f64,
+    /// Angle between the polygons, radians.
+    pub tilt: f64,
+}
+
+impl OffSupport {
+    /// Gap and way along the support, metres, and tilt, radians.
+    #[must_use]
+    pub fn new(gap: f64, aside: f64, tilt: f64) -> Self {
+        Self { gap, aside, tilt }
+    }
+}
+
+impl fmt::Display for OffSupport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (side, millimetres) = if self.gap < 0.0 { ("below", -self.gap) } else { ("above", self.gap) };
+        write!(
+            f,
+            "{:.2} mm {side} where it lies on its support, tilted by {:.2} mrad",
+            millimetres * 1e3,
+            self.tilt * 1e3
+        )?;
+        if self.aside > 0.0 {
+            write!(f, ", and {:.2} mm beside where it may lie", self.aside * 1e3)?;
+        }
+        Ok(())
+    }
 }
 
 impl NearestState {
     /// A state, the constraint that does not hold, and by how much.
     #[must_use]
     pub fn new(state: String, constraint: String, residual: f64) -> Self {
-        Self { state, constraint, residual }
+        Self { state, constraint, residual, off: None }
     }
 }
 
@@ -114,7 +153,8 @@ pub struct CollidingPair {
     pub names: (String, String),
     /// Names of their links.
     pub links: (String, String),
-    /// Their distance, metres: negative where they overlap, minus infinity where one lies inside the other.
+    /// Their distance, metres. Negative where they overlap: no shift shorter than this sets them apart. Minus infinity where one
+    /// lies inside the other and nothing more is known; zero where they overlap and it is not known how deep (open meshes).
     pub distance: f64,
     /// The margin that they have to keep, metres.
     pub margin: f64,
@@ -180,11 +220,11 @@ impl fmt::Display for Infeasibility {
             Self::Locked { coordinate, value, locked_at } => {
                 write!(f, "{coordinate} = {value} is locked at {locked_at}")
             }
-            Self::NoState { nearest: Some(nearest), .. } => write!(
-                f,
-                "it lies in no state: `{}` of state `{}` is off by {:.3e}",
-                nearest.constraint, nearest.state, nearest.residual
-            ),
+            Self::NoState { nearest: Some(nearest), .. } => {
+                let NearestState { state, constraint, residual, off } = nearest;
+                write!(f, "it lies in no state: `{constraint}` of state `{state}` is off by {residual:.3e}")?;
+                off.map_or(Ok(()), |off| write!(f, " (the object is {off})"))
+            }
             Self::NoState { nearest: None, lazy: true } => {
                 f.write_str("it lies in no state: no state is allowed in which its grasps hold")
             }

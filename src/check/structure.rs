@@ -36,6 +36,7 @@ pub(super) fn check(file: &PathFile) -> Checked {
         number(*margin, || format!("margins[{index}][2]"))?;
     }
     number(file.placement_margin, || "placement_margin".into())?;
+    number(file.rests.map_or(0.0, |rests| rests.margin), || "rests.margin".into())?;
     for (what, value) in [
         ("path_tolerance", file.certificate.path_tolerance),
         ("max_residual", file.certificate.max_residual),

@@ -45,6 +45,9 @@ pub struct PathFile {
     pub margins: Vec<(String, String, f64)>,
     /// Gap between an object's surface and its support, metres.
     pub placement_margin: f64,
+    /// How objects lie on their supports; none in files that know the rule of centres alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rests: Option<RestsEntry>,
     /// The path, in the direction of travel.
     pub segments: Vec<SegmentEntry>,
     /// Where hands take and let go of objects, in the order of travel.
@@ -140,6 +143,26 @@ pub struct SurfaceEntry {
     pub points: Vec<[f64; 3]>,
     /// Indices into `points`, counter-clockwise seen from outside.
     pub polygons: Vec<Vec<u32>>,
+}
+
+/// How objects lie on their supports, by another rule than that of centres.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RestsEntry {
+    /// The rule.
+    pub rule: RestsRule,
+    /// How far inside, metres.
+    pub margin: f64,
+}
+
+/// A rule of [`RestsEntry`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RestsRule {
+    /// The centre of mass is over the support and over the object's polygon.
+    Stable,
+    /// The object's whole polygon is over the support.
+    WholeFace,
 }
 
 /// A motion on one leaf.

@@ -4,13 +4,14 @@ use super::constraint::entries;
 use crate::path_file::constraint::PoseRow;
 use crate::path_file::document::{
     AttachmentEntry, CertificateEntry, Documents, FORMAT, GripperEntry, HandleEntry, PairsEntry, PartEntry, PathFile,
-    SceneFileEntry, SegmentEntry, SurfaceEntry,
+    RestsEntry, RestsRule, SceneFileEntry, SegmentEntry, SurfaceEntry,
 };
 use crate::path_file::names::held;
 use crate::path_file::timing;
 use crate::scene::assemble::names::configuration::coordinate_names;
 use crate::scene::mesh::formats::triangles::UpAxis;
 use foliate_components::Pose;
+use foliate_components::constraint::Rests;
 use foliate_components::coverage::PairCounts;
 use foliate_components::graph::ConstraintGraph;
 use foliate_components::path::{Attachment, ManipulationPath, Segment};
@@ -96,6 +97,7 @@ pub fn write_path(context: &PathContext<'_>, path: &ManipulationPath) -> PathFil
             .collect(),
         margins: problem.margins.iter().map(|m| (link(m.first), link(m.second), m.distance)).collect(),
         placement_margin: problem.graph.placement_margin,
+        rests: rests(problem.graph.rests),
         segments: path
             .segments
             .iter()
@@ -164,6 +166,16 @@ fn part_entry(part: &Part, files: &PartFiles) -> PartEntry {
         mesh_up_axis: Some(files.mesh_up_axis.word().into()),
         sha256: files.sha256.clone(),
     }
+}
+
+/// None by the rule of centres, which files without an entry mean.
+fn rests(rests: Rests) -> Option<RestsEntry> {
+    let rule = match rests {
+        Rests::Centre => return None,
+        Rests::Stable { .. } => RestsRule::Stable,
+        Rests::WholeFace { .. } => RestsRule::WholeFace,
+    };
+    Some(RestsEntry { rule, margin: rests.margin() })
 }
 
 fn documents(robot: &Robot) -> Documents {

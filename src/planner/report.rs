@@ -9,6 +9,7 @@ use foliate_components::robot::{PartIndex, ShapeIndex};
 use foliate_schedulers::portfolio::{MemberCount, MemberCounts};
 use foliate_systems::events::{EventSink, SolveId};
 use foliate_systems::planning_model::PlanningModel;
+use foliate_systems::planning_model::graph::snapping::Snapped;
 use foliate_systems::search::Search;
 use foliate_systems::trajectory::TimedPathError;
 use std::time::Duration;
@@ -47,6 +48,8 @@ pub struct Report {
     pub improvement: Option<ImprovementReport>,
     /// Wall time of smoothing, timing and certifying the curve.
     pub timing_time: Duration,
+    /// Objects that the start or a goal has a little off their support, by up to a millimetre: the search moved them onto it.
+    pub snapped: Vec<Snapped>,
     /// Why the path has no times although they were wanted.
     pub untimed: Option<TimedPathError>,
     /// What became of the candidates, by transition.
@@ -133,6 +136,7 @@ impl Report {
             path_length: path.map(|p| p.segments.iter().map(|s| model.length(&s.knots.concat())).sum()),
             improvement: None,
             timing_time: Duration::ZERO,
+            snapped: model.snapped.clone(),
             untimed: None,
             funnel,
             states,

@@ -148,7 +148,9 @@ def _check_placement(motion: SegmentMotion, attachment: Attachment, parameters, 
     support_from_surface = (
         motion.frame_poses(worlds, support.link).inverse() @ motion.frame_poses(worlds, surface.link)
     )
-    errors = placement_errors(support_from_surface, surface, support, path.placement_margin)
+    errors = placement_errors(support_from_surface, surface, support, path.placement_margin, path.rests)
+    if path.rests and path.rests[0] == "stable":
+        report.note(f"{attachment}: that the centre of mass is over the support is not checked")
     judge(motion, parameters, "placement", str(attachment), errors, path.path_tolerance, report)
     frozen = frozen_errors(support_from_surface, [False] * 6, [True] * 6)
     judge(motion, parameters, "placement-constancy", str(attachment), frozen, path.path_tolerance, report)
@@ -164,14 +166,16 @@ def _check_rest(motion: SegmentMotion, attachment: Attachment, parameters, world
 
 
 def placement_errors(
-    support_from_surface: Poses, surface: Surface, support: Surface, margin: float
+    support_from_surface: Poses, surface: Surface, support: Surface, margin: float,
+    rests: tuple[str, float] | None = None,
 ) -> dict[str, np.ndarray]:
     """Errors (N,) of the best pair of polygons at the first sample: angle between the object's normal and the
-    opposite of the support's, gap minus margin, and how far the object polygon's centre lies outside the support."""
+    opposite of the support's, gap minus margin, and how far the object polygon's centre (by the rule whole-face: the
+    worst of its corners, by its margin) lies outside the support. The rule stable is not measured: it asks for masses."""
     best = None
     for lower in _polygons(support):
         for upper in _polygons(surface):
-            errors = _contact_errors(support_from_surface, upper, lower, margin)
+            errors = _contact_errors(support_from_surface, upper, lower, margin, rests)
             worst = sum(error[0] for error in errors.values())
             if best is None or worst < best[0]:
                 best = (worst, errors)
@@ -182,19 +186,26 @@ def _polygons(surface: Surface) -> list[np.ndarray]:
     return [surface.points[polygon] for polygon in surface.polygons]
 
 
-def _contact_errors(support_from_surface: Poses, upper: np.ndarray, lower: np.ndarray, margin: float) -> dict:
+def _contact_errors(
+    support_from_surface: Poses, upper: np.ndarray, lower: np.ndarray, margin: float, rests: tuple[str, float] | None
+) -> dict:
     lower_normal, lower_centre = polygon_normal(lower), lower.mean(axis=0)
     centre = support_from_surface.apply(upper.mean(axis=0))
     normal = support_from_surface.rotation @ polygon_normal(upper)
     edges = np.roll(lower, -1, axis=0) - lower
     outward = np.cross(edges, lower_normal)
     outward /= np.linalg.norm(outward, axis=1, keepdims=True)
-    outside = np.einsum("ej,nej->ne", outward, centre[:, None] - lower[None]).max(axis=1)
-    return {
+    errors = {
         "normals not opposite": angle_between(normal, -lower_normal),
         "gap is not the margin": np.abs((centre - lower_centre) @ lower_normal - margin),
-        "centre outside the support": np.maximum(outside, 0.0),
     }
+    beyond = lambda points: np.einsum("ej,nej->ne", outward, points[:, None] - lower[None]).max(axis=1)
+    if rests is None:
+        errors["centre outside the support"] = np.maximum(beyond(centre), 0.0)
+    elif rests[0] == "whole-face":
+        corners = [beyond(support_from_surface.apply(corner)) for corner in upper]
+        errors["corner hangs over the support"] = np.maximum(np.max(corners, axis=0) + rests[1], 0.0)
+    return errors
 
 
 def polygon_normal(points: np.ndarray) -> np.ndarray:

@@ -175,6 +175,7 @@ class PathFile:
     ignored_pairs: list[tuple[str, str, str]]
     margins: list[tuple[str, str, float]]
     placement_margin: float
+    rests: tuple[str, float] | None
     path_tolerance: float
     certificate: dict
     segments: list[Segment]
@@ -253,6 +254,13 @@ class _Node:
         return [bool(value) for value in values]
 
 
+def _read_rests(item: _Node) -> tuple[str, float] | None:
+    """The rule by which objects rest, and its margin (m); none: the centre of the object's polygon is over the support."""
+    if item.value is None:
+        return None
+    return item.get("rule").text(("stable", "whole-face")), item.get("margin").number()
+
+
 def read_path_file(file: Path) -> PathFile:
     """The path in `file`; `InputError` when it is not one."""
     root = _Node(_read_json(file), str(file))
@@ -273,6 +281,7 @@ def read_path_file(file: Path) -> PathFile:
         ignored_pairs=[_read_ignored(item) for item in root.get("ignored_pairs", []).items()],
         margins=[_read_margin(item) for item in root.get("margins", []).items()],
         placement_margin=root.get("placement_margin", 0.0).number(),
+        rests=_read_rests(root.get("rests", None)),
         path_tolerance=certificate.get("path_tolerance", DEFAULT_PATH_TOLERANCE).number(),
         certificate=certificate.expect(dict, "an object"),
         segments=[

@@ -3,12 +3,14 @@
 pub(crate) mod centre_of_mass;
 pub(crate) mod custom;
 pub(crate) mod distance;
+pub(crate) mod footing;
 pub(crate) mod grasp;
 pub mod kind;
 pub(crate) mod locked;
 pub(crate) mod mask;
 pub(crate) mod placement;
 pub(crate) mod relative_pose;
+pub(crate) mod rests;
 pub(crate) mod row;
 
 pub use crate::constraint::centre_of_mass::{BodyMass, CentreOfMass, CentreOfMassBetween, Masses, NoMass, PlaneRow};
@@ -20,4 +22,5 @@ pub use crate::constraint::locked::{Locked, LockedValue};
 pub use crate::constraint::mask::{Mask, MaskError};
 pub use crate::constraint::placement::{Placement, PlacementError, Polygon, Side};
 pub use crate::constraint::relative_pose::{Frame, Reference, RelativePose};
+pub use crate::constraint::rests::Rests;
 pub use crate::constraint::row::{Row, Rows, parameter_of, rows};

@@ -7,6 +7,7 @@
 
 use super::Frame;
 use crate::Pose;
+use crate::constraint::rests::Rests;
 use crate::robot::hybrid_robot::{Robot, Surface};
 use crate::robot::indices::{JointIndex, SurfaceIndex};
 use glam::{DMat3, DQuat, DVec2, DVec3, Vec3Swizzles};
@@ -44,6 +45,11 @@ pub struct Placement {
     pub margin: f64,
     /// M: more than the radius of every support polygon. The complement stores which pair touches as multiples of 2M.
     pub stride: f64,
+    /// How the object must lie. [`Placement::resting`] sets it.
+    pub rests: Rests,
+    /// What must be over the support by the margin of `rests`, for each of the object's polygons: points in the (y, z) plane of its
+    /// frame, metres. Of a polygon on which the object cannot rest there are none. Empty under [`Rests::Centre`].
+    pub footings: Vec<Vec<DVec2>>,
 }
 
 /// Why surfaces make no placement.
@@ -61,6 +67,11 @@ pub enum PlacementError {
     ObjectOnSeveralBodies,
     #[error("the margin {0} is not a finite number of metres")]
     Margin(f64),
+    #[error(
+        "it cannot rest stably on any of its polygons: the centre of mass is at best {:.2} mm inside of one, and {:.2} mm are asked",
+        inside * 1e3, margin * 1e3
+    )]
+    NeverStable { inside: f64, margin: f64 },
 }
 
 impl Placement {
@@ -107,7 +118,7 @@ impl Placement {
             return Err(PlacementError::ObjectOnSeveralBodies);
         }
         let stride = 1.0 + supports.iter().map(|p| p.radius).fold(0.0, f64::max);
-        Ok(Self { object, supports, margin, stride })
+        Ok(Self { object, supports, margin, stride, rests: Rests::Centre, footings: Vec::new() })
     }
 
     /// The same, lifted by `distance` metres along the support's normal: the pre-placement.

@@ -2,6 +2,7 @@
 
 use crate::Pose;
 use crate::constraint::kind::Constraint;
+use crate::constraint::rests::Rests;
 use crate::problem::cost::CostOptions;
 use crate::problem::hand::Hand;
 use crate::problem::timing::TimingOptions;
@@ -149,6 +150,8 @@ pub struct GraphOptions {
     pub rules: Vec<Rule>,
     /// Gap between an object's surface and its support, metres.
     pub placement_margin: f64,
+    /// How objects with surfaces must lie on their supports. Planes have no edge: it says nothing of objects that stand on one.
+    pub rests: Rests,
     /// How far an object is lifted along the support's normal before it is carried away, metres; 0 for no such waypoint.
     pub preplacement_distance: f64,
     /// Joints that never move, with their values.

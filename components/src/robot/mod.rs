@@ -1,5 +1,6 @@
 //! Robots: the model of one part as its files describe it, and all parts of a problem composed into one kinematic tree.
 
+pub(crate) mod body_centre;
 pub(crate) mod compose;
 pub mod configuration;
 pub(crate) mod error;
@@ -12,6 +13,7 @@ pub(crate) mod limits;
 pub mod model;
 pub mod shape;
 
+pub use crate::robot::body_centre::CentreSource;
 pub use crate::robot::error::{ComposeError, CoordinateError, PartError};
 pub use crate::robot::hybrid_robot::{DisabledPair, Gripper, Handle, Link, Part, Robot, Shape, Surface};
 pub use crate::robot::indices::{

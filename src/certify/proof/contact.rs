@@ -3,10 +3,10 @@
 
 use crate::certify::motion::piecewise::Motion;
 use crate::certify::proof::advance::{Budget, Met};
-use crate::certify::proof::depth::{Placed, depth};
 use crate::certify::world::phases::{Certifier, Phase};
 use crate::certify::world::report::ContactReport;
 use foliate_components::Pose;
+use foliate_kernels::collision::depth::{PlacedSolid, depth};
 use foliate_kernels::collision::{DistanceQuery, PairId, contained, pair_clearance};
 use glam::DVec3;
 
@@ -108,7 +108,7 @@ impl Certifier {
         let placed = |shape: foliate_components::robot::ShapeIndex| {
             let solid = &self.scene.solids()[shape.at()];
             let pose = solid.body.map_or(Pose::identity(), |b| X_WJ[b.at()]) * solid.X_JS;
-            Placed { geometry: &self.robot().shapes[shape.at()].geometry, solid: &solid.solid, pose }
+            PlacedSolid { geometry: &self.robot().shapes[shape.at()].geometry, solid: &solid.solid, pose }
         };
         depth(placed(pair.first), placed(pair.second))
     }

@@ -6,8 +6,9 @@ use crate::check::motion::curve::Cubic;
 use crate::check::report::check_report::{CheckReport, Place, shown};
 use crate::check::report::kind::Kind;
 use crate::check::world::models::{corners, ordered};
-use crate::path_file::document::{PathFile, SegmentEntry, SurfaceEntry};
+use crate::path_file::document::{PathFile, RestsRule, SegmentEntry, SurfaceEntry};
 use foliate_components::Pose;
+use foliate_components::constraint::Rests;
 use foliate_components::pose::pose_from_array;
 use foliate_components::robot::{JointType, LinkIndex, Source, Surface};
 use std::collections::{HashMap, HashSet};
@@ -142,6 +143,17 @@ impl Contract<'_> {
         let (said, margin) = (file.placement_margin, self.problem.graph.placement_margin);
         if (said - margin).abs() > SLACK {
             differs(report, format!("placement_margin is {said}, in the scene {margin}"));
+        }
+        let said = file.rests.map(|rests| (rests.rule, rests.margin));
+        let wanted = match self.problem.graph.rests {
+            Rests::Centre => None,
+            Rests::Stable { margin } => Some((RestsRule::Stable, margin)),
+            Rests::WholeFace { margin } => Some((RestsRule::WholeFace, margin)),
+        };
+        let same = said.map(|(rule, _)| rule) == wanted.map(|(rule, _)| rule)
+            && said.zip(wanted).is_none_or(|((_, said), (_, margin))| (said - margin).abs() <= SLACK);
+        if !same {
+            differs(report, format!("objects rest by {said:?}, in the scene by {wanted:?} (rule and margin)"));
         }
     }
 

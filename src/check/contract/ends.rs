@@ -2,17 +2,18 @@
 
 use super::required_constraints::all_hold;
 use crate::check::contract::scene_contract::Contract;
-use crate::check::motion::segment::SegmentMotion;
-use crate::check::report::check_report::{CheckReport, Place};
+use crate::check::contract::snapped::onto_support;
+use crate::check::motion::segment::{At, SegmentMotion};
+use crate::check::report::check_report::{CheckReport, Place, shown};
 use crate::check::report::error::CheckError;
 use crate::check::report::kind::Kind;
 use crate::check::report::work::Work;
 use crate::check::world::documents::Frames;
 use crate::path_file::document::{PathFile, SegmentEntry};
 use foliate_components::Pose;
-use foliate_components::pose::pose_from_array;
+use foliate_components::pose::{pose_from_array, pose_to_array};
 use foliate_components::problem::{Goal, PartialGoal};
-use foliate_components::robot::{JointType, Source};
+use foliate_components::robot::{JointType, PartKind, Robot, RootJoint, Source};
 use std::f64::consts::TAU;
 
 /// How far the ends may be from the scene's, metres and radians: the accuracy of projections.
@@ -32,7 +33,9 @@ impl Contract<'_> {
         let Some(columns) = columns.into_iter().collect::<Option<Vec<usize>>>() else { return Ok(()) };
         let seen = |knot: &[f64]| columns.iter().map(|&column| knot[column]).collect::<Vec<f64>>();
         if motion.index == 0 {
-            let (off, name) = self.off(&seen(&motion.knots[0]), &self.problem.start);
+            let found = seen(&motion.knots[0]);
+            let onto = self.onto_supports(file, motion, At::knot(0), &found, &self.problem.start);
+            let (off, name) = self.off(&onto.with(&found), &self.problem.start);
             // Compared so that NaN is off.
             let there = off <= NEAR;
             if !there {
@@ -43,18 +46,25 @@ impl Contract<'_> {
                     off,
                     NEAR,
                 );
+            } else if let Some(text) = onto.told("the start") {
+                report.note(text);
             }
         }
         if motion.index + 1 == file.segments.len() {
             let last = seen(&motion.knots[motion.last()]);
             let mut nearest = (f64::INFINITY, String::from("the scene has no goal"));
+            let mut told = None;
             for goal in &self.problem.goals {
-                let off = match goal {
-                    Goal::Configuration(wanted) => self.off(&last, wanted),
-                    Goal::Partial(partial) => self.partial(partial, &last, file, motion, frames, work)?,
-                };
+                let wanted = wanted(&self.problem.robot, goal, &last);
+                let onto = self.onto_supports(file, motion, At::knot(motion.last()), &last, &wanted);
+                let mut off = self.off(&onto.with(&last), &wanted);
+                if let Goal::Partial(partial) = goal
+                    && let Some(broken) = self.broken(partial, file, motion, frames, work)?
+                {
+                    off = broken;
+                }
                 if off.0 < nearest.0 || nearest.0.is_infinite() {
-                    nearest = off;
+                    (nearest, told) = (off, onto.told("a goal"));
                 }
             }
             let (off, what) = nearest;
@@ -63,6 +73,8 @@ impl Contract<'_> {
                 let place = Place::at(motion.index, motion.last() as f64);
                 let off = Some(off).filter(|off| off.is_finite());
                 report.violate(place, Kind::Goal, format!("{what} is not where a goal has it"), off, NEAR);
+            } else if let Some(text) = told {
+                report.note(text);
             }
         }
         Ok(())
@@ -97,26 +109,43 @@ impl Contract<'_> {
         worst
     }
 
-    /// How far a partial goal is off; infinite where a constraint does not hold.
-    fn partial(
+    /// The objects that the path has on their support, and the scene a little off it.
+    fn onto_supports(
+        &self,
+        file: &PathFile,
+        motion: &SegmentMotion<'_>,
+        at: At,
+        found: &[f64],
+        wanted: &[f64],
+    ) -> Onto {
+        let robot = &self.problem.robot;
+        let mut onto = Onto(Vec::new());
+        for part in robot.parts.iter().filter(|part| part.kind == PartKind::Object) {
+            let root = part.root_joint.map(|joint| &robot.joints[joint.at()]);
+            let Some(Source::Coordinates { q, .. }) = root.map(|joint| joint.source) else { continue };
+            let read = |numbers: &[f64]| numbers.get(q..q + 7)?.try_into().ok().and_then(pose_from_array);
+            let (true, Some(there), Some(here)) = (part.root == RootJoint::FreeFlyer, read(found), read(wanted)) else {
+                continue;
+            };
+            if found[q..q + 7] != wanted[q..q + 7]
+                && let Some(by) = onto_support(file, motion, at, &part.name, [&there, &here])
+            {
+                onto.0.push((part.name.clone(), q, by, pose_to_array(&here)));
+            }
+        }
+        onto
+    }
+
+    /// The constraint of a partial goal that does not hold, infinitely far off.
+    fn broken(
         &self,
         goal: &PartialGoal,
-        last: &[f64],
         file: &PathFile,
         motion: &SegmentMotion<'_>,
         frames: &Frames,
         work: &mut Work,
-    ) -> Result<(f64, String), CheckError> {
+    ) -> Result<Option<(f64, String)>, CheckError> {
         let robot = &self.problem.robot;
-        let mut wanted = last.to_vec();
-        for (part, pose) in &goal.poses {
-            let root = robot.parts[part.at()].root_joint.map(|joint| &robot.joints[joint.at()]);
-            if let Some(Source::Coordinates { q, .. }) = root.map(|joint| joint.source) {
-                wanted[q..q + 7].copy_from_slice(&foliate_components::pose::pose_to_array(pose));
-            }
-        }
-        goal.coordinates.iter().for_each(|&(index, value)| wanted[index] = value);
-        let off = self.off(last, &wanted);
         let entry = &file.segments[motion.index];
         let end = SegmentEntry {
             transition: entry.transition.clone(),
@@ -130,11 +159,49 @@ impl Contract<'_> {
         let at_end = SegmentMotion::new(motion.world, &end, motion.index, motion.attachments)?;
         for named in &goal.constraints {
             if !all_hold(robot, named, &at_end, file, frames, work)? {
-                return Ok((f64::INFINITY, format!("constraint `{}` of a goal", named.name)));
+                return Ok(Some((f64::INFINITY, format!("constraint `{}` of a goal", named.name))));
             }
         }
-        Ok(off)
+        Ok(None)
     }
+}
+
+/// Objects that were moved onto their support: name, first coordinate, by how much the farthest corner was (metres), and where the
+/// scene has the object.
+struct Onto(Vec<(String, usize, f64, [f64; 7])>);
+
+impl Onto {
+    /// A configuration with these objects where the scene has them.
+    fn with(&self, q: &[f64]) -> Vec<f64> {
+        let mut q = q.to_vec();
+        self.0.iter().for_each(|(_, first, _, pose)| q[*first..first + 7].copy_from_slice(pose));
+        q
+    }
+
+    /// Says so, where it is more than the accuracy of projections.
+    fn told(&self, whose: &str) -> Option<String> {
+        let moved = self.0.iter().filter(|(_, _, by, _)| *by > NEAR);
+        let moved: Vec<_> = moved.map(|(name, _, by, _)| format!("{} by {:.2} mm", shown(name), by * 1e3)).collect();
+        (!moved.is_empty())
+            .then(|| format!("the path has objects of {whose} moved onto their support: {}", moved.join(", ")))
+    }
+}
+
+/// Where a goal has everything; what it leaves free is where it is.
+fn wanted(robot: &Robot, goal: &Goal, last: &[f64]) -> Vec<f64> {
+    let goal = match goal {
+        Goal::Configuration(wanted) => return wanted.clone(),
+        Goal::Partial(goal) => goal,
+    };
+    let mut wanted = last.to_vec();
+    for (part, pose) in &goal.poses {
+        let root = robot.parts[part.at()].root_joint.map(|joint| &robot.joints[joint.at()]);
+        if let Some(Source::Coordinates { q, .. }) = root.map(|joint| joint.source) {
+            wanted[q..q + 7].copy_from_slice(&pose_to_array(pose));
+        }
+    }
+    goal.coordinates.iter().for_each(|&(index, value)| wanted[index] = value);
+    wanted
 }
 
 fn quaternions_off(found: &[f64], wanted: &[f64]) -> f64 {

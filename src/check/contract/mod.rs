@@ -2,7 +2,7 @@
 //!
 //! What the scene says is read by its loader into a problem; everything is then compared and evaluated here. The file's own
 //! word counts for nothing where the scene has one: parts and models (`parts`), documents, limits, margins and pairs
-//! (`claims`, `rate_limits`), the ends of the path (`ends`), who holds what and what lies where (`holding`), and the constraints that hold
+//! (`claims`, `rate_limits`), the ends of the path (`ends`; `snapped`: objects that were moved onto their support), who holds what and what lies where (`holding`), and the constraints that hold
 //! in each segment's state (`required_constraints`, which asks `states` for it). All of these are methods of `scene_contract`'s
 //! `Contract`.
 
@@ -13,4 +13,5 @@ pub(crate) mod parts;
 pub(crate) mod rate_limits;
 pub(crate) mod required_constraints;
 pub(crate) mod scene_contract;
+pub(crate) mod snapped;
 pub(crate) mod states;

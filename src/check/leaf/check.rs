@@ -33,7 +33,7 @@ pub(crate) fn check(
             Some((holder, held, Bond::Contact { surface, support })) => {
                 let documents = &file.documents.surfaces;
                 if let (Some(surface), Some(support)) = (documents.get(surface), documents.get(support)) {
-                    leaf.contact(&attachment.name, (&holder.frame, support), (&held.frame, surface));
+                    leaf.contact(&attachment.name, (&holder.frame, support), (held, surface));
                 }
             }
             Some((holder, held, Bond::Rest)) => {

@@ -12,4 +12,5 @@ pub(crate) mod case;
 pub(crate) mod check;
 pub(crate) mod constraint;
 pub(crate) mod drift;
+pub(crate) mod footing;
 pub(crate) mod on_leaf;

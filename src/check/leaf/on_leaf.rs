@@ -3,6 +3,7 @@
 //! Errors of relative poses are in R³ × SO(3): position and rotation apart. With all three rotations fixed the error is the
 //! angle, with one free the angle between the free axis and where it should be.
 
+use crate::check::leaf::footing::footing;
 use crate::check::motion::reach::{Bends, Reach};
 use crate::check::motion::residual::{Form, Formed, Relation, prove};
 use crate::check::motion::segment::{At, SegmentMotion};
@@ -84,15 +85,21 @@ impl Leaf<'_> {
         &mut self,
         subject: &str,
         support: (&Frame, &SurfaceEntry),
-        surface: (&Frame, &SurfaceEntry),
+        (held, surface): (&Link, &SurfaceEntry),
     ) {
         let motion = self.motion;
-        let pose = |at: At| motion.frame(support.0, at).inverse() * motion.frame(surface.0, at);
+        let object = &held.frame;
+        let pose = |at: At| motion.frame(support.0, at).inverse() * motion.frame(object, at);
         let first = pose(At::knot(0));
         let tolerance = self.tolerance();
-        let forms = contact_forms(&first, surface.1, support.1, self.file.placement_margin);
+        let forms = self.contact_forms(&first, (held, surface), support.1);
+        if forms.is_empty() {
+            let place = Place { segment: Some(motion.index), t: None };
+            let subject = format!("{subject}: the object cannot rest on any polygon of that surface");
+            self.report.violate(place, Kind::Placement, subject, None, None);
+        }
         let mut prove = |kind, forms: &[Named]| {
-            self.prove([support.0, surface.0], &pose, &Relation { kind, subject, tolerance }, forms);
+            self.prove([support.0, object], &pose, &Relation { kind, subject, tolerance }, forms);
         };
         prove(Kind::Placement, &forms);
         prove(Kind::PlacementConstancy, &frozen(&first, [false; 6], [true; 6]));
@@ -137,6 +144,46 @@ impl Leaf<'_> {
         let relation = Relation { kind: Kind::PlacementConstancy, subject, tolerance: self.tolerance() };
         self.prove([support, object], &pose, &relation, &frozen(&pose(At::knot(0)), [false; 6], [true; 6]));
     }
+
+    /// Errors of the pair of polygons that fits best at the first knot: opposite normals, the gap, and what must be over the support
+    /// there. Empty where no polygon of the surface can carry the object.
+    fn contact_forms(
+        &self,
+        first: &Pose,
+        (held, surface): (&Link, &SurfaceEntry),
+        support: &SurfaceEntry,
+    ) -> Vec<Named> {
+        let mut best: Option<(f64, Vec<Named>)> = None;
+        for lower in support.polygons.iter().map(|p| corners(support, p)) {
+            for upper in surface.polygons.iter().map(|p| corners(surface, p)) {
+                let Some(forms) = self.polygon_forms(held, &upper, &lower) else { continue };
+                let worst = forms.iter().map(|(_, form)| form.error_at(first)).sum();
+                if best.as_ref().is_none_or(|(least, _)| worst < *least) {
+                    best = Some((worst, forms));
+                }
+            }
+        }
+        best.map_or_else(Vec::new, |(_, forms)| forms)
+    }
+
+    fn polygon_forms(&self, held: &Link, upper: &[DVec3], lower: &[DVec3]) -> Option<Vec<Named>> {
+        let (up, down) = (normal(lower)?, normal(upper)?);
+        let (file, world) = (self.file, self.motion.world);
+        let footing = footing(world, held, file.rests, (upper, down), self.tolerance())?;
+        let mean = |corners: &[DVec3]| corners.iter().sum::<DVec3>() / corners.len() as f64;
+        let (centre, gap) = (mean(upper), file.placement_margin);
+        let edges = lower.iter().zip(lower.iter().cycle().skip(1));
+        let plane =
+            |(a, b): (&DVec3, &DVec3)| (*b - *a).cross(up).try_normalize().map(|n| (n, n.dot(*a) - footing.margin));
+        let planes: Vec<_> = edges.filter_map(plane).collect();
+        let mut forms = vec![
+            ("normals not opposite", Form::Direction { local: down, wanted: -up }),
+            ("gap is not the margin", Form::Height { point: centre, normal: up, offset: up.dot(mean(lower)) + gap }),
+        ];
+        let over = |(what, point): (_, DVec3)| (what, Form::Outside { point, planes: planes.clone() });
+        forms.extend(footing.points.into_iter().map(over));
+        Some(forms)
+    }
 }
 
 /// A form with its name.
@@ -179,33 +226,4 @@ fn rotation(wanted: &Pose, rows: [bool; 3]) -> Vec<Named> {
 
 fn direction(wanted: &Pose, axis: DVec3) -> Form {
     Form::Direction { local: axis, wanted: wanted.rotation * axis }
-}
-
-/// Errors of the pair of polygons that fits best at the first knot: opposite normals, the gap, and the object's centre
-/// (mean of its corners) inside the support.
-fn contact_forms(first: &Pose, surface: &SurfaceEntry, support: &SurfaceEntry, margin: f64) -> Vec<Named> {
-    let mut best: Option<(f64, Vec<Named>)> = None;
-    for lower in support.polygons.iter().map(|p| corners(support, p)) {
-        for upper in surface.polygons.iter().map(|p| corners(surface, p)) {
-            let Some(forms) = polygon_forms(&upper, &lower, margin) else { continue };
-            let worst = forms.iter().map(|(_, form)| form.error_at(first)).sum();
-            if best.as_ref().is_none_or(|(least, _)| worst < *least) {
-                best = Some((worst, forms));
-            }
-        }
-    }
-    best.map_or_else(Vec::new, |(_, forms)| forms)
-}
-
-fn polygon_forms(upper: &[DVec3], lower: &[DVec3], margin: f64) -> Option<Vec<Named>> {
-    let (up, down) = (normal(lower)?, normal(upper)?);
-    let mean = |corners: &[DVec3]| corners.iter().sum::<DVec3>() / corners.len() as f64;
-    let centre = mean(upper);
-    let edges = lower.iter().zip(lower.iter().cycle().skip(1));
-    let plane = |(a, b): (&DVec3, &DVec3)| (*b - *a).cross(up).try_normalize().map(|n| (n, n.dot(*a)));
-    Some(vec![
-        ("normals not opposite", Form::Direction { local: down, wanted: -up }),
-        ("gap is not the margin", Form::Height { point: centre, normal: up, offset: up.dot(mean(lower)) + margin }),
-        ("centre outside the support", Form::Outside { point: centre, planes: edges.filter_map(plane).collect() }),
-    ])
 }

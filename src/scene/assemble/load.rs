@@ -1,6 +1,6 @@
 //! Reads a scene file table by table and composes its problem.
 
-use crate::scene::assemble::graph::options;
+use crate::scene::assemble::graph::{options, rests};
 use crate::scene::assemble::names::{configuration, locked};
 use crate::scene::assemble::scene::{Loader, Scene, SceneFile, SceneOrigin};
 use crate::scene::assemble::{goal, pairs, part, suggest, timing};
@@ -53,6 +53,7 @@ pub(crate) fn load(name: &str, text: &str, base: SceneBase, packages: &PackagePa
     let reader = configuration::Reader { robot: &robot, locked: &locks.at_values, order: order.as_deref() };
     let start = reader.start(&keys.required("start")?)?;
     let graph = options::read(&mut keys, &robot, &start, &locks)?;
+    loader.warnings.extend(rests::remarks(name, &robot, &graph));
     let reader = configuration::Reader { locked: &graph.locked, ..reader };
     let goals = goal::read(&keys.required("goal")?, &reader, &start, &graph.constraints)?;
     let timing = timing::timing(&mut keys, &robot, parts.iter().map(|p| (p.placement.name.as_str(), &p.rates)))?;

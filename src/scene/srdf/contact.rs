@@ -3,6 +3,7 @@
 use super::frames::text;
 use crate::scene::reading::error::SceneError;
 use crate::scene::reading::xml::elements;
+use crate::scene::srdf::flat::{FLATNESS, bend, flatten};
 use crate::scene::srdf::reader::Reader;
 use foliate_components::robot::model::SurfaceModel;
 use glam::DVec3;
@@ -10,14 +11,12 @@ use roxmltree::Node;
 
 /// Most vertices of one surface.
 const POINTS: usize = 100_000;
-/// How far a vertex may lie off its polygon's plane, as a fraction of the polygon's size.
-const FLATNESS: f64 = 1e-3;
 
 impl<'a> Reader<'a, '_> {
     pub(super) fn contact(&mut self, node: Node<'a, '_>) -> Result<SurfaceModel, SceneError> {
         let name = self.name(node, "contact")?;
         let link = self.link(node)?;
-        let points = self.points(node)?;
+        let mut points = self.points(node)?;
         let mut polygons = Vec::new();
         let (mut element, mut old) = (None, false);
         for shape in elements(node, "shape") {
@@ -38,6 +37,18 @@ impl<'a> Reader<'a, '_> {
         };
         if old {
             self.warn(element, "is an old form", "write <shape> N i1 … iN </shape>");
+        }
+        let bent = flatten(&mut points, &mut polygons);
+        if bent > 0.0 {
+            let message = format!(
+                "has polygons that are bent by up to {:.2} mm: their corners are moved onto a plane",
+                bent * 1e3
+            );
+            self.warn(
+                element,
+                message,
+                "the plane is HPP's: through the mean of the corners, along the first two sides",
+            );
         }
         check_polygons(&points, &polygons).map_err(|message| self.xml.error(element, message))?;
         Ok(SurfaceModel { name: name.to_owned(), link, points, polygons })
@@ -107,29 +118,30 @@ pub(crate) fn check_polygons(points: &[DVec3], polygons: &[Vec<u32>]) -> Result<
     Ok(())
 }
 
-fn convex(corners: &[DVec3]) -> Result<(), &'static str> {
+fn convex(corners: &[DVec3]) -> Result<(), String> {
     let n = corners.len();
     let center = corners.iter().sum::<DVec3>() / n as f64;
     let size = corners.iter().map(|p| p.distance(center)).fold(0.0, f64::max);
     let area: DVec3 = (0..n).map(|i| (corners[i] - center).cross(corners[(i + 1) % n] - center)).sum();
     let Some(normal) = area.try_normalize().filter(|_| area.length() > 1e-9 * size * size) else {
-        return Err("has no area");
+        return Err("has no area".into());
     };
-    if corners.iter().any(|p| (*p - center).dot(normal).abs() > FLATNESS * size) {
-        return Err("is not planar");
+    let (off, _) = bend(corners, normal);
+    if off > FLATNESS * size {
+        return Err(format!("is not planar: a corner is {:.2} mm off the plane of all of them", off * 1e3));
     }
     let mut turned = 0.0;
     for i in 0..n {
         let (before, after) = (corners[(i + 1) % n] - corners[i], corners[(i + 2) % n] - corners[(i + 1) % n]);
         let sine = before.cross(after).dot(normal);
         if sine < -1e-6 * size * size {
-            return Err("is not convex");
+            return Err("is not convex".into());
         }
         turned += sine.atan2(before.dot(after));
     }
     // A star turns one way at every corner, too, but more than once around.
     match turned < 3.0 * std::f64::consts::PI {
         true => Ok(()),
-        false => Err("crosses itself"),
+        false => Err("crosses itself".into()),
     }
 }

@@ -3,11 +3,12 @@
 //! The manipulation tags are those of the Humanoid Path Planner: frames are given in their link, by text (`x y z  qw qx qy
 //! qz`) or by attributes (`xyz` with `rpy`, `wxyz` or `xyzw`); unknown tags are ignored.
 //!
-//! `read` goes through a document by a `Reader` (`reader`). Its methods lie with what they read: `frames`, `contact`,
-//! `disabled`, `states`.
+//! `read` goes through a document by a `Reader` (`reader`). Its methods lie with what they read: `frames`, `contact`
+//! (with `flat`, for polygons that are a little bent), `disabled`, `states`.
 
 pub(crate) mod contact;
 pub(crate) mod disabled;
+pub(crate) mod flat;
 pub(crate) mod frames;
 pub(crate) mod read;
 pub(crate) mod reader;

@@ -6,6 +6,7 @@ use foliate_components::Pose;
 use foliate_components::constraint::Frame;
 use foliate_components::graph::{ConstraintKind, StateId, TransitionId};
 use foliate_components::robot::{JointIndex, LinkIndex, Robot, ShapeIndex};
+use foliate_kernels::collision::depth::{PlacedSolid, depth};
 use foliate_kernels::collision::{
     CollisionScratch, Contact, PairId, PairSet, RigidPair, all_collisions, first_collision, rigid_collisions,
 };
@@ -159,6 +160,19 @@ impl Model {
     #[must_use]
     pub fn rigid_collisions(&self, state: StateId, X_WJ: &[Pose], guard: f64) -> Vec<Contact> {
         rigid_collisions(&self.collision, X_WJ, self.verdict_pairs(state), guard)
+    }
+
+    /// How deep the shapes of a pair are in each other where the bodies are, metres: no shift shorter than this sets them apart.
+    /// `None` where no point is known to be inside both. Slow: for messages.
+    #[must_use]
+    pub fn overlap(&self, pair: PairId, X_WJ: &[Pose]) -> Option<f64> {
+        let placed = |shape: ShapeIndex| {
+            let solid = &self.collision.solids()[shape.at()];
+            let pose = solid.body.map_or(Pose::identity(), |body| X_WJ[body.at()]) * solid.X_JS;
+            PlacedSolid { geometry: &self.problem.robot.shapes[shape.at()].geometry, solid: &solid.solid, pose }
+        };
+        let (first, second) = self.pair_shapes(pair);
+        depth(placed(first), placed(second))
     }
 
     /// How far a pair must stay apart in a state, metres.

@@ -4,6 +4,7 @@
 //! them.
 
 use crate::events::StopSignal;
+use crate::planning_model::graph::snapping::{Snapped, snap};
 use crate::planning_model::hands;
 use crate::planning_model::hands::Closings;
 use foliate_components::constraint::{Constraint, Locked, LockedValue};
@@ -18,8 +19,10 @@ use foliate_kernels::kinematics::Kinematics;
 /// long. Any number of models may share it.
 #[derive(Debug)]
 pub struct ProblemTables {
-    /// The problem.
+    /// The problem; its start and goals with objects moved onto their supports, as `snapped` says.
     pub problem: Problem,
+    /// Objects of start and goals that were a little off their support.
+    pub snapped: Vec<Snapped>,
     /// Forward kinematics.
     pub kinematics: Kinematics,
     /// Solids and pairs.
@@ -59,10 +62,12 @@ impl ProblemTables {
 
     fn on_scene(mut problem: Problem, still: Vec<JointIndex>, collision: CollisionScene) -> Self {
         let kinematics = Kinematics::new(&problem.robot);
+        let snapped = snap(&mut problem, &kinematics);
         problem.graph.hands = hands::complete(&problem, &still, &kinematics, &collision);
         let closed = hands::closings(&problem);
         let robot = &problem.robot;
         Self {
+            snapped,
             closed,
             uninvolved: uninvolved_joints(&problem),
             kinematics,

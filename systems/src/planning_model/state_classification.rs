@@ -16,6 +16,9 @@ use foliate_kernels::collision::{CollisionScratch, Contact};
 use foliate_kernels::constraints;
 use std::sync::Arc;
 
+/// What is closer than this may overlap, metres.
+const TOUCHING: f64 = 1e-6;
+
 /// A configuration that may be a root: its state and the values of the state's foliating constraints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Feasible {
@@ -38,7 +41,7 @@ pub(crate) fn feasible(model: &PlanningModel, settings: &SearchSettings, q: &[f6
     let (root, X_WJ) = in_a_state(model, settings, q)?;
     let scratch = &mut CollisionScratch::at_level(settings.level);
     match model.first_collision(root.state, &X_WJ, settings.clearance_guard, scratch) {
-        Some(contact) => Err(collision(model, root.state, &[contact])),
+        Some(contact) => Err(collision(model, root.state, &[contact], None)),
         None => model.check_finger_motion(settings, &root, scratch).map(|()| root),
     }
 }
@@ -88,13 +91,14 @@ fn reach(
         contacts.extend(model.rigid_collisions(root.state, &X_WJ, settings.clearance_guard));
     }
     if !contacts.is_empty() {
-        return Err(collision(model, root.state, &contacts));
+        return Err(collision(model, root.state, &contacts, Some(&X_WJ)));
     }
     let scratch = &mut CollisionScratch::at_level(settings.level);
     model.check_finger_motion(settings, &root, scratch).map(|()| root)
 }
 
-fn collision(model: &Model, state: StateId, contacts: &[Contact]) -> Infeasibility {
+/// With the poses of the bodies also how deep shapes overlap, which a verdict does not know and which takes long.
+fn collision(model: &Model, state: StateId, contacts: &[Contact], X_WJ: Option<&[Pose]>) -> Infeasibility {
     let robot = &model.problem.robot;
     let named = |shape: ShapeIndex| {
         let found = &robot.shapes[shape.at()];
@@ -102,7 +106,9 @@ fn collision(model: &Model, state: StateId, contacts: &[Contact]) -> Infeasibili
     };
     let pair = |contact: &Contact| {
         let (a, b) = model.pair_shapes(contact.pair);
-        CollidingPair::new(named(a), named(b), contact.clearance, model.margin_in(state, contact.pair))
+        let overlap = X_WJ.filter(|_| contact.clearance <= TOUCHING).and_then(|X_WJ| model.overlap(contact.pair, X_WJ));
+        let distance = overlap.map_or(contact.clearance, |depth| -depth);
+        CollidingPair::new(named(a), named(b), distance, model.margin_in(state, contact.pair))
     };
     Infeasibility::Collision(contacts.iter().map(pair).collect())
 }
@@ -284,7 +290,8 @@ fn why_no_state(model: &Model, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> Infe
             false => residual_of(model, lazy_grasp(lazy_graph, kind), kind, q, X_WJ),
         };
         let worst = lazy_graph.worst_when_free(&model.problem, residual).filter(|&(.., r)| r > tolerance);
-        let nearest = worst.map(|(constraint, state, r)| NearestState::new(state, constraint, r));
+        let nearest =
+            worst.map(|(kind, constraint, state, r)| nearest_state(model, kind, (state, constraint, r), X_WJ));
         return Infeasibility::NoState { nearest, lazy: true };
     }
     let least = model.graph.states.iter().map(|s| s.priority).min();
@@ -296,9 +303,25 @@ fn why_no_state(model: &Model, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> Infe
     let weakest = model.graph.states.iter().filter(|s| Some(s.priority) == least);
     let broken = weakest.filter_map(|state| worst(state).map(|(c, r)| (state, c, r)));
     let nearest = broken.min_by(|a, b| a.2.total_cmp(&b.2)).map(|(state, constraint, r)| {
-        NearestState::new(state.name.clone(), model.graph.constraint(constraint).name.clone(), r)
+        let row = model.graph.constraint(constraint);
+        nearest_state(model, row.kind, (state.name.clone(), row.name.clone(), r), X_WJ)
     });
     Infeasibility::NoState { nearest, lazy: false }
+}
+
+/// A state that is nearest, a constraint of it and its error; of a placement also how far the object is off its support.
+fn nearest_state(
+    model: &Model,
+    kind: ConstraintKind,
+    (state, constraint, error): (String, String, f64),
+    X_WJ: &[Pose],
+) -> NearestState {
+    let mut nearest = NearestState::new(state, constraint, error);
+    if let ConstraintKind::Placement { object, on } = kind {
+        let place = model.objects()[object as usize].placement_on(on);
+        nearest.off = place.and_then(|place| place.resting.off(X_WJ));
+    }
+    nearest
 }
 
 /// Where a joint's range is smaller than its own limits: whose limits make it so.

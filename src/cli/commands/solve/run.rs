@@ -57,6 +57,9 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     }
     // The limit is that of everything, reading included.
     let planner = arguments.search.planner(tables)?.time_limit(limit.saturating_sub(load_time));
+    for snapped in &planner.model().snapped {
+        say(&format!("warning: {snapped}\n"));
+    }
     let (planner, mut answer) = solve(planner, &arguments.search, !arguments.json)?;
     // Once, for the reader of the answer: no part of the cost of a solve.
     let clearance = answer.measure_clearance().filter(|_| arguments.clearance);

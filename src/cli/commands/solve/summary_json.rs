@@ -7,6 +7,7 @@ use crate::cli::commands::solve::summary::{Loaded, name};
 use foliate::components::path::{ManipulationPath, events};
 use foliate::planner::{CostRow, ImprovementReport};
 use foliate::schedulers::portfolio::MemberCount;
+use foliate::systems::planning_model::graph::snapping::Snapped;
 use foliate::{FunnelRow, GoalReport, NoSolutionReason, StateRow};
 use serde_json::{Value, json};
 
@@ -63,6 +64,7 @@ pub(crate) fn json(loaded: &Loaded<'_>, search: &SearchArguments, answer: &Answe
         "grasp_changes": answer.path().map(|path| events(path).len()),
         "duration": answer.path().and_then(ManipulationPath::duration),
         "timing_ms": report.timing_time.as_secs_f64() * 1e3,
+        "snapped": report.snapped.iter().map(snapped_json).collect::<Vec<_>>(),
         "untimed": report.untimed.as_ref().map(ToString::to_string),
         "improvement": report.improvement.as_ref().map(improvement_json),
         "roadmap": format!("{:016x}", report.fingerprint),
@@ -73,6 +75,11 @@ pub(crate) fn json(loaded: &Loaded<'_>, search: &SearchArguments, answer: &Answe
         "clearance": closest_json(loaded),
         "pairs_left_out": left_out,
     })
+}
+
+fn snapped_json(snapped: &Snapped) -> Value {
+    let off = &snapped.off;
+    json!({ "goal": snapped.goal, "object": snapped.name, "gap": off.gap, "tilt": off.tilt })
 }
 
 fn improvement_json(report: &ImprovementReport) -> Value {

@@ -1,7 +1,7 @@
 //! `[graph]`: who may hold what, where things may lie.
 
 use crate::scene::assemble::constraints::constraint;
-use crate::scene::assemble::graph::{hands, written};
+use crate::scene::assemble::graph::{hands, rests, written};
 use crate::scene::assemble::names::frame;
 use crate::scene::assemble::names::frame::{Context, one_of};
 use crate::scene::assemble::names::locked::{Locks, scalar_joint, within};
@@ -62,6 +62,7 @@ pub(crate) fn read(
     if let Some(item) = keys.optional("placement_margin") {
         options.placement_margin = item.distance()?;
     }
+    options.rests = rests::read(&mut keys)?;
     if let Some(item) = keys.optional("preplacement_distance") {
         options.preplacement_distance = item.distance()?;
     }

@@ -8,13 +8,14 @@
 //! Where inscribed volumes overlap, two solids collide with certainty.
 //! Nothing is ever called free that is not proved so: in doubt, in collision.
 //!
-//! `convex` and `solids` define solids, `distance` computes the distance of two. `scene` puts the solids of a robot together and
+//! `convex` and `solids` define solids, `distance` computes the distance of two, `depth` how deep one is in the other. `scene` puts the solids of a robot together and
 //! selects pairs. `samples` cuts motions into intervals and places their bodies. `broad_phase` bounds sixteen samples at once,
 //! `narrow_phase` asks exactly what these bounds leave open. `discrete` (configurations) and `continuous` (motions) use both.
 
 pub(crate) mod broad_phase;
 pub mod continuous;
 pub mod convex;
+pub mod depth;
 pub mod discrete;
 pub mod distance;
 pub mod narrow_phase;

@@ -1,13 +1,14 @@
 //! An object on a support: which polygons touch, the five rows of contact and the three of its complement.
 //!
-//! The value is piecewise smooth: the pair of polygons and whether the object's centre is inside the support are found at
+//! The value is piecewise smooth: the pair of polygons and whether the object is over the support as it must be are found at
 //! each evaluation and held constant in the Jacobian.
 
 use super::relative_pose;
+use crate::constraints::resting::overhang;
 use crate::constraints::rows_out::{RowsOut, placement_of};
 use crate::kinematics::Column;
 use foliate_components::Pose;
-use foliate_components::constraint::{Placement, Row, Rows};
+use foliate_components::constraint::{Placement, Rests, Row, Rows};
 use foliate_components::pose::{exp_so3, log_so3};
 use glam::{DVec2, DVec3};
 
@@ -18,7 +19,8 @@ pub struct Contact {
     pub object: usize,
     /// Index among the supports' polygons.
     pub support: usize,
-    /// Whether the centre of the object's polygon is above the inside of the support's.
+    /// Whether the object is over the support as the placement's rule asks: by [`Rests::Centre`] the centre of its polygon is above
+    /// the inside of the support's.
     pub inside: bool,
 }
 
@@ -40,8 +42,14 @@ pub fn contact(placement: &Placement, X_WJ: &[Pose]) -> Contact {
         let center = placement_of(&lying.frame).in_world(X_WJ).translation;
         for (support, carrying) in placement.supports.iter().enumerate() {
             let local = placement_of(&carrying.frame).in_world(X_WJ).inverse_transform_point(center);
-            let aside = carrying.signed_distance(DVec2::new(local.y, local.z));
-            let inside = aside < 0.0;
+            let (aside, inside) = if placement.rests == Rests::Centre {
+                let aside = carrying.signed_distance(DVec2::new(local.y, local.z));
+                (aside, aside < 0.0)
+            } else {
+                let X_SO = pose(placement, Contact { object, support, inside: false }, X_WJ);
+                let over = overhang(placement, object, support, &X_SO);
+                (over.map_or(0.0, |over| over.distance), over.is_none())
+            };
             let cost = local.x * local.x + if inside { 0.0 } else { aside * aside };
             if cost < least {
                 least = cost;
@@ -62,7 +70,8 @@ pub fn pose(placement: &Placement, contact: Contact, X_WJ: &[Pose]) -> Pose {
     relative_pose::pose(&support, &placement_of(&placement.object[contact.object].frame), X_WJ)
 }
 
-/// P_f: `[x + margin, 0, 0, ry, rz]` inside, `[x + margin, y, z, ry, rz]` outside (P0 eq. 4).
+/// P_f: `[x + margin, 0, 0, ry, rz]` inside, `[x + margin, y, z, ry, rz]` outside (P0 eq. 4). By other rules than [`Rests::Centre`]
+/// y and z are not those of the support's centre but the error of [`overhang`].
 ///
 /// # Panics
 /// If `X_WJ` is too short or the contact is not of this placement.
@@ -70,11 +79,11 @@ pub fn pose(placement: &Placement, contact: Contact, X_WJ: &[Pose]) -> Pose {
 pub fn value(placement: &Placement, contact: Contact, X_WJ: &[Pose]) -> [f64; 5] {
     let support = placement_of(&placement.supports[contact.support].frame);
     let object = placement_of(&placement.object[contact.object].frame);
-    let [x, y, z, _, turn_y, turn_z] = relative_pose::value(&support, &object, &at_margin(placement), X_WJ);
+    let [x, y, z, _, turn_y, turn_z] = relative_pose::value(&support, &object, &aim(placement, contact, X_WJ), X_WJ);
     if contact.inside { [x, 0.0, 0.0, turn_y, turn_z] } else { [x, y, z, turn_y, turn_z] }
 }
 
-/// P̄_f: `[y + 2jM, z + 2iM, rx]` inside, `[2jM, 2iM, rx]` outside (P0 eq. 5), j the support, i the object's polygon: the
+/// P̄_f: `[y + 2jM, z + 2iM, rx]` inside, `[2jM, 2iM, rx]` outside (P0 eq. 5; only by [`Rests::Centre`]), j the support, i the object's polygon: the
 /// same numbers mean the same polygons.
 ///
 /// # Panics
@@ -82,7 +91,8 @@ pub fn value(placement: &Placement, contact: Contact, X_WJ: &[Pose]) -> [f64; 5]
 #[must_use]
 pub fn complement(placement: &Placement, contact: Contact, X_WJ: &[Pose]) -> [f64; 3] {
     let X_SO = pose(placement, contact, X_WJ);
-    let (y, z) = if contact.inside { (X_SO.translation.y, X_SO.translation.z) } else { (0.0, 0.0) };
+    let is_free = contact.inside || placement.rests != Rests::Centre;
+    let (y, z) = if is_free { (X_SO.translation.y, X_SO.translation.z) } else { (0.0, 0.0) };
     let stride = 2.0 * placement.stride;
     [y + contact.support as f64 * stride, z + contact.object as f64 * stride, log_so3(X_SO.rotation).x]
 }
@@ -110,9 +120,12 @@ pub fn decode(placement: &Placement, parameter: &Pose) -> Option<(Contact, Pose)
     }
     let (y, z) = (y - support * stride, z - object * stride);
     let (support, object) = (support as usize, object as usize);
-    let inside = placement.supports[support].signed_distance(DVec2::new(y, z)) < 0.0;
-    let translation = DVec3::new(-placement.margin, y, z);
-    Some((Contact { object, support, inside }, Pose::from_parts(translation, parameter.rotation)))
+    let X_SO = Pose::from_parts(DVec3::new(-placement.margin, y, z), parameter.rotation);
+    let inside = match placement.rests {
+        Rests::Centre => placement.supports[support].signed_distance(DVec2::new(y, z)) < 0.0,
+        Rests::Stable { .. } | Rests::WholeFace { .. } => overhang(placement, object, support, &X_SO).is_none(),
+    };
+    Some((Contact { object, support, inside }, X_SO))
 }
 
 /// The pose of the object's body in the support's body (or in the world) on the leaf of that parameter: the explicit form
@@ -132,7 +145,7 @@ pub fn hold(placement: &Placement, parameter: &Pose) -> Option<(Contact, Pose)> 
 pub fn linearise(placement: &Placement, contact: Contact, columns: &[Column], X_WJ: &[Pose], out: RowsOut<'_>) {
     let RowsOut { values, jacobian, stride } = out;
     let rows = RowsOut { values: &mut *values, jacobian: &mut *jacobian, stride };
-    linearise_pair(placement, contact, &at_margin(placement), &OUTSIDE, columns, X_WJ, rows);
+    linearise_pair(placement, contact, &aim(placement, contact, X_WJ), &OUTSIDE, columns, X_WJ, rows);
     if contact.inside {
         // Rows 1 and 2 stay in place as zeros: the number of rows does not depend on the configuration.
         values[1..3].fill(0.0);
@@ -168,9 +181,15 @@ pub fn linearise_hold(
     linearise_pair(placement, *contact, X_SO, &[Some(Row::Parameter); 6], columns, X_WJ, out);
 }
 
-/// Where the object's polygon is in the support's when it touches with both centres together.
-fn at_margin(placement: &Placement) -> Pose {
-    Pose::from_translation(DVec3::X * -placement.margin)
+/// Where the object's polygon is to be in the support's where it touches and is not over it as it must: with both centres together,
+/// or by another rule than [`Rests::Centre`] where [`overhang`] says.
+fn aim(placement: &Placement, contact: Contact, X_WJ: &[Pose]) -> Pose {
+    if placement.rests == Rests::Centre || contact.inside {
+        return Pose::from_translation(DVec3::X * -placement.margin);
+    }
+    let X_SO = pose(placement, contact, X_WJ);
+    let error = overhang(placement, contact.object, contact.support, &X_SO).map_or(DVec2::ZERO, |over| over.error);
+    Pose::from_translation(DVec3::new(-placement.margin, X_SO.translation.y - error.x, X_SO.translation.z - error.y))
 }
 
 fn linearise_pair(

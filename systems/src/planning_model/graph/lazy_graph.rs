@@ -111,12 +111,12 @@ impl LazyGraph {
     }
 
     /// The constraint that is farthest from holding in a state without grasps, every object where it is nearest to lying:
-    /// its name, the state's, and by how much. For messages.
+    /// what it is, its name, the state's, and by how much. For messages.
     pub fn worst_when_free(
         &self,
         problem: &Problem,
         residual: impl Fn(ConstraintKind) -> f64,
-    ) -> Option<(String, String, f64)> {
+    ) -> Option<(ConstraintKind, String, String, f64)> {
         let state_keys = StateKeys::new(problem, &self.documents);
         let nearest = |(object, bodies): (usize, &Vec<Option<JointIndex>>)| {
             let apart = |&body: &Option<JointIndex>| residual(state_keys.resting_constraint(object, body));
@@ -126,6 +126,6 @@ impl LazyGraph {
         let key = StateKey { written: 0, grasps: Vec::new(), lying, fingers: Fingers::Still };
         let all = state_keys.manifold(&key).into_iter().map(|kind| (kind, residual(kind)));
         let (kind, worst) = all.max_by(|a, b| a.1.total_cmp(&b.1))?;
-        Some((state_keys.describe(kind).0, state_keys.state_name(&key), worst))
+        Some((kind, state_keys.describe(kind).0, state_keys.state_name(&key), worst))
     }
 }

@@ -4,6 +4,7 @@
 
 use foliate_components::Pose;
 use foliate_components::constraint::{Constraint, Frame, Placement, PlacementError, Reference, RelativePose, Row};
+use foliate_components::infeasibility::OffSupport;
 use foliate_components::pose::{exp_so3, log_so3};
 use foliate_components::problem::{GraphOptions, ObjectOptions};
 use foliate_components::robot::{JointIndex, LinkIndex, Robot, SurfaceIndex};
@@ -85,6 +86,8 @@ impl PlacementOnSupport {
         }
         let place = |(on, supports): (Option<JointIndex>, Vec<SurfaceIndex>)| {
             let placement = Placement::new(robot, &object.surfaces, &supports, options.placement_margin)?;
+            let centre = robot.body_centre(object.part, placement.object_joint()).map(|(centre, _)| centre);
+            let placement = placement.resting(options.rests, centre)?;
             Ok(Self { on, supports, touches: None, resting: SupportPlacement::Surfaces(placement) })
         };
         carrying_bodies(robot, options, object).into_iter().map(place).collect()
@@ -112,6 +115,17 @@ impl SupportPlacement {
             }
             Self::Plane { plane, frame } => relative_pose_residual(&on_plane(plane, frame, lift), X_WJ),
         }
+    }
+
+    /// How far the object is off the polygons that are nearest to contact; `None` on a plane.
+    #[must_use]
+    pub fn off(&self, X_WJ: &[Pose]) -> Option<OffSupport> {
+        let Self::Surfaces(lying) = self else { return None };
+        let contact = placement::contact(lying, X_WJ);
+        let [x, y, z, ..] = placement::value(lying, contact, X_WJ);
+        let tilt = (placement::pose(lying, contact, X_WJ).rotation * DVec3::X).angle_between(DVec3::X);
+        // x points into the support.
+        Some(OffSupport::new(-x, y.hypot(z), tilt))
     }
 
     /// Where exactly the object rests, given poses at which it does to within a projection's tolerance: its carrier, and

@@ -19,7 +19,7 @@ use crate::kinematics::lane_jacobian::{At, LaneColumn};
 use crate::kinematics::lane_steps::{LaneStep, Parent};
 use crate::kinematics::weighted_points::{MomentColumn, WeightedPoint};
 use foliate_components::Pose;
-use foliate_components::constraint::{Reference, Row};
+use foliate_components::constraint::{Reference, Rests, Row};
 use foliate_components::robot::{JointIndex, Robot};
 use glam::DVec3;
 
@@ -140,6 +140,8 @@ impl Builder {
     fn rows(&mut self, block: &Block) -> Option<LaneRows> {
         match &block.kind {
             Kind::Pose(pose) => self.pose(pose, block.first).map(LaneRows::Pose),
+            // Lanes know the rule of centres alone.
+            Kind::Contact(contact) if contact.part == Part::Contact && contact.placement.rests != Rests::Centre => None,
             Kind::Contact(contact) if contact.part == Part::Contact => {
                 self.contact(contact, block.first).map(LaneRows::Contact)
             }
