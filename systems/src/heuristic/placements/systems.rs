@@ -5,7 +5,7 @@ use crate::exploration::reached_leaves::{ReachedLeaves, StateLeaves};
 use crate::exploration::roadmap_query::roadmap_in;
 use crate::exploration::roots::Roots;
 use crate::exploration::writer;
-use crate::placements::pool::{Aim, ObjectPlacements, PlacementPool, Side, bits};
+use crate::heuristic::placements::pool::{Aim, ObjectPlacements, PlacementPool, Side, bits};
 use crate::planning_model::model::{Model, PlanningModel};
 use crate::runtime::random::{Purpose, draw, stream};
 use crate::schedule::StepCounter;
