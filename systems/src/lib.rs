@@ -3,7 +3,7 @@
 //! [`planning_model`] makes the constraint graph of a problem, compiles its constraints, and holds both with the other
 //! tables. A search ([`search`]) is a world whose [`schedule`] runs the sets of [`schedule::SearchSet`] step after step; the
 //! systems of these sets are in [`step`], what they have reached in [`exploration`]. [`goals`] draws configurations of goals,
-//! [`heuristic`] tells which leaves are worth extending, [`placements`] where to put objects down on the way. The crate
+//! [`heuristic`] tells which leaves are worth extending, and where to put objects down on the way. The crate
 //! `foliate_schedulers` composes them. [`runtime`] shares work
 //! among threads.
 #![forbid(unsafe_code)]
@@ -15,7 +15,6 @@ pub mod exploration;
 pub mod goals;
 pub mod heuristic;
 pub mod improvement;
-pub mod placements;
 pub mod planning_model;
 pub mod runtime;
 pub mod schedule;

@@ -123,7 +123,7 @@ fn suggestions_help_and_wrong_ones_do_no_harm() {
             assert_eq!(outcome, SearchOutcome::Solved, "seed {seed}");
             found.counter().step
         };
-        (1..=3).map(solve).sum()
+        (1..=12).map(solve).sum()
     };
     let at = |x: f64, y: f64, z: f64| Pose::from_translation(DVec3::new(x, y, z));
     let without = steps(vec![]);

@@ -2,8 +2,8 @@
 
 use bevy_ecs::prelude::{Schedule, World};
 use foliate_systems::goals::systems::draw_more_goals;
+use foliate_systems::heuristic::placements::systems::{aim_at_placements, learn_from_placements};
 use foliate_systems::heuristic::systems;
-use foliate_systems::placements::systems::{aim_at_placements, learn_from_placements};
 use foliate_systems::schedule::{SearchSet, StepSystems};
 use foliate_systems::search::scheduler::Scheduler;
 use foliate_systems::step::connection::connect;

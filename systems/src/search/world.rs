@@ -13,7 +13,7 @@ use crate::exploration::roots::{Ending, GivenRoots, Roots};
 use crate::exploration::writer;
 use crate::goals::sampler::GoalSampler;
 use crate::goals::systems::add_start_and_goals;
-use crate::placements::PlacementPool;
+use crate::heuristic::placements::PlacementPool;
 use crate::planning_model::model::PlanningModel;
 use crate::planning_model::state_classification;
 use crate::planning_model::state_classification::Feasible;

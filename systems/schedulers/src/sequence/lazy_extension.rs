@@ -22,10 +22,10 @@ use std::collections::BTreeMap;
 const PATIENCE: f64 = 8.0;
 
 /// What is left at least of the weight of a transition that finds a new leaf each time.
-const FLOOR: f64 = 0.5;
+const FLOOR: f64 = 0.15;
 
 /// How often at least such a transition is extended lazily when it is drawn.
-const FLOOR_KEPT: f64 = 1.0;
+const FLOOR_KEPT: f64 = 0.75;
 
 /// With so many successes a transition is extended lazily half as often on a leaf as it is drawn there.
 const ENOUGH: f64 = 3.0;

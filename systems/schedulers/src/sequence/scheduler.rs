@@ -3,8 +3,8 @@
 use crate::mrrt;
 use crate::sequence::{connect_iterations, lazy_extension};
 use foliate_systems::goals::systems::draw_more_goals;
+use foliate_systems::heuristic::placements::systems::{aim_at_placements, learn_from_placements};
 use foliate_systems::heuristic::systems;
-use foliate_systems::placements::systems::{aim_at_placements, learn_from_placements};
 use foliate_systems::search::scheduler::Scheduler;
 use foliate_systems::step::projection::project;
 

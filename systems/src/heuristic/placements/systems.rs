@@ -5,7 +5,7 @@ use crate::exploration::reached_leaves::{ReachedLeaves, StateLeaves};
 use crate::exploration::roadmap_query::roadmap_in;
 use crate::exploration::roots::Roots;
 use crate::exploration::writer;
-use crate::placements::pool::{Aim, ObjectPlacements, PlacementPool, Side, bits};
+use crate::heuristic::placements::pool::{Aim, ObjectPlacements, PlacementPool, Side, bits};
 use crate::planning_model::model::{Model, PlanningModel};
 use crate::runtime::random::{Purpose, draw, stream};
 use crate::schedule::StepCounter;
@@ -14,7 +14,7 @@ use bevy_ecs::prelude::{Entity, Mut, Query, Res, ResMut, With, World};
 use foliate_components::Pose;
 use foliate_components::candidate::{Candidate, CandidateArena};
 use foliate_components::graph::leaf::{Leaf, LeafId, LeafIndex};
-use foliate_components::graph::{ConstraintId, Transition, TransitionId, TransitionKind};
+use foliate_components::graph::{ConstraintId, ConstraintKind, Transition, TransitionId, TransitionKind};
 use foliate_components::roadmap::{NodeId, TreeId};
 use rand::RngExt;
 use rand::seq::IndexedRandom;
@@ -70,7 +70,7 @@ fn pools(world: &World, model: &Model) -> Vec<ObjectPlacements> {
         parameter.carrier.is_none().then_some(parameter.value)
     };
     let of_object = |object: u32| {
-        let wanted = foliate_components::graph::ConstraintKind::Placement { object, on: None };
+        let wanted = ConstraintKind::Placement { object, on: None };
         let constraint = ConstraintId(model.graph.constraints.iter().position(|c| c.kind == wanted)? as u32);
         let starts: Vec<Pose> = roots.start.iter().filter_map(|&start| rests(start, constraint)).collect();
         let mut goals: Vec<Pose> = Vec::new();
@@ -78,6 +78,12 @@ fn pools(world: &World, model: &Model) -> Vec<ObjectPlacements> {
             if goals.len() < MOST_GOALS && !goals.contains(&pose) {
                 goals.push(pose);
             }
+        }
+        let part = model.graph.objects[object as usize].part;
+        let is_suggested = model.problem.suggestions.iter().any(|(named, _)| *named == part);
+        let stays = starts.iter().any(|start| goals.contains(start));
+        if !is_suggested && (stays || starts.is_empty() || goals.is_empty()) {
+            return None;
         }
         ObjectPlacements::new(model, object, (&starts, &goals))
     };

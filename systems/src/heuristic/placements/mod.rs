@@ -15,4 +15,4 @@ pub(crate) mod floating_hand;
 pub(crate) mod pool;
 pub mod systems;
 
-pub use crate::placements::pool::PlacementPool;
+pub use crate::heuristic::placements::pool::PlacementPool;

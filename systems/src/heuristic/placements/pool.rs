@@ -6,8 +6,8 @@
 //! has to change are *bridges*: the object can be brought there by some grasps, and taken away by others. Where hands carry the
 //! object from the start to the goal at once nothing is drawn: no placement between is needed for their sake.
 
-use crate::placements::drawing::Resting;
-use crate::placements::floating_hand::{FloatingHands, HandScratch, Way};
+use crate::heuristic::placements::drawing::Resting;
+use crate::heuristic::placements::floating_hand::{FloatingHands, HandScratch, Way};
 use crate::planning_model::model::Model;
 use crate::runtime::random::{Purpose, stream};
 use bevy_ecs::prelude::Resource;

@@ -20,6 +20,9 @@ use rand::RngExt;
 /// Grasps of an object that are told apart.
 pub(crate) const MOST_GRASPS: usize = 64;
 
+/// Hands that are told apart: each has pair sets as long as the list of all pairs.
+const MOST_HANDS: usize = 8;
+
 /// Places between two placements at which an object that is carried is tested.
 const PLACES: u32 = 15;
 
@@ -108,7 +111,9 @@ impl FloatingHands {
             let carried = |object: &crate::planning_model::objects::ObjectModel| {
                 object.root.is_some_and(|root| robot.joints[root.at()].part == robot.joints[gripper.at()].part)
             };
-            if model.objects().iter().any(carried) || hands.grasps.len() == MOST_GRASPS {
+            let is_known = hands.hands.iter().any(|hand| hand.gripper == gripper);
+            let too_many = hands.grasps.len() == MOST_GRASPS || (!is_known && hands.hands.len() == MOST_HANDS);
+            if too_many || model.objects().iter().any(carried) {
                 continue;
             }
             let hand = hands.hand(model, gripper, is_object);
