@@ -135,6 +135,40 @@ impl GraspDistance {
         })
     }
 
+    /// What [`Self::after`] says of many transitions that leave the first leaf's state. A transition changes few subjects; only
+    /// these are measured again.
+    #[must_use]
+    pub fn after_each<'t>(
+        &self,
+        graph: &ConstraintGraph,
+        from: &Leaf,
+        to: &Leaf,
+        transitions: impl IntoIterator<Item = &'t Transition>,
+    ) -> Vec<u16> {
+        let values = |leaf: &Leaf| {
+            let mut values = vec![None; graph.constraints.len()];
+            let known = graph.state(leaf.state).foliation.iter().zip(&leaf.parameters);
+            known.for_each(|(c, &parameter)| values[c.at()] = Some(parameter));
+            values
+        };
+        let (here, there) = (values(from), values(to));
+        let goals = &self.situations[to.state.at()];
+        let steps = |subject: usize, situation: usize, crossed: bool| {
+            let same = |c: ConstraintId| here[c.at()].map_or(crossed, |kept| Some(kept) == there[c.at()]);
+            u16::from(self.subjects[subject].steps(situation, goals[subject], same))
+        };
+        let situations = &self.situations[from.state.at()];
+        let now: Vec<u16> = situations.iter().enumerate().map(|(subject, &at)| steps(subject, at, false)).collect();
+        let sum: u16 = now.iter().sum();
+        let after = |transition: &Transition| {
+            let crossed = transition.kind == TransitionKind::Crossed;
+            let next = &self.situations[transition.to.at()];
+            let changed = (0..now.len()).filter(|&subject| next[subject] != situations[subject]);
+            changed.fold(sum, |sum, subject| sum - now[subject] + steps(subject, next[subject], crossed))
+        };
+        transitions.into_iter().map(after).collect()
+    }
+
     /// What `between` says of all leaves of one state and all of another.
     #[must_use]
     pub(crate) fn between_states(&self, graph: &ConstraintGraph, from: StateId, to: StateId) -> LeafDistanceTable {

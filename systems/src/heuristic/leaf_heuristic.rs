@@ -29,6 +29,8 @@ pub struct LeafHeuristic {
     pub(crate) tries: Vec<u32>,
     /// Leaves on which the last step's candidates have started.
     touched: Vec<LeafId>,
+    /// [`ReachedLeaves::cleared`] of what is measured.
+    cleared: u32,
 }
 
 /// What is known of the leaves that a tree reached while it had its own id.
@@ -75,9 +77,37 @@ impl LeafHeuristic {
         self.trees.get(tree.at())?.iter().find_map(|state| state.get(leaf)).map(|weighted| weighted.far)
     }
 
-    /// How much likelier a transition gets by what it leads to.
-    pub fn preference(&self, graph: &ConstraintGraph, from: &Leaf, transition: &Transition, target_leaf: &Leaf) -> f64 {
-        FOCUS.powi(-i32::from(self.distance.after(graph, from, transition, target_leaf)))
+    /// Of the leaves that a tree has reached the nearest to any that another has, and how many changes of grasp are between; of
+    /// equals the one of the first state, and of these the first.
+    #[must_use]
+    pub fn nearest_to_others(&self, tree: TreeId) -> Option<(u16, LeafId)> {
+        self.trees.get(tree.at())?.iter().filter_map(WeightedLeaves::nearest).min_by_key(|&(far, _)| far)
+    }
+
+    /// Forgets what was measured of leaves that are not reached any more.
+    pub(crate) fn follow_losses(&mut self, reached: &ReachedLeaves) {
+        if std::mem::replace(&mut self.cleared, reached.cleared()) != reached.cleared() {
+            self.measured.clear();
+            self.trees.clear();
+        }
+    }
+
+    /// How much likelier transitions that leave the state of `from` get by what they lead to: those that lead equally far share one
+    /// weight, which halves with every change of grasp that is left. So however many objects there are to take hold of, those that
+    /// have to be moved are tried as often as all others together.
+    pub fn preferences<'t>(
+        &self,
+        graph: &ConstraintGraph,
+        from: &Leaf,
+        target_leaf: &Leaf,
+        transitions: impl IntoIterator<Item = &'t Transition>,
+    ) -> Vec<f64> {
+        let far = self.distance.after_each(graph, from, target_leaf, transitions);
+        let nearest = far.iter().copied().min().unwrap_or(0);
+        let mut alike = vec![0u32; far.iter().map(|&far| usize::from(far - nearest) + 1).max().unwrap_or(0)];
+        far.iter().for_each(|&far| alike[usize::from(far - nearest)] += 1);
+        let share = |&far: &u16| FOCUS.powi(-i32::from(far - nearest)) / f64::from(alike[usize::from(far - nearest)]);
+        far.iter().map(share).collect()
     }
 
     /// Remembers that a candidate has started on a leaf.

@@ -83,6 +83,20 @@ impl WeightedLeaves {
         FOCUS.powi(-i32::from(near)) / (1.0 + tries as f64 / STATE_PATIENCE)
     }
 
+    /// The leaf that is most likely to be chosen and its weight; of equals the first.
+    pub fn heaviest(&self) -> Option<(f64, LeafId)> {
+        let heavier = |most: usize, at: usize| if self.weights[at] > self.weights[most] { at } else { most };
+        let at = (0..self.weights.len()).reduce(heavier)?;
+        Some((self.weights[at], self.leaves[at].leaf))
+    }
+
+    /// The nearest leaf and how far it is; of equals the first.
+    pub fn nearest(&self) -> Option<(u16, LeafId)> {
+        let (far, block) = self.blocks.iter().enumerate().map(|(number, block)| (block.near, number)).min()?;
+        let leaf = self.leaves[block * BLOCK..].iter().find(|weighted| weighted.far == far)?;
+        Some((far, leaf.leaf))
+    }
+
     /// Draws a leaf by `u` ∈ [0, 1).
     pub fn draw(&self, u: f64) -> Option<LeafId> {
         let mut left = u * self.blocks.iter().map(|b| b.weight).sum::<f64>();

@@ -6,6 +6,7 @@ pub mod connect_iterations;
 pub mod joining;
 pub mod lazy_extension;
 pub mod leaf_graph;
+pub mod record;
 pub mod scheduler;
 
 pub use crate::sequence::scheduler::Sequence;
