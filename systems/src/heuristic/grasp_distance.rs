@@ -67,7 +67,7 @@ impl GraspDistance {
         distances
     }
 
-    /// Reads what has come into being in the graph since it was last read; true where something has.
+    /// Reads what has come into being in the graph since it was last read; true where that may change distances that were known.
     pub fn grow(&mut self, graph: &ConstraintGraph) -> bool {
         if self.situations.len() == graph.states.len() && self.transitions == graph.transitions.len() {
             return false;
@@ -94,10 +94,9 @@ impl GraspDistance {
             }
         }
         self.transitions = graph.transitions.len();
-        for (subject, _) in self.subjects.iter_mut().zip(has_grown).filter(|(_, has_grown)| *has_grown) {
-            subject.measure();
-        }
-        true
+        let grown = self.subjects.iter_mut().zip(&has_grown).filter(|(_, has_grown)| **has_grown);
+        grown.for_each(|(subject, _)| subject.measure());
+        has_grown.contains(&true)
     }
 
     /// Gives new constraints their subjects; the states that are known say nothing of new subjects.
@@ -173,7 +172,12 @@ impl GraspDistance {
     #[must_use]
     pub(crate) fn between_states(&self, graph: &ConstraintGraph, from: StateId, to: StateId) -> LeafDistanceTable {
         let mut pair = LeafDistanceTable::default();
-        let position = |state: StateId, c: ConstraintId| graph.state(state).foliation.iter().position(|&x| x == c);
+        let positions = |state: StateId| {
+            let mut positions = vec![u16::MAX; self.subject_of.len()];
+            (0u16..).zip(&graph.state(state).foliation).for_each(|(row, c)| positions[c.at()] = row);
+            positions
+        };
+        let (rows_from, rows_to) = (positions(from), positions(to));
         let ends = self.situations[from.at()].iter().zip(&self.situations[to.at()]);
         for (subject, (&a, &b)) in self.subjects.iter().zip(ends) {
             let at = a * subject.situations.len() + b;
@@ -183,7 +187,7 @@ impl GraspDistance {
                 .filter_map(|&c| {
                     let known = subject.through_lack.binary_search_by_key(&c, |&(c, _)| c).ok()?;
                     let extra = u16::from(subject.through_lack[known].1[at]).saturating_sub(least);
-                    let (from, to) = (position(from, c)?, position(to, c)?);
+                    let (from, to) = (rows_from[c.at()], rows_to[c.at()]);
                     (extra > 0).then_some(Row { from, to, extra })
                 })
                 .collect();
