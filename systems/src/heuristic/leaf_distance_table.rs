@@ -36,6 +36,17 @@ pub(crate) enum End {
 }
 
 impl LeafDistanceTable {
+    /// The distance between two leaves: where there are few this is quicker than columns.
+    pub fn distance(&self, from: &[ParameterId], to: &[ParameterId]) -> u16 {
+        let extra = |row: &Row| match from[usize::from(row.from)] == to[usize::from(row.to)] {
+            true => 0,
+            false => row.extra,
+        };
+        let alone: u16 = self.alone.iter().map(extra).sum();
+        let together: u16 = self.together.iter().map(|rows| rows.iter().map(extra).max().unwrap_or(0)).sum();
+        self.least + alone + together
+    }
+
     /// What the distances between a leaf with values `one`, which stands at an end, and many others come to.
     pub fn distances<'a>(&self, one: &[ParameterId], end: End, many: &'a [ParameterColumn]) -> Distances<'a> {
         let mut distances = Distances {

@@ -1,7 +1,7 @@
 //! Set Select, the guided half: a leaf that is few grasps from what another tree has reached, and the leaf to aim at.
 
 use crate::exploration::explored::Explored;
-use crate::exploration::reached_leaves::ReachedLeaves;
+use crate::exploration::reached_leaves::{LeafParameterColumns, ReachedLeaves};
 use crate::heuristic::grasp_distance::GraspDistance;
 use crate::heuristic::leaf_distance_table::{End, LeafDistanceTable};
 use crate::heuristic::weighted_leaves::{FOCUS, Weighted, WeightedLeaves};
@@ -13,14 +13,16 @@ use foliate_components::roadmap::{Roadmap, TreeId};
 use foliate_kernels::lanes::Level;
 use rand::{Rng, RngExt};
 use std::borrow::Cow;
-use std::collections::HashMap;
+
+/// So many leaves of a state are measured one by one.
+const FEW: usize = 8;
 
 /// How far every leaf is from every tree, kept from step to step.
 #[derive(Clone, Debug, Default, Resource)]
 pub struct LeafHeuristic {
     pub(crate) distance: GraspDistance,
     /// By the states of two leaves.
-    pub(crate) pairs: HashMap<(StateId, StateId), LeafDistanceTable>,
+    pub(crate) pairs: PairTables,
     /// By tree as it was born: what is known of the leaves it has reached.
     pub(crate) measured: Vec<Measured>,
     /// By tree as it is now: its leaves by state, sorted; empty for a tree that has been joined to another.
@@ -31,6 +33,35 @@ pub struct LeafHeuristic {
     touched: Vec<LeafId>,
     /// [`ReachedLeaves::cleared`] of what is measured.
     cleared: u32,
+}
+
+/// Distances between the leaves of two states, by the states.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PairTables(Vec<Vec<Option<Box<LeafDistanceTable>>>>);
+
+impl PairTables {
+    pub(crate) fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    fn get(&self, from: StateId, to: StateId) -> Option<&LeafDistanceTable> {
+        self.0.get(from.at())?.get(to.at())?.as_deref()
+    }
+
+    fn get_or_insert(
+        &mut self,
+        (from, to): (StateId, StateId),
+        table: impl FnOnce() -> LeafDistanceTable,
+    ) -> &LeafDistanceTable {
+        if self.0.len() <= from.at() {
+            self.0.resize_with(from.at() + 1, Vec::new);
+        }
+        let row = &mut self.0[from.at()];
+        if row.len() <= to.at() {
+            row.resize_with(to.at() + 1, || None);
+        }
+        row[to.at()].get_or_insert_with(|| Box::new(table()))
+    }
 }
 
 /// What is known of the leaves that a tree reached while it had its own id.
@@ -163,10 +194,18 @@ impl LeafHeuristic {
             others.map(|(born, leaves)| Reached { leaves, columns: explored.reached.columns_of(born) }).collect();
         scratch.far.clear();
         let mut nearest = u16::MAX;
-        for columns in others.iter().flat_map(|other| other.columns) {
+        for (other, columns) in others.iter().flat_map(|other| other.columns.iter().map(move |columns| (other, columns))) {
             let start = scratch.far.len();
-            scratch.far.resize(start + columns.len(), 0);
             let pair = self.pair(graph, from.state, columns.state);
+            if columns.len() <= FEW {
+                for &place in &columns.places {
+                    let far = pair.distance(&from.parameters, &explored.leaves.leaf(other.leaves[place as usize]).parameters);
+                    scratch.far.push(far);
+                    nearest = nearest.min(far);
+                }
+                continue;
+            }
+            scratch.far.resize(start + columns.len(), 0);
             let distances = pair.distances(&from.parameters, End::From, &columns.parameters);
             nearest = nearest.min(distances.measure(level, &mut scratch.far[start..]));
         }
@@ -174,7 +213,7 @@ impl LeafHeuristic {
     }
 
     fn pair(&self, graph: &ConstraintGraph, from: StateId, to: StateId) -> Cow<'_, LeafDistanceTable> {
-        match self.pairs.get(&(from, to)) {
+        match self.pairs.get(from, to) {
             Some(pair) => Cow::Borrowed(pair),
             None => Cow::Owned(self.distance.between_states(graph, from, to)),
         }
@@ -237,13 +276,19 @@ impl LeafHeuristic {
             let mut nearest = None;
             for (state, columns) in explored.reached.columns_of(other).iter().enumerate() {
                 let Some(known) = self.measured[other.at()].states.get(state).map(|s| s.known) else { break };
-                self.remember_pairs(graph, leaf.state, columns.state);
-                let pair = &self.pairs[&(leaf.state, columns.state)];
+                let distance = &self.distance;
+                let table = || distance.between_states(graph, leaf.state, columns.state);
+                let pair = self.pairs.get_or_insert((leaf.state, columns.state), table);
                 if nearest.is_none_or(|nearest| pair.least < nearest) {
-                    let here = pair.distances(&leaf.parameters, End::From, &columns.parameters).nearest(level, known);
+                    let here = if known <= FEW {
+                        let to = leaves_of(explored, other, columns).take(known);
+                        to.map(|to| pair.distance(&leaf.parameters, &to.parameters)).min().unwrap_or(u16::MAX)
+                    } else {
+                        pair.distances(&leaf.parameters, End::From, &columns.parameters).nearest(level, known)
+                    };
                     nearest = nearest.into_iter().chain((known > 0).then_some(here)).min();
                 }
-                self.come_nearer(explored, level, (other, state), (born, leaf));
+                self.come_nearer(graph, explored, level, (other, state), (born, leaf));
             }
             from_here.extend(nearest.map(|nearest| (other.at(), nearest)));
         }
@@ -253,6 +298,7 @@ impl LeafHeuristic {
     /// Measures the leaves of one state that the tree `born` has reached against a new leaf of the tree `to`.
     fn come_nearer(
         &mut self,
+        graph: &ConstraintGraph,
         explored: &Explored<'_, '_>,
         level: Level,
         (born, state): (TreeId, usize),
@@ -260,15 +306,31 @@ impl LeafHeuristic {
     ) {
         let tree = explored.roadmap().tree(born);
         let columns = &explored.reached.columns_of(born)[state];
-        let distances =
-            self.pairs[&(columns.state, leaf.state)].distances(&leaf.parameters, End::To, &columns.parameters);
-        if distances.has_nothing_in_common() && self.knows_state(explored, to, leaf.state) {
-            // No leaf is nearer to this one than to another of the same state that has been measured.
-            return;
-        }
-        let nearest = &mut self.measured[born.at()].states[state];
+        let distance = &self.distance;
+        let table = || distance.between_states(graph, columns.state, leaf.state);
+        let pair = self.pairs.get_or_insert((columns.state, leaf.state), table);
         let mut nearer = Vec::new();
-        distances.lower(level, nearest.of(to.at()), &mut nearer);
+        let nearest = if columns.len() <= FEW {
+            let nearest = &mut self.measured[born.at()].states[state];
+            let known = nearest.of(to.at()).iter_mut().zip(leaves_of(explored, born, columns));
+            for (index, (known, from)) in known.enumerate() {
+                let far = pair.distance(&from.parameters, &leaf.parameters);
+                if far < *known {
+                    *known = far;
+                    nearer.push(index);
+                }
+            }
+            nearest
+        } else {
+            let distances = pair.distances(&leaf.parameters, End::To, &columns.parameters);
+            if distances.has_nothing_in_common() && self.knows_state(explored, to, leaf.state) {
+                // No leaf is nearer to this one than to another of the same state that has been measured.
+                return;
+            }
+            let nearest = &mut self.measured[born.at()].states[state];
+            distances.lower(level, nearest.of(to.at()), &mut nearer);
+            nearest
+        };
         let Some(leaves) = in_state(&mut self.trees[tree.at()], columns.state) else { return };
         for index in nearer {
             let leaf = explored.reached.by_born_tree[born.at()][columns.places[index] as usize];
@@ -313,12 +375,16 @@ impl LeafHeuristic {
             }
         }
     }
+}
 
-    fn remember_pairs(&mut self, graph: &ConstraintGraph, a: StateId, b: StateId) {
-        for ends in [(a, b), (b, a)] {
-            self.pairs.entry(ends).or_insert_with(|| self.distance.between_states(graph, ends.0, ends.1));
-        }
-    }
+/// The leaves of one state that the tree `born` has reached, in order of first visit.
+fn leaves_of<'a>(
+    explored: &'a Explored<'_, '_>,
+    born: TreeId,
+    columns: &'a LeafParameterColumns,
+) -> impl Iterator<Item = &'a Leaf> {
+    let list = &explored.reached.by_born_tree[born.at()];
+    columns.places.iter().map(|&place| explored.leaves.leaf(list[place as usize]))
 }
 
 fn in_state(states: &mut [WeightedLeaves], state: StateId) -> Option<&mut WeightedLeaves> {

@@ -78,6 +78,8 @@ pub fn forget_lost(
     };
     let (kept, mut lost) = (of_nodes(true), of_nodes(false));
     lost.retain(|leaf| !kept.contains(leaf));
-    graph.lose(lost);
-    writer::visit_again(&mut reached, roadmap, &leaves, is_kept);
+    // Mostly another way leads there.
+    if graph.lose(lost) {
+        writer::visit_again(&mut reached, roadmap, &leaves, is_kept);
+    }
 }
