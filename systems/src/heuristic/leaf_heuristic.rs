@@ -7,12 +7,13 @@ use crate::heuristic::leaf_distance_table::{End, LeafDistanceTable};
 use crate::heuristic::weighted_leaves::{FOCUS, Weighted, WeightedLeaves};
 use crate::heuristic::weighted_sampling::{Reached, draw_weighted};
 use bevy_ecs::prelude::Resource;
-use foliate_components::graph::leaf::{Leaf, LeafId};
+use foliate_components::graph::leaf::{Leaf, LeafId, LeafIndex};
 use foliate_components::graph::{ConstraintGraph, StateId, Transition};
 use foliate_components::roadmap::{Roadmap, TreeId};
 use foliate_kernels::lanes::Level;
 use rand::{Rng, RngExt};
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 
 /// So many leaves of a state are measured one by one.
 const FEW: usize = 8;
@@ -31,6 +32,8 @@ pub struct LeafHeuristic {
     pub(crate) tries: Vec<u32>,
     /// Leaves on which the last step's candidates have started.
     touched: Vec<LeafId>,
+    /// Leaves that no way leads to any more, by tree.
+    lost: BTreeSet<(TreeId, LeafId)>,
     /// [`ReachedLeaves::cleared`] of what is measured.
     cleared: u32,
 }
@@ -108,11 +111,25 @@ impl LeafHeuristic {
         self.trees.get(tree.at())?.iter().find_map(|state| state.get(leaf)).map(|weighted| weighted.far)
     }
 
-    /// Of the leaves that a tree has reached the nearest to any that another has, and how many changes of grasp are between; of
-    /// equals the one of the first state, and of these the first.
+    /// Of the leaves that a tree has reached the one that is most likely to be chosen, and how many changes of grasp lie between it and
+    /// what another tree has reached; of equals the one of the first state, and of these the first.
     #[must_use]
-    pub fn nearest_to_others(&self, tree: TreeId) -> Option<(u16, LeafId)> {
-        self.trees.get(tree.at())?.iter().filter_map(WeightedLeaves::nearest).min_by_key(|&(far, _)| far)
+    pub fn heaviest(&self, tree: TreeId) -> Option<(u16, LeafId)> {
+        let states = self.trees.get(tree.at())?.iter().filter_map(WeightedLeaves::heaviest);
+        let heaviest = states.reduce(|most, next| if next.0 > most.0 { next } else { most });
+        heaviest.map(|(_, weighted)| (weighted.far, weighted.leaf))
+    }
+
+    /// Hears which leaves no way leads to any more, by tree: they are neither chosen nor aimed at. Distances to them still count.
+    pub fn lose(&mut self, lost: BTreeSet<(TreeId, LeafId)>, leaves: &LeafIndex) {
+        let before = std::mem::replace(&mut self.lost, lost);
+        for &(tree, leaf) in before.symmetric_difference(&self.lost) {
+            let is_lost = self.lost.contains(&(tree, leaf));
+            let states = self.trees.get_mut(tree.at()).map(Vec::as_mut_slice);
+            if let Some(leaves) = states.and_then(|states| in_state(states, leaves.leaf(leaf).state)) {
+                leaves.change(leaf, |weighted| weighted.lost = is_lost);
+            }
+        }
     }
 
     /// Forgets what was measured of leaves that are not reached any more.
@@ -159,7 +176,7 @@ impl LeafHeuristic {
                 let entry = |(index, &place): (usize, &u32)| {
                     let leaf = list[place as usize];
                     let far = nearest.to_others(roadmap, tree, index).unwrap_or(0);
-                    Weighted { leaf, far, tries: self.tries[leaf.at()] }
+                    Weighted { leaf, far, tries: self.tries[leaf.at()], lost: self.lost.contains(&(tree, leaf)) }
                 };
                 let new = columns.places[..nearest.known].iter().enumerate().map(entry);
                 let at = states.partition_point(|(state, _)| *state < columns.state);
@@ -190,24 +207,38 @@ impl LeafHeuristic {
         let from = explored.leaves.leaf(leaf);
         let lists = (0u32..).map(TreeId).zip(&explored.reached.by_born_tree);
         let others = lists.filter(|&(born, _)| explored.roadmap().tree(born) != tree);
-        let others: Vec<_> =
-            others.map(|(born, leaves)| Reached { leaves, columns: explored.reached.columns_of(born) }).collect();
+        let (trees, others): (Vec<_>, Vec<_>) = others
+            .map(|(born, leaves)| {
+                let tree = explored.roadmap().tree(born);
+                (tree, Reached { leaves, columns: explored.reached.columns_of(born) })
+            })
+            .unzip();
         scratch.far.clear();
         let mut nearest = u16::MAX;
-        for (other, columns) in others.iter().flat_map(|other| other.columns.iter().map(move |columns| (other, columns))) {
-            let start = scratch.far.len();
-            let pair = self.pair(graph, from.state, columns.state);
-            if columns.len() <= FEW {
-                for &place in &columns.places {
-                    let far = pair.distance(&from.parameters, &explored.leaves.leaf(other.leaves[place as usize]).parameters);
-                    scratch.far.push(far);
-                    nearest = nearest.min(far);
+        for (&tree, other) in trees.iter().zip(&others) {
+            for columns in other.columns {
+                let start = scratch.far.len();
+                scratch.far.resize(start + columns.len(), 0);
+                let far = &mut scratch.far[start..];
+                let pair = self.pair(graph, from.state, columns.state);
+                let leaves = columns.places.iter().map(|&place| other.leaves[place as usize]);
+                let mut least = u16::MAX;
+                if columns.len() <= FEW {
+                    for (far, leaf) in far.iter_mut().zip(leaves.clone()) {
+                        *far = pair.distance(&from.parameters, &explored.leaves.leaf(leaf).parameters);
+                        least = least.min(*far);
+                    }
+                } else {
+                    let distances = pair.distances(&from.parameters, End::From, &columns.parameters);
+                    least = distances.measure(level, far);
                 }
-                continue;
+                if !self.lost.is_empty() {
+                    let lost = far.iter_mut().zip(leaves).filter(|&(_, leaf)| self.lost.contains(&(tree, leaf)));
+                    lost.for_each(|(far, _)| *far = u16::MAX);
+                    least = far.iter().copied().min().unwrap_or(u16::MAX);
+                }
+                nearest = nearest.min(least);
             }
-            scratch.far.resize(start + columns.len(), 0);
-            let distances = pair.distances(&from.parameters, End::From, &columns.parameters);
-            nearest = nearest.min(distances.measure(level, &mut scratch.far[start..]));
         }
         draw_weighted(level, &others, (&scratch.far, nearest), rng.random(), &mut scratch.sums)
     }
@@ -365,7 +396,7 @@ impl LeafHeuristic {
             }
         }
         let far = far.iter().map(|&(_, far)| far).min().unwrap_or(0);
-        let new = Weighted { leaf: id, far, tries: self.tries[id.at()] };
+        let new = Weighted { leaf: id, far, tries: self.tries[id.at()], lost: self.lost.contains(&(own, id)) };
         let states = &mut self.trees[own.at()];
         match in_state(states, state) {
             Some(leaves) => leaves.insert(new),

@@ -2,7 +2,6 @@
 
 use crate::exploration::explored::Explored;
 use crate::heuristic::leaf_heuristic::{HeuristicScratch, LeafHeuristic, Measured};
-use crate::heuristic::weighted_leaves::WeightedLeaves;
 use crate::planning_model::model::PlanningModel;
 use crate::runtime::parallel::LEAST_SHARED;
 use crate::runtime::random::{Purpose, draw, stream};
@@ -60,10 +59,8 @@ pub fn choose_leaves(
     }
     let weigh = |tree: TreeId| {
         let states = &heuristic.trees[tree.at()];
-        let heaviest = states.iter().filter_map(WeightedLeaves::heaviest);
-        let heaviest = heaviest.reduce(|most, next| if next.0 > most.0 { next } else { most });
         let drawn = states.iter().map(|state| (state, state.weight())).collect::<Vec<_>>();
-        (tree, heaviest.map(|(_, leaf)| leaf), drawn)
+        (tree, heuristic.heaviest(tree).map(|(_, leaf)| leaf), drawn)
     };
     let trees: Vec<_> = explored.roadmap().sides().map(weigh).collect();
     let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive() && c.near.is_none()).collect();

@@ -1,6 +1,6 @@
 //! Rounds of joining in one step: a motion that fails may leave another sequence whose motions are all untried.
 
-use crate::sequence::{joining, record};
+use crate::sequence::{foundations, joining};
 use crate::sequence::leaf_graph::LeafGraph;
 use bevy_ecs::error::Result;
 use bevy_ecs::prelude::{Mut, Res, ResMut, Resource, World};
@@ -21,11 +21,11 @@ impl Default for ConnectIterations {
     fn default() -> Self {
         Self(SystemSequence::of((
             joining::propose_joins,
-            record::propose_records,
+            foundations::propose_foundations,
             connect::certify_connections,
             joining::learn_from_joins,
             commit::commit_connections,
-            record::forget_lost,
+            foundations::forget_lost,
         )))
     }
 }

@@ -253,9 +253,9 @@ impl LeafGraph {
         std::mem::take(&mut self.has_broken)
     }
 
-    /// Remembers which leaves no joins lead to any more, by side; true where others were remembered.
-    pub fn lose(&mut self, lost: HashSet<(TreeId, LeafId)>) -> bool {
-        std::mem::replace(&mut self.lost, lost) != self.lost
+    /// Remembers which leaves no joins lead to any more, by side.
+    pub fn lose(&mut self, lost: HashSet<(TreeId, LeafId)>) {
+        self.lost = lost;
     }
 
     /// The joins on the cheapest way from the start's tree to a goal's, the start's first; `None` where there is no way yet,

@@ -3,10 +3,10 @@
 
 pub mod candidate_roles;
 pub mod connect_iterations;
+pub mod foundations;
 pub mod joining;
 pub mod lazy_extension;
 pub mod leaf_graph;
-pub mod record;
 pub mod scheduler;
 
 pub use crate::sequence::scheduler::Sequence;
