@@ -1,0 +1,59 @@
+//! Once start and goal are connected: leaves out ways that leave a leaf and come back to it.
+//!
+//! A lazy search takes the first sequence that holds. It may put an object back where it was, or take it once more as it held it before.
+//! Then the path is on one leaf before and after, and a straight motion on that leaf, where it is free, replaces what lies between.
+//! Shortcuts of this kind are as old as path smoothing (Geraerts and Overmars, *Creating high-quality paths for motion planning*,
+//! IJRR 2007); here both ends are nodes, so that no configuration has to be found.
+
+use crate::exploration::edges::{Connection, Connections};
+use crate::exploration::roadmap_query::roadmap_in;
+use crate::exploration::roots::Roots;
+use crate::exploration::writer::add_edge;
+use crate::planning_model::model::PlanningModel;
+use crate::search::path_extraction::route;
+use crate::step::connection::connect::certify_connections;
+use bevy_ecs::prelude::World;
+use bevy_ecs::system::RunSystemOnce;
+use foliate_components::roadmap::{NodeId, Roadmap};
+
+/// Excursions that are left out at most, and straight motions that are tried for each.
+const MOST: usize = 32;
+const TRIES: usize = 8;
+
+/// Adds an edge to the roadmap for every excursion of the path that a straight motion can replace.
+pub(crate) fn leave_out_excursions(world: &mut World) {
+    for _ in 0..MOST {
+        let roadmap = roadmap_in(world);
+        let roots = world.resource::<Roots>();
+        let Some((start, goal)) = roots.start.zip(roots.reached_goal(roadmap)) else { return };
+        let nodes = route(world.resource::<PlanningModel>(), roadmap, start, goal);
+        let proposals = excursions(roadmap, &nodes);
+        if proposals.is_empty() {
+            return;
+        }
+        world.resource_mut::<Connections>().0 = proposals;
+        if world.run_system_once(certify_connections).is_err() {
+            return;
+        }
+        let verdicts = std::mem::take(&mut world.resource_mut::<Connections>().0);
+        let free = verdicts.into_iter().find_map(|c| Some((c.from, c.to, c.verdict?.ok()?)));
+        let Some((from, to, motions)) = free else { return };
+        let Some(along) = motions.first().map(|motion| motion.transition) else { return };
+        add_edge(world, (from, to), along, motions);
+    }
+}
+
+/// Straight motions between nodes of one leaf between which the path is elsewhere, those first that leave out most nodes.
+fn excursions(roadmap: Roadmap<'_>, nodes: &[NodeId]) -> Vec<Connection> {
+    let leaf = |at: usize| roadmap.node(nodes[at]).leaf;
+    // The last node of a visit, and the first node of a later one.
+    let leaves_at = |&at: &usize| at + 1 < nodes.len() && leaf(at + 1) != leaf(at);
+    let mut pairs = Vec::new();
+    for from in (0..nodes.len()).filter(leaves_at) {
+        let back = (from + 2..nodes.len()).filter(|&to| leaf(to) == leaf(from) && leaf(to - 1) != leaf(to));
+        pairs.extend(back.map(|to| (from, to)));
+    }
+    pairs.sort_by_key(|&(from, to)| (std::cmp::Reverse(to - from), from));
+    pairs.truncate(TRIES);
+    pairs.into_iter().map(|(from, to)| Connection::between(nodes[from], nodes[to])).collect()
+}
