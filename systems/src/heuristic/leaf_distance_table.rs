@@ -49,11 +49,8 @@ impl LeafDistanceTable {
 
     /// What the distances between a leaf with values `one`, which stands at an end, and many others come to.
     pub fn distances<'a>(&self, one: &[ParameterId], end: End, many: &'a [ParameterColumn]) -> Distances<'a> {
-        let mut distances = Distances {
-            least: self.least,
-            alone: Vec::with_capacity(self.alone.len()),
-            together: Vec::new(),
-        };
+        let mut distances =
+            Distances { least: self.least, alone: Vec::with_capacity(self.alone.len()), together: Vec::new() };
         let term = |row: &Row| {
             let (value, column) = match end {
                 End::From => (one[usize::from(row.from)], &many[usize::from(row.to)]),

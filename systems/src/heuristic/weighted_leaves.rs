@@ -140,7 +140,12 @@ mod tests {
 
     #[test]
     fn a_draw_from_blocks_is_the_draw_from_the_list() {
-        let entry = |leaf: u32| Weighted { leaf: LeafId(leaf), far: (leaf * 7 % 5) as u16, tries: leaf * 13 % 17, lost: leaf % 11 == 3 };
+        let entry = |leaf: u32| Weighted {
+            leaf: LeafId(leaf),
+            far: (leaf * 7 % 5) as u16,
+            tries: leaf * 13 % 17,
+            lost: leaf % 11 == 3,
+        };
         let mut kept = WeightedLeaves::new(StateId(0), Vec::new());
         // Neither in order nor once each.
         for leaf in (0..1000).map(|i| i * 387 % 500) {

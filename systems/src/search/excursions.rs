@@ -57,3 +57,55 @@ fn excursions(roadmap: Roadmap<'_>, nodes: &[NodeId]) -> Vec<Connection> {
     pairs.truncate(TRIES);
     pairs.into_iter().map(|(from, to)| Connection::between(nodes[from], nodes[to])).collect()
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test that cannot go on says so")]
+mod tests {
+    use super::*;
+    use crate::events::{EventSink, StopSignal};
+    use crate::exploration::writer::{Born, add_node, intern_leaf};
+    use crate::planning_model::model::Model;
+    use crate::search::world::{add_roots, empty_world};
+    use crate::settings::SearchSettings;
+    use foliate_components::graph::leaf::{Leaf, LeafIndex};
+    use foliate_components::problem::Goal;
+    use foliate_components::roadmap::Motion;
+    use foliate_components::samples::boxes_on_a_table;
+    use std::sync::Arc;
+
+    /// A path from a start to a goal on its leaf that has the box somewhere else in between; the arm turns by so many radians.
+    fn route_of(turn: f64) -> usize {
+        let mut problem = boxes_on_a_table(&[(0.6, 0.15)], &[(0.6, 0.15)]).unwrap();
+        let mut goal = problem.start.clone();
+        goal[0] += turn;
+        problem.goals = vec![Goal::Configuration(goal)];
+        let model = PlanningModel(Arc::new(Model::new(problem).unwrap()));
+        let mut world = empty_world(&model, SearchSettings::default(), StopSignal::default(), EventSink::default());
+        add_roots(&mut world).unwrap();
+        let roots = world.resource::<Roots>().clone();
+        let (start, goal) = (roots.start.unwrap(), roots.goals[0]);
+        let roadmap = roadmap_in(&world);
+        let (q, row) = (roadmap.configuration(start).to_vec(), roadmap.node(start));
+        assert_eq!(row.leaf, roadmap.node(goal).leaf);
+        let (state, along) = (row.state, model.graph.loop_of(row.state).unwrap());
+        let mut index = world.resource_mut::<LeafIndex>();
+        let known = index.leaf(row.leaf).parameters.clone();
+        let moved = known.iter().map(|&id| *index.parameter(id)).collect::<Vec<_>>();
+        let parameters = moved.into_iter().map(|value| index.add_parameter(value)).collect();
+        let leaf = intern_leaf(&mut world, Leaf { state, parameters });
+        let node = add_node(&mut world, &q, leaf, Born::InTreeOf(start));
+        let end = roadmap_in(&world).configuration(goal).to_vec();
+        for (from, to, q) in [(start, node, &q), (node, goal, &end)] {
+            let knots = [roadmap_in(&world).configuration(from), q].concat();
+            let motion = Motion { transition: along, leg: 0, leaf, knots, clearance: 0.0, residual: 0.0 };
+            add_edge(&mut world, (from, to), along, vec![motion]);
+        }
+        leave_out_excursions(&mut world);
+        route(&model, roadmap_in(&world), start, goal).len()
+    }
+
+    #[test]
+    fn a_free_straight_motion_replaces_what_lies_between() {
+        assert_eq!(route_of(0.3), 2);
+    }
+}

@@ -1,7 +1,7 @@
 //! Rounds of joining in one step: a motion that fails may leave another sequence whose motions are all untried.
 
-use crate::sequence::{foundations, joining};
 use crate::sequence::leaf_graph::LeafGraph;
+use crate::sequence::{foundations, joining};
 use bevy_ecs::error::Result;
 use bevy_ecs::prelude::{Mut, Res, ResMut, Resource, World};
 use foliate_systems::exploration::memory::SchedulerBytes;
