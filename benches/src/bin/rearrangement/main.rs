@@ -155,10 +155,15 @@ fn solve(arguments: &[String]) -> Result<()> {
     Ok(())
 }
 
-/// Processor time of this thread, since the machine may be busy; none where the system does not tell.
+/// Processor time of this thread, since the machine may be busy; wall time where the system does not tell.
 fn processor_time() -> Duration {
     let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
-    Duration::from_nanos(told.and_then(|text| text.split(' ').next().and_then(|n| n.parse().ok())).unwrap_or(0))
+    let nanoseconds = told.and_then(|text| text.split(' ').next().and_then(|n| n.parse().ok()));
+    nanoseconds.map_or_else(|| START.with(Instant::elapsed), Duration::from_nanos)
+}
+
+thread_local! {
+    static START: Instant = Instant::now();
 }
 
 /// How often a gripper takes hold of something along a path.
