@@ -80,19 +80,20 @@ impl LeafGraph {
     ) {
         for (number, row) in (0u32..).zip(roadmap.nodes()).skip(self.known) {
             let node = NodeId(number);
+            let first = roadmap.edges_at(node).next().map(|edge| roadmap.edge(edge));
+            let origin = first.filter(|edge| edge.to == node).map(|edge| edge.from);
             // What grows within a leaf comes from an older node of that leaf.
-            let grown = roadmap.edges_at(node).next().is_some_and(|edge| {
-                let row = roadmap.edge(edge);
-                row.to == node && roadmap.node(row.from).leaf == roadmap.node(node).leaf
-            });
-            if !grown {
+            if origin.is_none_or(|from| roadmap.node(from).leaf != row.leaf) {
                 self.add(node, row.leaf, roadmap, space, weights);
             }
-            if let Some(from) = start_of_unvalidated(node) {
+            let start = start_of_unvalidated(node);
+            if let Some(from) = start {
                 self.lead(from, node);
-                let side = roadmap.side_of(node);
-                self.has_broken |=
-                    self.lost.contains(&(side, row.leaf)) && !self.lost.contains(&(side, roadmap.node(from).leaf));
+            }
+            if let Some(from) = start.or(origin).filter(|_| !self.lost.is_empty()) {
+                // It may be found again, or grow from what is lost.
+                let is_lost = |leaf: LeafId| self.lost.contains(&(roadmap.side_of(node), leaf));
+                self.has_broken |= is_lost(row.leaf) != is_lost(roadmap.node(from).leaf);
             }
         }
         self.has_changed |= self.known < roadmap.nodes().len();
