@@ -4,6 +4,7 @@ use crate::exploration::explored::Explored;
 use crate::exploration::reached_leaves::{LeafParameterColumns, ReachedLeaves};
 use crate::heuristic::grasp_distance::GraspDistance;
 use crate::heuristic::leaf_distance_table::{End, LeafDistanceTable};
+use crate::heuristic::pair_tables::PairTables;
 use crate::heuristic::weighted_leaves::{FOCUS, Weighted, WeightedLeaves};
 use crate::heuristic::weighted_sampling::{Reached, draw_weighted};
 use bevy_ecs::prelude::Resource;
@@ -36,35 +37,6 @@ pub struct LeafHeuristic {
     lost: BTreeSet<(TreeId, LeafId)>,
     /// [`ReachedLeaves::cleared`] of what is measured.
     cleared: u32,
-}
-
-/// Distances between the leaves of two states, by the states.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct PairTables(Vec<Vec<Option<Box<LeafDistanceTable>>>>);
-
-impl PairTables {
-    pub(crate) fn clear(&mut self) {
-        self.0.clear();
-    }
-
-    fn get(&self, from: StateId, to: StateId) -> Option<&LeafDistanceTable> {
-        self.0.get(from.at())?.get(to.at())?.as_deref()
-    }
-
-    fn get_or_insert(
-        &mut self,
-        (from, to): (StateId, StateId),
-        table: impl FnOnce() -> LeafDistanceTable,
-    ) -> &LeafDistanceTable {
-        if self.0.len() <= from.at() {
-            self.0.resize_with(from.at() + 1, Vec::new);
-        }
-        let row = &mut self.0[from.at()];
-        if row.len() <= to.at() {
-            row.resize_with(to.at() + 1, || None);
-        }
-        row[to.at()].get_or_insert_with(|| Box::new(table()))
-    }
 }
 
 /// What is known of the leaves that a tree reached while it had its own id.
