@@ -87,9 +87,9 @@ mod tests {
         let roadmap = roadmap_in(&world);
         let (q, row) = (roadmap.configuration(start).to_vec(), roadmap.node(start));
         assert_eq!(row.leaf, roadmap.node(goal).leaf);
-        let (state, along) = (row.state, model.graph.loop_of(row.state).unwrap());
+        let (state, first, along) = (row.state, row.leaf, model.graph.loop_of(row.state).unwrap());
         let mut index = world.resource_mut::<LeafIndex>();
-        let known = index.leaf(row.leaf).parameters.clone();
+        let known = index.leaf(first).parameters.clone();
         let moved = known.iter().map(|&id| *index.parameter(id)).collect::<Vec<_>>();
         let parameters = moved.into_iter().map(|value| index.add_parameter(value)).collect();
         let leaf = intern_leaf(&mut world, Leaf { state, parameters });
