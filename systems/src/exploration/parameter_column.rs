@@ -1,14 +1,14 @@
 //! The values of one constraint, leaf by leaf, and which of them there are.
 
 use foliate_components::graph::leaf::ParameterId;
-use std::collections::HashSet;
 
 /// Values in order of leaf. Most leaves have some value that no other has, so a comparison of many leaves with one first tests
 /// whether the value exists.
 #[derive(Clone, Debug, Default)]
 pub struct ParameterColumn {
     values: Vec<ParameterId>,
-    present: HashSet<ParameterId>,
+    /// Sorted, each once: there are many columns, most with few values.
+    present: Vec<ParameterId>,
 }
 
 impl ParameterColumn {
@@ -21,13 +21,15 @@ impl ParameterColumn {
     /// Whether any leaf has a value.
     #[must_use]
     pub fn has(&self, value: ParameterId) -> bool {
-        self.present.contains(&value)
+        self.present.binary_search(&value).is_ok()
     }
 
     /// Inserts a value and moves those behind it.
     pub(crate) fn insert(&mut self, at: usize, value: ParameterId) {
         self.values.insert(at, value);
-        self.present.insert(value);
+        if let Err(at) = self.present.binary_search(&value) {
+            self.present.insert(at, value);
+        }
     }
 
     /// Adds the value of another leaf.

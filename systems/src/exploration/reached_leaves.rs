@@ -23,6 +23,8 @@ pub struct ReachedLeaves {
     trees: Vec<Vec<StateLeaves>>,
     /// How often each leaf has been reached, sorted by state.
     visited: Vec<VisitedLeaves>,
+    /// How often all of this was begun again.
+    cleared: u32,
 }
 
 /// The leaves of one state that a tree has reached, sorted.
@@ -49,6 +51,17 @@ pub struct LeafParameterColumns {
 }
 
 impl ReachedLeaves {
+    /// Begins again: nothing is reached.
+    pub(crate) fn clear(&mut self) {
+        *self = Self { cleared: self.cleared + 1, ..Self::default() };
+    }
+
+    /// How often it has begun again: what is derived from lists of leaves holds for one number.
+    #[must_use]
+    pub fn cleared(&self) -> u32 {
+        self.cleared
+    }
+
     /// Remembers that the tree `born`, which belongs to `tree` by now, has got a node on a leaf.
     pub fn visit(&mut self, born: TreeId, tree: TreeId, id: LeafId, leaf: &Leaf) {
         if self.seen.insert((born, id)) {

@@ -14,7 +14,7 @@ use foliate_components::graph::leaf::{Leaf, LeafId, LeafIndex};
 use foliate_components::graph::{StateId, TransitionId};
 use foliate_components::outcome::{StateStatistics, TransitionStatistics};
 use foliate_components::roadmap::{
-    EdgeId, Motion, NodeId, RoadmapEdge, RoadmapLeaf, RoadmapNode, RoadmapStore, UnvalidatedEdge,
+    EdgeId, Motion, NodeId, Roadmap, RoadmapEdge, RoadmapLeaf, RoadmapNode, RoadmapStore, TreeId, UnvalidatedEdge,
 };
 
 /// Makes the transitions that leave a state come into being, in the model of this search alone, and their entities.
@@ -146,6 +146,19 @@ pub fn add_unvalidated_edge(world: &mut World, edge: UnvalidatedEdge) {
     let (to, bytes) = (edge.to, edge.bytes());
     let entity = world.spawn(edge).id();
     world.resource_mut::<UnvalidatedByEnd>().add(to, bytes, entity);
+}
+
+/// Counts afresh what trees have reached, by the nodes of those that are kept.
+pub fn visit_again(
+    reached: &mut ReachedLeaves,
+    roadmap: Roadmap<'_>,
+    leaves: &LeafIndex,
+    is_kept: impl Fn(TreeId) -> bool,
+) {
+    reached.clear();
+    for row in roadmap.nodes().iter().filter(|row| is_kept(row.tree)) {
+        reached.visit(row.side, roadmap.tree(row.side), row.leaf, leaves.leaf(row.leaf));
+    }
 }
 
 /// Takes the unvalidated edge between two nodes out of the world, if there is one: something is known of it now. Its entity is

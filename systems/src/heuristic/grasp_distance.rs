@@ -70,7 +70,7 @@ impl GraspDistance {
         distances
     }
 
-    /// Reads what has come into being in the graph since it was last read; true where something has.
+    /// Reads what has come into being in the graph since it was last read; true where that may change distances that were known.
     pub fn grow(&mut self, graph: &ConstraintGraph) -> bool {
         if self.situations.len() == graph.states.len() && self.transitions == graph.transitions.len() {
             return false;
@@ -97,10 +97,9 @@ impl GraspDistance {
             }
         }
         self.transitions = graph.transitions.len();
-        for (subject, _) in self.subjects.iter_mut().zip(has_grown).filter(|(_, has_grown)| *has_grown) {
-            subject.measure();
-        }
-        true
+        let grown = self.subjects.iter_mut().zip(&has_grown).filter(|(_, has_grown)| **has_grown);
+        grown.for_each(|(subject, _)| subject.measure());
+        has_grown.contains(&true)
     }
 
     /// Gives new constraints their subjects; the states that are known say nothing of new subjects.
@@ -142,11 +141,50 @@ impl GraspDistance {
         })
     }
 
+    /// What [`Self::after`] says of many transitions that leave the first leaf's state. A transition changes few subjects; only
+    /// these are measured again.
+    #[must_use]
+    pub fn after_each<'t>(
+        &self,
+        graph: &ConstraintGraph,
+        from: &Leaf,
+        to: &Leaf,
+        transitions: impl IntoIterator<Item = &'t Transition>,
+    ) -> Vec<u16> {
+        let values = |leaf: &Leaf| {
+            let mut values = vec![None; graph.constraints.len()];
+            let known = graph.state(leaf.state).foliation.iter().zip(&leaf.parameters);
+            known.for_each(|(c, &parameter)| values[c.at()] = Some(parameter));
+            values
+        };
+        let (here, there) = (values(from), values(to));
+        let goals = &self.situations[to.state.at()];
+        let steps = |subject: usize, situation: usize, crossed: bool| {
+            let same = |c: ConstraintId| here[c.at()].map_or(crossed, |kept| Some(kept) == there[c.at()]);
+            u16::from(self.subjects[subject].steps(situation, goals[subject], same))
+        };
+        let situations = &self.situations[from.state.at()];
+        let now: Vec<u16> = situations.iter().enumerate().map(|(subject, &at)| steps(subject, at, false)).collect();
+        let sum: u16 = now.iter().sum();
+        let after = |transition: &Transition| {
+            let crossed = transition.kind == TransitionKind::Crossed;
+            let next = &self.situations[transition.to.at()];
+            let changed = (0..now.len()).filter(|&subject| next[subject] != situations[subject]);
+            changed.fold(sum, |sum, subject| sum - now[subject] + steps(subject, next[subject], crossed))
+        };
+        transitions.into_iter().map(after).collect()
+    }
+
     /// What `between` says of all leaves of one state and all of another.
     #[must_use]
     pub(crate) fn between_states(&self, graph: &ConstraintGraph, from: StateId, to: StateId) -> LeafDistanceTable {
         let mut pair = LeafDistanceTable::default();
-        let position = |state: StateId, c: ConstraintId| graph.state(state).foliation.iter().position(|&x| x == c);
+        let positions = |state: StateId| {
+            let mut positions = vec![u16::MAX; self.subject_of.len()];
+            (0u16..).zip(&graph.state(state).foliation).for_each(|(row, c)| positions[c.at()] = row);
+            positions
+        };
+        let (rows_from, rows_to) = (positions(from), positions(to));
         let ends = self.situations[from.at()].iter().zip(&self.situations[to.at()]);
         for (subject, (&a, &b)) in self.subjects.iter().zip(ends) {
             let at = a * subject.situations.len() + b;
@@ -156,7 +194,7 @@ impl GraspDistance {
                 .filter_map(|&c| {
                     let known = subject.through_lack.binary_search_by_key(&c, |&(c, _)| c).ok()?;
                     let extra = u16::from(subject.through_lack[known].1[at]).saturating_sub(least);
-                    let (from, to) = (position(from, c)?, position(to, c)?);
+                    let (from, to) = (rows_from[c.at()], rows_to[c.at()]);
                     (extra > 0).then_some(Row { from, to, extra })
                 })
                 .collect();

@@ -22,8 +22,8 @@ pub(crate) struct LeafDistanceTable {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Row {
     /// Its position in the foliation of either state.
-    pub from: usize,
-    pub to: usize,
+    pub from: u16,
+    pub to: u16,
     /// What another value adds.
     pub extra: u16,
 }
@@ -36,13 +36,25 @@ pub(crate) enum End {
 }
 
 impl LeafDistanceTable {
+    /// The distance between two leaves: where there are few this is quicker than columns.
+    pub fn distance(&self, from: &[ParameterId], to: &[ParameterId]) -> u16 {
+        let extra = |row: &Row| match from[usize::from(row.from)] == to[usize::from(row.to)] {
+            true => 0,
+            false => row.extra,
+        };
+        let alone: u16 = self.alone.iter().map(extra).sum();
+        let together: u16 = self.together.iter().map(|rows| rows.iter().map(extra).max().unwrap_or(0)).sum();
+        self.least + alone + together
+    }
+
     /// What the distances between a leaf with values `one`, which stands at an end, and many others come to.
     pub fn distances<'a>(&self, one: &[ParameterId], end: End, many: &'a [ParameterColumn]) -> Distances<'a> {
-        let mut distances = Distances { least: self.least, alone: Vec::new(), together: Vec::new() };
+        let mut distances =
+            Distances { least: self.least, alone: Vec::with_capacity(self.alone.len()), together: Vec::new() };
         let term = |row: &Row| {
             let (value, column) = match end {
-                End::From => (one[row.from], &many[row.to]),
-                End::To => (one[row.to], &many[row.from]),
+                End::From => (one[usize::from(row.from)], &many[usize::from(row.to)]),
+                End::To => (one[usize::from(row.to)], &many[usize::from(row.from)]),
             };
             column.has(value).then_some(Term { value, column: column.values(), extra: row.extra })
         };
@@ -263,8 +275,8 @@ mod tests {
     ) -> u16 {
         let extra = |row: &Row| {
             let (own, other) = match end {
-                End::From => (one[row.from], many[row.to].values()[index]),
-                End::To => (one[row.to], many[row.from].values()[index]),
+                End::From => (one[usize::from(row.from)], many[usize::from(row.to)].values()[index]),
+                End::To => (one[usize::from(row.to)], many[usize::from(row.from)].values()[index]),
             };
             if own == other { 0 } else { row.extra }
         };

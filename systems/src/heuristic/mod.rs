@@ -7,6 +7,7 @@
 pub mod grasp_distance;
 pub(crate) mod leaf_distance_table;
 pub mod leaf_heuristic;
+pub(crate) mod pair_tables;
 pub mod placements;
 pub mod systems;
 pub(crate) mod weighted_leaves;

@@ -14,6 +14,9 @@ use rand::RngExt;
 use rand::seq::IndexedRandom;
 use rayon::prelude::*;
 
+/// Share of the guided candidates that start from the leaf of the largest weight: with many objects near leaves are few among many.
+const GREEDY: f64 = 0.5;
+
 /// Measures the leaves that the last step has reached, each against all others.
 pub fn measure_leaves(
     model: Res<'_, PlanningModel>,
@@ -27,6 +30,7 @@ pub fn measure_leaves(
         let all = heuristic.measured.iter_mut().flat_map(|measured| &mut measured.states);
         all.for_each(|nearest| nearest.stale = nearest.known);
     }
+    heuristic.follow_losses(&explored.reached);
     let trees = explored.reached.by_born_tree.len();
     heuristic.measured.resize_with(trees, Measured::default);
     heuristic.trees.resize_with(trees, Vec::new);
@@ -55,7 +59,8 @@ pub fn choose_leaves(
     }
     let weigh = |tree: TreeId| {
         let states = &heuristic.trees[tree.at()];
-        (tree, states.iter().map(|state| (state, state.weight())).collect::<Vec<_>>())
+        let drawn = states.iter().map(|state| (state, state.weight())).collect::<Vec<_>>();
+        (tree, heuristic.heaviest(tree).map(|(_, leaf)| leaf), drawn)
     };
     let trees: Vec<_> = explored.roadmap().sides().map(weigh).collect();
     let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive() && c.near.is_none()).collect();
@@ -64,8 +69,10 @@ pub fn choose_leaves(
         if rng.random::<f64>() >= settings.guided_probability {
             return;
         }
-        let Some((tree, states)) = trees.choose(&mut rng) else { return };
-        let Some(leaf) = draw(states, rng.random()).and_then(|leaves| leaves.draw(rng.random())) else { return };
+        let Some((tree, heaviest, states)) = trees.choose(&mut rng) else { return };
+        let drawn = draw(states, rng.random()).and_then(|leaves| leaves.draw(rng.random()));
+        let greedy = rng.random::<f64>() < GREEDY;
+        let Some(leaf) = heaviest.filter(|_| greedy).or(drawn) else { return };
         candidate.tree = Some(*tree);
         candidate.leaf = Some(leaf);
         candidate.target_leaf =

@@ -29,6 +29,8 @@ pub(crate) struct Weighted {
     pub leaf: LeafId,
     pub far: u16,
     pub tries: u32,
+    /// Whether no way leads there any more: it is not chosen.
+    pub lost: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -40,7 +42,7 @@ struct Block {
 
 impl Weighted {
     fn weight(&self) -> f64 {
-        FOCUS.powi(-i32::from(self.far)) / (1.0 + f64::from(self.tries) / LEAF_PATIENCE)
+        if self.lost { 0.0 } else { FOCUS.powi(-i32::from(self.far)) / (1.0 + f64::from(self.tries) / LEAF_PATIENCE) }
     }
 }
 
@@ -83,6 +85,13 @@ impl WeightedLeaves {
         FOCUS.powi(-i32::from(near)) / (1.0 + tries as f64 / STATE_PATIENCE)
     }
 
+    /// The leaf that is most likely to be chosen, with its weight; of equals the first.
+    pub fn heaviest(&self) -> Option<(f64, &Weighted)> {
+        let heavier = |most: usize, at: usize| if self.weights[at] > self.weights[most] { at } else { most };
+        let at = (0..self.weights.len()).reduce(heavier)?;
+        (self.weights[at] > 0.0).then(|| (self.weights[at], &self.leaves[at]))
+    }
+
     /// Draws a leaf by `u` ∈ [0, 1).
     pub fn draw(&self, u: f64) -> Option<LeafId> {
         let mut left = u * self.blocks.iter().map(|b| b.weight).sum::<f64>();
@@ -118,7 +127,7 @@ impl WeightedLeaves {
         let leaves = &self.leaves[range.clone()];
         Block {
             weight: self.weights[range].iter().sum(),
-            near: leaves.iter().map(|w| w.far).min().unwrap_or(u16::MAX),
+            near: leaves.iter().filter(|w| !w.lost).map(|w| w.far).min().unwrap_or(u16::MAX),
             tries: leaves.iter().map(|w| u64::from(w.tries)).sum(),
         }
     }
@@ -131,7 +140,12 @@ mod tests {
 
     #[test]
     fn a_draw_from_blocks_is_the_draw_from_the_list() {
-        let entry = |leaf: u32| Weighted { leaf: LeafId(leaf), far: (leaf * 7 % 5) as u16, tries: leaf * 13 % 17 };
+        let entry = |leaf: u32| Weighted {
+            leaf: LeafId(leaf),
+            far: (leaf * 7 % 5) as u16,
+            tries: leaf * 13 % 17,
+            lost: leaf % 11 == 3,
+        };
         let mut kept = WeightedLeaves::new(StateId(0), Vec::new());
         // Neither in order nor once each.
         for leaf in (0..1000).map(|i| i * 387 % 500) {

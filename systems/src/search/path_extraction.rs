@@ -222,6 +222,17 @@ impl PartialOrd for Frontier {
     }
 }
 
+/// The nodes of the shortest path, start and goal included; none where they are not connected.
+pub(crate) fn route(model: &PlanningModel, roadmap: Roadmap<'_>, start: NodeId, goal: NodeId) -> Vec<NodeId> {
+    let edges = shortest_route(model, roadmap, start, goal).unwrap_or_default();
+    let beyond = |at: &mut NodeId, edge: EdgeId| {
+        let row = roadmap.edge(edge);
+        *at = if row.from == *at { row.to } else { row.from };
+        Some(*at)
+    };
+    std::iter::once(start).chain(edges.into_iter().scan(start, beyond)).collect()
+}
+
 /// Dijkstra over the roadmap.
 fn shortest_route(model: &PlanningModel, roadmap: Roadmap<'_>, start: NodeId, goal: NodeId) -> Option<Vec<EdgeId>> {
     let mut best = vec![f64::INFINITY; roadmap.nodes().len()];

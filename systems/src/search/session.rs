@@ -10,6 +10,7 @@ use crate::planning_model::model::PlanningModel;
 use crate::planning_model::state_classification::Feasible;
 use crate::runtime::watch::Watch;
 use crate::schedule::StepCounter;
+use crate::search::excursions::leave_out_excursions;
 use crate::search::path_extraction::{extract_path, reached_backwards};
 use crate::search::scheduler::Scheduler;
 use crate::search::world::{add_roots, empty_world, roots_in};
@@ -91,6 +92,7 @@ impl Search {
                 self.world = *world;
             }
             if self.ending == Some(SearchOutcome::Solved) {
+                leave_out_excursions(&mut self.world);
                 self.expand_backwards();
             }
         }

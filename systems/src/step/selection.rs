@@ -13,7 +13,7 @@ use crate::schedule::StepCounter;
 use crate::settings::{SearchSettings, Selection};
 use bevy_ecs::prelude::{Query, Res, ResMut};
 use foliate_components::candidate::{Candidate, CandidateArena};
-use foliate_components::graph::{Transition, TransitionId, TransitionKind};
+use foliate_components::graph::{TransitionId, TransitionKind};
 use foliate_components::outcome::Rejection;
 use foliate_components::roadmap::TreeId;
 use rand::RngExt;
@@ -113,12 +113,13 @@ pub fn select_transitions(
         let row = explored.roadmap().node(near);
         let from = explored.leaves.leaf(row.leaf);
         let target_leaf = candidate.target_leaf.map(|target_leaf| explored.leaves.leaf(target_leaf));
-        let weigh = |(id, transition): (TransitionId, &Transition)| {
-            let preference = target_leaf
-                .map_or(1.0, |target_leaf| heuristic.preference(&model.graph, from, transition, target_leaf));
-            (id, weights.0[id.at()] * preference)
-        };
-        let choices: Vec<_> = model.graph.leaving(row.state).map(weigh).collect();
+        let leaving = || model.graph.leaving(row.state);
+        let mut choices: Vec<_> = leaving().map(|(id, _)| (id, weights.0[id.at()])).collect();
+        if let Some(target_leaf) = target_leaf {
+            let preferences =
+                heuristic.preferences(&model.graph, from, target_leaf, leaving().map(|(_, transition)| transition));
+            choices.iter_mut().zip(preferences).for_each(|((_, weight), preference)| *weight *= preference);
+        }
         match draw(&choices, rng.random()) {
             Some(transition) => candidate.transition = Some(transition),
             None => candidate.reject(Rejection::NoTransition),

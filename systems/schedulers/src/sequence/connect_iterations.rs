@@ -1,7 +1,7 @@
 //! Rounds of joining in one step: a motion that fails may leave another sequence whose motions are all untried.
 
-use crate::sequence::joining;
 use crate::sequence::leaf_graph::LeafGraph;
+use crate::sequence::{foundations, joining};
 use bevy_ecs::error::Result;
 use bevy_ecs::prelude::{Mut, Res, ResMut, Resource, World};
 use foliate_systems::exploration::memory::SchedulerBytes;
@@ -21,9 +21,11 @@ impl Default for ConnectIterations {
     fn default() -> Self {
         Self(SystemSequence::of((
             joining::propose_joins,
+            foundations::propose_foundations,
             connect::certify_connections,
             joining::learn_from_joins,
             commit::commit_connections,
+            foundations::forget_lost,
         )))
     }
 }

@@ -35,7 +35,7 @@ pub struct Growing(pub Vec<Join>);
 
 /// The joins of this round, in the order of the proposals; `None` for what grew.
 #[derive(Clone, Debug, Default, Resource)]
-pub struct Tried(Vec<Option<Join>>);
+pub struct Tried(pub(crate) Vec<Option<Join>>);
 
 /// Sets a part of the candidates to growing the trees of joins that a straight motion could not make.
 #[allow(clippy::too_many_arguments, reason = "a system's parameters are what it reads and writes")]

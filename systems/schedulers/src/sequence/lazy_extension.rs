@@ -110,19 +110,19 @@ pub fn choose_lazy_extensions(
         let row = explored.roadmap().node(near);
         let from = explored.leaves.leaf(row.leaf);
         let target_leaf = candidate.target_leaf.map(|target_leaf| explored.leaves.leaf(target_leaf));
+        let leads_on = |&(_, transition): &(TransitionId, &Transition)| transition.kind != TransitionKind::Loop;
+        let leaving = || model.graph.leaving(row.state).filter(leads_on);
         let weigh = |(id, transition): (TransitionId, &Transition)| {
             let drawn = candidate.target_leaf.filter(|_| transition.kind == TransitionKind::Crossed);
-            let preference = target_leaf
-                .map_or(1.0, |target_leaf| heuristic.preference(&model.graph, from, transition, target_leaf));
-            (
-                id,
-                weights.0[id.at()]
-                    * preference
-                    * lazy_extensions.freshness((row.leaf, id, drawn), finds_new_leaves(transition)),
-            )
+            let freshness = lazy_extensions.freshness((row.leaf, id, drawn), finds_new_leaves(transition));
+            (id, weights.0[id.at()] * freshness)
         };
-        let leads_on = |&(_, transition): &(TransitionId, &Transition)| transition.kind != TransitionKind::Loop;
-        let choices: Vec<_> = model.graph.leaving(row.state).filter(leads_on).map(weigh).collect();
+        let mut choices: Vec<_> = leaving().map(weigh).collect();
+        if let Some(target_leaf) = target_leaf {
+            let preferences =
+                heuristic.preferences(&model.graph, from, target_leaf, leaving().map(|(_, transition)| transition));
+            choices.iter_mut().zip(preferences).for_each(|((_, weight), preference)| *weight *= preference);
+        }
         // Where there are only loops, the ordinary rule draws one.
         if let Some(id) = draw(&choices, rng.random()) {
             let transition = model.graph.transition(id);

@@ -10,7 +10,7 @@ use foliate_components::roadmap::{NodeId, Roadmap, TreeId};
 use foliate_components::robot::configuration::ConfigurationSpace;
 use foliate_systems::exploration::roots::Roots;
 use std::cmp::Reverse;
-use std::collections::{BTreeMap, BinaryHeap};
+use std::collections::{BTreeMap, BinaryHeap, HashSet};
 
 use bevy_ecs::prelude::Resource;
 
@@ -60,6 +60,10 @@ pub struct LeafGraph {
     straight: Vec<(f64, f64)>,
     /// Whether anything was added or has failed since that was last asked.
     has_changed: bool,
+    /// Whether what is connected has to be found anew.
+    has_broken: bool,
+    /// Leaves that trees of a side have reached and no joins lead to any more.
+    lost: HashSet<(TreeId, LeafId)>,
     /// Distances that are kept: their number grows with the square of the anchors of a leaf.
     lengths: u64,
 }
@@ -76,16 +80,20 @@ impl LeafGraph {
     ) {
         for (number, row) in (0u32..).zip(roadmap.nodes()).skip(self.known) {
             let node = NodeId(number);
+            let first = roadmap.edges_at(node).next().map(|edge| roadmap.edge(edge));
+            let origin = first.filter(|edge| edge.to == node).map(|edge| edge.from);
             // What grows within a leaf comes from an older node of that leaf.
-            let grown = roadmap.edges_at(node).next().is_some_and(|edge| {
-                let row = roadmap.edge(edge);
-                row.to == node && roadmap.node(row.from).leaf == roadmap.node(node).leaf
-            });
-            if !grown {
+            if origin.is_none_or(|from| roadmap.node(from).leaf != row.leaf) {
                 self.add(node, row.leaf, roadmap, space, weights);
             }
-            if let Some(from) = start_of_unvalidated(node) {
+            let start = start_of_unvalidated(node);
+            if let Some(from) = start {
                 self.lead(from, node);
+            }
+            if let Some(from) = start.or(origin).filter(|_| !self.lost.is_empty()) {
+                // It may be found again, or grow from what is lost.
+                let is_lost = |leaf: LeafId| self.lost.contains(&(roadmap.side_of(node), leaf));
+                self.has_broken |= is_lost(row.leaf) != is_lost(roadmap.node(from).leaf);
             }
         }
         self.has_changed |= self.known < roadmap.nodes().len();
@@ -182,6 +190,7 @@ impl LeafGraph {
             for anchor in [join.0, join.1] {
                 self.anchors[anchor as usize].unvalidated_edge = None;
             }
+            self.has_broken |= !joined;
             self.has_changed = true;
             return;
         }
@@ -209,15 +218,69 @@ impl LeafGraph {
         (1.0 + length) * hard(a) * hard(b) * tries
     }
 
+    /// By tree: whether joins lead there from the tree of a root on whose side it grows. It may be that none do: an unvalidated edge
+    /// on the way was no edge.
+    #[must_use]
+    pub fn connected(&self, roadmap: Roadmap<'_>, roots: &Roots) -> Vec<bool> {
+        let (trees, members) = self.by_tree(roadmap);
+        let mut connected = vec![false; roadmap.tree_count()];
+        let mut left: Vec<_> = roots.start.iter().chain(&roots.goals).map(|&root| roadmap.tree_of(root)).collect();
+        left.iter().for_each(|root| connected[root.at()] = true);
+        while let Some(tree) = left.pop() {
+            for &anchor in &members[tree.at()] {
+                let Anchor { leaf, unvalidated_edge, .. } = &self.anchors[anchor as usize];
+                for &other in self.by_leaf[leaf.at()].iter().chain(unvalidated_edge) {
+                    let next = trees[other as usize];
+                    if !connected[next.at()] && roadmap.side(next) == roadmap.side(tree) {
+                        connected[next.at()] = true;
+                        left.push(next);
+                    }
+                }
+            }
+        }
+        connected
+    }
+
+    /// The tree of each anchor, and the anchors of each tree.
+    fn by_tree(&self, roadmap: Roadmap<'_>) -> (Vec<TreeId>, Vec<Vec<u32>>) {
+        let trees: Vec<TreeId> = self.anchors.iter().map(|anchor| roadmap.tree_of(anchor.node)).collect();
+        let mut members: Vec<Vec<u32>> = vec![Vec::new(); roadmap.tree_count()];
+        (0u32..).zip(&trees).for_each(|(anchor, tree)| members[tree.at()].push(anchor));
+        (trees, members)
+    }
+
+    /// Whether an unvalidated edge was none since that was last asked, so that what lies behind it may be lost.
+    pub fn take_broken(&mut self) -> bool {
+        std::mem::take(&mut self.has_broken)
+    }
+
+    /// Remembers which leaves no joins lead to any more, by side.
+    pub fn lose(&mut self, lost: HashSet<(TreeId, LeafId)>) {
+        self.lost = lost;
+    }
+
     /// The joins on the cheapest way from the start's tree to a goal's, the start's first; `None` where there is no way yet,
     /// nothing where start and goal are connected. Ties go to the older tree.
     #[must_use]
     pub fn cheapest(&self, roadmap: Roadmap<'_>, roots: &Roots) -> Option<Vec<Join>> {
-        let start = roadmap.tree_of(roots.start?);
         let goals: Vec<_> = roots.goals.iter().map(|&goal| roadmap.tree_of(goal)).collect();
-        let trees: Vec<TreeId> = self.anchors.iter().map(|anchor| roadmap.tree_of(anchor.node)).collect();
-        let mut members: Vec<Vec<u32>> = vec![Vec::new(); roadmap.tree_count()];
-        (0u32..).zip(&trees).for_each(|(anchor, tree)| members[tree.at()].push(anchor));
+        self.cheapest_between(roadmap, roadmap.tree_of(roots.start?), &goals)
+    }
+
+    /// Likewise from the tree of a root to any that has reached a leaf on the root's side.
+    #[must_use]
+    pub fn cheapest_to_leaf(&self, roadmap: Roadmap<'_>, root: NodeId, leaf: LeafId) -> Option<Vec<Join>> {
+        let here = self.by_leaf.get(leaf.at())?.iter().map(|&anchor| self.anchors[anchor as usize].node);
+        let own = here.filter(|&node| roadmap.side_of(node) == roadmap.side_of(root));
+        let goals: Vec<_> = own.map(|node| roadmap.tree_of(node)).collect();
+        self.cheapest_between(roadmap, roadmap.tree_of(root), &goals)
+    }
+
+    /// Likewise from a tree to any of some others.
+    fn cheapest_between(&self, roadmap: Roadmap<'_>, start: TreeId, goals: &[TreeId]) -> Option<Vec<Join>> {
+        let (trees, members) = self.by_tree(roadmap);
+        let mut is_goal = vec![false; roadmap.tree_count()];
+        goals.iter().for_each(|goal| is_goal[goal.at()] = true);
         let mut best = vec![f64::INFINITY; roadmap.tree_count()];
         let mut came_by: Vec<Option<(Join, TreeId)>> = vec![None; roadmap.tree_count()];
         // Costs are never negative, so their bits are in their order.
@@ -225,7 +288,7 @@ impl LeafGraph {
         best[start.at()] = 0.0;
         while let Some(Reverse((bits, tree))) = frontier.pop() {
             let cost = f64::from_bits(bits);
-            if goals.contains(&tree) {
+            if is_goal[tree.at()] {
                 return Some(way_back(&came_by, tree));
             }
             if cost > best[tree.at()] {

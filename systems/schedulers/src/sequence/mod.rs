@@ -3,6 +3,7 @@
 
 pub mod candidate_roles;
 pub mod connect_iterations;
+pub mod foundations;
 pub mod joining;
 pub mod lazy_extension;
 pub mod leaf_graph;

@@ -8,7 +8,7 @@ use foliate_systems::heuristic::systems;
 use foliate_systems::search::scheduler::Scheduler;
 use foliate_systems::step::projection::project;
 
-use crate::sequence::{joining, leaf_graph};
+use crate::sequence::{foundations, joining, leaf_graph};
 use bevy_ecs::prelude::{Schedule, World};
 use foliate_components::graph::TransitionKind;
 use foliate_systems::planning_model::model::PlanningModel;
@@ -42,6 +42,7 @@ pub fn insert_resources(world: &mut World) {
     world.init_resource::<lazy_extension::LazyExtensions>();
     world.init_resource::<joining::Growing>();
     world.init_resource::<joining::Tried>();
+    world.init_resource::<foundations::Foundations>();
     world.init_resource::<connect_iterations::ConnectIterations>();
 }
 
