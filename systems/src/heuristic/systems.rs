@@ -14,8 +14,12 @@ use rand::RngExt;
 use rand::seq::IndexedRandom;
 use rayon::prelude::*;
 
-/// Share of the guided candidates that start from the leaf of the largest weight: with many objects near leaves are few among many.
+/// Share of the guided candidates that start from the leaf of the largest weight where much is to be moved: with many objects near
+/// leaves are few among many.
 const GREEDY: f64 = 0.5;
+
+/// So many changes of grasp, two objects moved, are not much.
+const NEAR: u16 = 4;
 
 /// Measures the leaves that the last step has reached, each against all others.
 pub fn measure_leaves(
@@ -60,7 +64,8 @@ pub fn choose_leaves(
     let weigh = |tree: TreeId| {
         let states = &heuristic.trees[tree.at()];
         let drawn = states.iter().map(|state| (state, state.weight())).collect::<Vec<_>>();
-        (tree, heuristic.heaviest(tree).map(|(_, leaf)| leaf), drawn)
+        let far = heuristic.heaviest(tree).filter(|(far, _)| *far > NEAR);
+        (tree, far.map(|(_, leaf)| leaf), drawn)
     };
     let trees: Vec<_> = explored.roadmap().sides().map(weigh).collect();
     let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive() && c.near.is_none()).collect();
@@ -71,8 +76,7 @@ pub fn choose_leaves(
         }
         let Some((tree, heaviest, states)) = trees.choose(&mut rng) else { return };
         let drawn = draw(states, rng.random()).and_then(|leaves| leaves.draw(rng.random()));
-        let greedy = rng.random::<f64>() < GREEDY;
-        let Some(leaf) = heaviest.filter(|_| greedy).or(drawn) else { return };
+        let Some(leaf) = heaviest.filter(|_| rng.random::<f64>() < GREEDY).or(drawn) else { return };
         candidate.tree = Some(*tree);
         candidate.leaf = Some(leaf);
         candidate.target_leaf =
