@@ -3,6 +3,7 @@
 //! they like. `foliate check` proves all of it.
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "a test that cannot go on says so")]
+#![allow(non_snake_case, reason = "pose names carry their frames")]
 
 #[path = "common/written.rs"]
 mod written;

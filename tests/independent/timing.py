@@ -197,9 +197,21 @@ def _check_event(scene: Scene, event: Event, segment: Segment, report: Report) -
         stands = segment.times[max(count, 1) - 1] - segment.times[0]
     if event.dwell > stands + SLACK:
         report.violate(event.segment, 0, "event-moves", "a segment stands still for less than the dwell", stands, event.dwell)
+    done = _knot_of_event(scene, event, segment)
     for name, position in event.fingers.items():
         column = scene.columns.get(name)
         if column is None or name.partition("/")[0] != event.gripper.partition("/")[0]:
             report.violate(event.segment, 0, "event", f"{name} is no finger of {event.gripper}")
-        elif abs(segment.knots[0, column] - position) > SLACK:
-            report.violate(event.segment, 0, "event", f"finger {name}", position, segment.knots[0, column])
+        elif abs(done[column] - position) > SLACK:
+            report.violate(event.segment, 0, "event", f"finger {name}", position, done[column])
+
+
+def _knot_of_event(scene: Scene, event: Event, segment: Segment) -> np.ndarray:
+    """Where the hand has done what the event says: the last knot where the segment moves the fingers alone, else the first one.
+
+    Objects that are taken may be written anew by a micrometre.
+    """
+    first, last = segment.knots[0], segment.knots[-1]
+    fingers = {scene.columns[name] for name in event.fingers if name in scene.columns}
+    moved = set(np.flatnonzero(np.abs(last - first) > 1e-6).tolist())
+    return last if moved and moved <= fingers else first

@@ -5,7 +5,7 @@ use crate::planning_model::model::Model;
 use crate::planning_model::state_classification::Feasible;
 use crate::settings::SearchSettings;
 use foliate_components::graph::leaf::{Leaf, LeafIndex};
-use foliate_components::graph::{Fingers, StateId};
+use foliate_components::graph::{ConstraintId, ConstraintKind, Fingers, StateId};
 use foliate_components::infeasibility::Infeasibility;
 use foliate_kernels::collision::{CertificateSettings, CollisionScratch, Contact, PolylineVerdict, certify_polyline};
 
@@ -28,6 +28,19 @@ impl Model {
             Fingers::Free => true,
         };
         all.filter(moves).flat_map(|hand| self.finger_coordinates(hand))
+    }
+
+    /// Puts the fingers of a hand where some constraints have them.
+    pub(crate) fn put_fingers(&self, hand: u32, at: &[ConstraintId], q: &mut [f64]) {
+        for &constraint in at {
+            if let ConstraintKind::Finger { hand: of, finger, opening } = self.graph.constraint(constraint).kind
+                && of == hand
+                && let Some(value) = self.finger_value(hand, finger, opening)
+                && let Some(i) = self.finger_coordinates(hand).nth(finger as usize)
+            {
+                q[i] = value;
+            }
+        }
     }
 
     /// A configuration with the fingers of another one.

@@ -13,7 +13,7 @@ use bevy_ecs::prelude::{Local, Mut, Query, Res, ResMut};
 use foliate_components::Pose;
 use foliate_components::candidate::{Candidate, CandidateArena, LegParameter, PlannedLeg};
 use foliate_components::graph::leaf::LeafIndex;
-use foliate_components::graph::{Leg, StateId, Transition, TransitionId, TransitionKind};
+use foliate_components::graph::{Fingers, Leg, StateId, Transition, TransitionId, TransitionKind};
 use foliate_components::outcome::Rejection;
 use foliate_components::roadmap::Roadmap;
 use foliate_kernels::constrained_motion::{Job, Scratch as NewtonScratch, Settings as NewtonSettings, project_batch};
@@ -194,9 +194,15 @@ impl Context<'_> {
             let arguments = program.arguments(self.model, self.leaves, leg.state, &lane.parameters, drawn);
             solves.push((self.start(program, leg, lane), arguments));
         }
-        let mut jobs: Vec<_> = solves.iter_mut().map(|(q, arguments)| Job::new(q, arguments)).collect();
-        project_batch(&program.program, &mut jobs, &settings, &mut scratch.newton);
-        let converged: Vec<bool> = jobs.iter().map(|job| job.outcome.is_converged()).collect();
+        let converged: Vec<bool> = if let Fingers::Moving(hand) = self.model.graph.state(leg.state).fingers {
+            // Only fingers move: what else is asked of the end holds at the start.
+            solves.iter_mut().for_each(|(q, _)| self.model.put_fingers(hand, &leg.target, q));
+            vec![true; solves.len()]
+        } else {
+            let mut jobs: Vec<_> = solves.iter_mut().map(|(q, arguments)| Job::new(q, arguments)).collect();
+            project_batch(&program.program, &mut jobs, &settings, &mut scratch.newton);
+            jobs.iter().map(|job| job.outcome.is_converged()).collect()
+        };
         for ((lane, (mut end, _)), converged) in lanes.iter_mut().zip(solves).zip(converged) {
             if !converged {
                 lane.candidate.reject(Rejection::ProjectionFailed(number as u8));
