@@ -153,6 +153,11 @@ impl FloatingHands {
         bodies_of_hand(model, gripper, &X_WJ)
     }
 
+    /// The most bodies that a hand has.
+    pub(crate) fn bodies(&self) -> usize {
+        self.hands.iter().map(|hand| hand.wide.len()).max().unwrap_or(0)
+    }
+
     /// Whether the object collides with what is fixed in the world.
     pub(crate) fn object_is_free(&self, model: &Model, X_WO: &Pose, scratch: &mut HandScratch) -> bool {
         self.place_object(model, X_WO, scratch);

@@ -25,6 +25,9 @@ const FIRST_STEP: u64 = 12;
 /// Batches of draws in a step, over all objects.
 const BATCHES: usize = 4;
 
+/// A hand of at most so many bodies, a gripper with two fingers, is tested as often as that.
+const FEW_BODIES: usize = 4;
+
 /// Of so many candidates one aims at the pool, where there is anything to aim at.
 const AIMING: u64 = 4;
 
@@ -95,7 +98,9 @@ fn grow(objects: &mut [ObjectPlacements], model: &Model, seed: u64) {
     // Those with the fewest draws first, so that none is left behind.
     wanting.sort_by_key(|object| (object.draws, object.object));
     for object in wanting.into_iter().take(BATCHES) {
-        for _ in 0..BATCHES {
+        // A hand of many bodies takes longer to test.
+        let batches = (BATCHES * FEW_BODIES / object.hands.bodies().max(FEW_BODIES)).max(1);
+        for _ in 0..batches {
             if object.wants_draws() {
                 object.draw_batch(model, seed);
             }
