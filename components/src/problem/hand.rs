@@ -5,7 +5,7 @@ use crate::robot::indices::{GripperIndex, JointIndex};
 /// A hand that opens and closes. Its fingers are no joints to be planned: they have one opening in every state, and move only in
 /// short motions of their own, while the rest of the robot stands still.
 ///
-/// A gripper without an entry gets one where it has finger joints ([`fingers`](crate::path::fingers)) and none of them is locked. Which
+/// A gripper without an entry gets one where it has finger joints ([`fingers`](crate::path::fingers())) and none of them is locked. Which
 /// of their bounds is the open one follows from a configuration of the robot that is called `open`, or else from the geometry.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Hand {
