@@ -9,9 +9,11 @@
 mod written;
 
 use foliate::check::{CheckOptions, CheckReport, check_problem};
+use foliate::components::Pose;
 use foliate::components::graph::ConstraintKind;
 use foliate::components::infeasibility::Infeasibility;
 use foliate::components::path::{Attachment, ManipulationPath};
+use foliate::components::problem::{Goal, Problem};
 use foliate::components::robot::Source;
 use foliate::path_file::PathFile;
 use foliate::scene::{PackagePath, Scene};
@@ -226,4 +228,27 @@ fn a_path_whose_fingers_move_while_it_carries_is_refused() {
     let report = checked(&scene, &serde_json::from_value(lie).unwrap());
     let told = |what: &str| report.violations.iter().any(|violation| violation.subject.contains(what));
     assert!(told("while it holds something"), "{:#?}", report.violations);
+}
+
+#[test]
+fn a_goal_that_leaves_the_arms_free_may_name_fingers() {
+    let mut scene = demo("", "", "").unwrap();
+    let place = |problem: &Problem, name: &str| {
+        let first = problem.robot.joint(name).map(|joint| problem.robot.joints[joint.at()].source).unwrap();
+        let Source::Coordinates { q, .. } = first else { panic!("it follows") };
+        let Goal::Configuration(goal) = &problem.goals[0] else { panic!("a whole goal") };
+        Pose::from_translation(glam::DVec3::from_slice(&goal[q..q + 3]))
+    };
+    let [one, other] = ["box1/root_joint", "box2/root_joint"].map(|name| place(&scene.problem, name));
+    let wanted = [("box1", one.into()), ("box2", other.into()), (JOINTS[1], 0.01.into())];
+    scene.problem.goals = vec![scene.problem.partial_goal(wanted).unwrap()];
+    let finger = coordinate(&scene, JOINTS[1]);
+    for scheduler in ["sequence", "portfolio"] {
+        let planner = Planner::new(scene.problem.clone()).unwrap().scheduler_named(scheduler).unwrap().first_path();
+        let solution = planner.solve_on(2).unwrap();
+        let file = written(&scene, &solution.model.graph, &solution.path, &folder().join("path.json"));
+        let report = checked(&scene, &file);
+        assert!(report.passed(), "{scheduler}: {:#?}", report.violations);
+        assert_eq!(solution.path.segments.last().unwrap().knots.last().unwrap()[finger], 0.01, "{scheduler}");
+    }
 }

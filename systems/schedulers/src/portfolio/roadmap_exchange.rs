@@ -11,7 +11,7 @@ use foliate_components::graph::leaf::{Leaf, LeafId, LeafIndex, Parameter, Parame
 use foliate_components::graph::{StateId, TransitionId};
 use foliate_components::roadmap::{EdgeId, Motion, NodeId, Roadmap};
 use foliate_systems::exploration::roadmap_query::roadmap_in;
-use foliate_systems::exploration::roots::Roots;
+use foliate_systems::exploration::roots::{GivenRoots, Roots};
 use foliate_systems::exploration::writer;
 use std::collections::{HashMap, HashSet};
 
@@ -64,6 +64,8 @@ struct PostedLeaf {
 struct PostedNode {
     origin: Origin,
     q: Vec<f64>,
+    /// Of a goal that was given with fingers elsewhere: the configuration as it was given.
+    given: Option<Vec<f64>>,
     leaf: PostedLeaf,
     /// How it was reached; `None` for a goal that was drawn during the search.
     way: Option<Way>,
@@ -140,27 +142,30 @@ impl Correspondence {
     }
 
     fn branches(&self, world: &World, told: &mut Told) -> Vec<Branch> {
-        let (roadmap, leaves) = (roadmap_in(world), world.resource::<LeafIndex>());
+        let roadmap = roadmap_in(world);
         let common = |&node: &usize| self.nodes.origins[node].world == COMMON;
         told.nodes.extend((told.nodes.len()..roadmap.nodes().len()).map(|node| common(&node)));
         let mut branches = Vec::new();
         for node in told.rooted.grow(roadmap, world.resource::<Roots>()) {
             let reached = (told.rooted.root(node), roadmap.node(node).leaf);
             if told.leaves.insert(reached) && !told.nodes[node.at()] {
-                branches.push(self.branch(roadmap, leaves, told, node));
+                branches.push(self.branch(world, told, node));
             }
         }
         branches
     }
 
     /// The way to a node, from the first node that the others do not have.
-    fn branch(&self, roadmap: Roadmap<'_>, leaves: &LeafIndex, told: &mut Told, mut node: NodeId) -> Branch {
+    fn branch(&self, world: &World, told: &mut Told, mut node: NodeId) -> Branch {
+        let (roadmap, leaves) = (roadmap_in(world), world.resource::<LeafIndex>());
+        let given = world.resource::<GivenRoots>();
         let mut nodes = Vec::new();
         while !std::mem::replace(&mut told.nodes[node.at()], true) {
             let edge = told.rooted.edge(node);
             nodes.push(PostedNode {
                 origin: self.nodes.origins[node.at()],
                 q: roadmap.configuration(node).to_vec(),
+                given: given.of(node).map(<[f64]>::to_vec),
                 leaf: self.posted(leaves, roadmap.node(node).leaf),
                 way: edge.map(|edge| self.way(roadmap, leaves, edge, node)),
             });
@@ -203,6 +208,8 @@ impl Correspondence {
                     let first_goal = world.resource::<Roots>().goals.first().copied();
                     let root = writer::add_root(world, &posted.q, leaf, first_goal);
                     world.resource_mut::<Roots>().goals.push(root);
+                    let given = posted.given.clone().map(|given| (root, given));
+                    world.resource_mut::<GivenRoots>().0.extend(given);
                 }
             }
             self.nodes.add(posted.origin);
