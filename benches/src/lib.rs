@@ -17,7 +17,18 @@ use foliate_systems::settings::SearchSettings;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
+
+/// Processor time of this thread, since the machine may be busy; wall time since the first call where the system does not tell.
+#[must_use]
+pub fn processor_time() -> Duration {
+    thread_local! {
+        static START: Instant = Instant::now();
+    }
+    let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
+    let nanoseconds = told.and_then(|text| text.split(' ').next().and_then(|n| n.parse().ok()));
+    nanoseconds.map_or_else(|| START.with(Instant::elapsed), Duration::from_nanos)
+}
 
 /// Short enough to run all of them over a cup of coffee.
 #[must_use]

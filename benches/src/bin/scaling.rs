@@ -8,7 +8,7 @@
 
 use bevy_ecs::prelude::{IntoScheduleConfigs, ResMut, Resource, Schedule, World};
 use bevy_ecs::schedule::ScheduleCleanupPolicy;
-use foliate_benches::{long_model, one_thread, scene_model};
+use foliate_benches::{long_model, one_thread, processor_time, scene_model};
 use foliate_components::graph::leaf::LeafIndex;
 use foliate_schedulers::{Scheduler, mrrt::Mrrt};
 use foliate_systems::events::{EventSink, StopSignal};
@@ -20,7 +20,7 @@ use foliate_systems::settings::{SearchSettings, Selection};
 use foliate_systems::step::commit;
 use foliate_systems::step::connection::connect::{certify_connections, propose_connections};
 use std::error::Error;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
@@ -153,15 +153,4 @@ impl Scheduler for Apart {
 
 fn forget(mut connections: ResMut<'_, Connections>) {
     connections.0.iter_mut().for_each(|connection| connection.verdict = None);
-}
-
-/// Processor time of this thread; wall time where the system does not tell.
-fn processor_time() -> Duration {
-    let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
-    let nanoseconds = told.and_then(|text| text.split(' ').next().and_then(|n| n.parse().ok()));
-    nanoseconds.map_or_else(|| START.with(Instant::elapsed), Duration::from_nanos)
-}
-
-thread_local! {
-    static START: Instant = Instant::now();
 }

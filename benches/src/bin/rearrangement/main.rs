@@ -9,6 +9,7 @@ mod instance;
 mod plot;
 
 use crate::instance::{Instance, Kind};
+use foliate_benches::processor_time;
 use foliate_components::graph::ConstraintKind;
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::path::{ManipulationPath, Segment};
@@ -153,17 +154,6 @@ fn solve(arguments: &[String]) -> Result<()> {
     });
     println!("{line}");
     Ok(())
-}
-
-/// Processor time of this thread, since the machine may be busy; wall time where the system does not tell.
-fn processor_time() -> Duration {
-    let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
-    let nanoseconds = told.and_then(|text| text.split(' ').next().and_then(|n| n.parse().ok()));
-    nanoseconds.map_or_else(|| START.with(Instant::elapsed), Duration::from_nanos)
-}
-
-thread_local! {
-    static START: Instant = Instant::now();
 }
 
 /// How often a gripper takes hold of something along a path.
