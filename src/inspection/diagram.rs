@@ -7,7 +7,8 @@ use std::fmt::Write;
 #[must_use]
 pub fn dot(graph: &ConstraintGraph) -> String {
     let mut text = String::from("digraph constraint_graph {\n  rankdir=LR;\n  node [shape=box, style=rounded];\n");
-    for (index, state) in graph.states.iter().enumerate().filter(|(_, state)| !state.is_passed_through()) {
+    for (id, state) in graph.states_of_nodes() {
+        let index = id.at();
         let _ =
             writeln!(text, "  s{index} [label=\"{}\\n{}\"];", escape(&state.name), escape(&leaf_line(graph, index)));
     }
@@ -33,7 +34,8 @@ pub fn dot(graph: &ConstraintGraph) -> String {
 #[must_use]
 pub fn mermaid(graph: &ConstraintGraph) -> String {
     let mut text = String::from("flowchart LR\n");
-    for (index, state) in graph.states.iter().enumerate().filter(|(_, state)| !state.is_passed_through()) {
+    for (id, state) in graph.states_of_nodes() {
+        let index = id.at();
         let _ = writeln!(text, "  s{index}[\"{}<br/>{}\"]", quoted(&state.name), quoted(&leaf_line(graph, index)));
     }
     for transition in &graph.transitions {

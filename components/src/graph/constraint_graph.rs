@@ -133,6 +133,11 @@ impl ConstraintGraph {
         leaf.parameters.get(position).copied()
     }
 
+    /// The states in which nodes of a roadmap may lie, by id: all but those that are only passed through.
+    pub fn states_of_nodes(&self) -> impl Iterator<Item = (StateId, &State)> {
+        (0u32..).map(StateId).zip(&self.states).filter(|(_, state)| !state.is_passed_through())
+    }
+
     /// The transition of that name.
     #[must_use]
     pub fn transition_named(&self, name: &str) -> Option<TransitionId> {

@@ -1,7 +1,7 @@
 //! An object that the scene has a little off its support, and the path on it: a planner may move it there.
 //!
 //! That is allowed along the normal of the support and by a small tilt, not along the support, and only of an object that lies on
-//! a surface and is held by nobody. That the path has it on its support is proved elsewhere (`leaf`).
+//! a surface and that no gripper holds. That the path has it on its support is proved elsewhere (`leaf`).
 
 use crate::check::motion::segment::{At, SegmentMotion};
 use crate::check::world::attachments::Bond;

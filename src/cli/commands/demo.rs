@@ -36,7 +36,7 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
          transitions. Every place where a box may lie is a leaf of its own: a motion stays on one leaf, so the two boxes can\n\
          only change places if the search finds a third place for one of them, and meets the goal's leaves again.\n\n",
         scene.description,
-        model.graph.states.len(),
+        model.graph.states_of_nodes().count(),
         model.graph.transitions.len()
     ));
     let (planner, mut answer) = run::solve(planner, &arguments.search, true)?;

@@ -2,7 +2,7 @@
 
 use crate::cli::console::print::{Ending, Refusal, print};
 use crate::cli::console::{loading, words};
-use foliate::components::graph::{ConstraintGraph, StateId, TransitionKind};
+use foliate::components::graph::{ConstraintGraph, TransitionKind};
 use foliate::components::problem::Problem;
 use foliate::inspection::diagram;
 use foliate::scene::{PackagePath, Scene};
@@ -73,7 +73,7 @@ path files. A transition onto a leaf of another tree takes the new values from a
 /// States with their constraints, and the transitions that leave each.
 fn listing(graph: &ConstraintGraph) -> String {
     let count = |number: usize, what: &str| format!("{number} {what}{}", if number == 1 { "" } else { "s" });
-    let states = graph.states.iter().filter(|state| !state.is_passed_through()).count();
+    let states = graph.states_of_nodes().count();
     let (states, transitions) = (count(states, "state"), count(graph.transitions.len(), "transition"));
     let mut out = format!("{states}, {transitions}\n");
     if graph.lazy {
@@ -83,7 +83,7 @@ fn listing(graph: &ConstraintGraph) -> String {
         );
     }
     out.push_str(LEGEND);
-    for (index, state) in graph.states.iter().enumerate().filter(|(_, state)| !state.is_passed_through()) {
+    for (id, state) in graph.states_of_nodes() {
         let names = |ids: &[foliate::components::graph::ConstraintId]| {
             ids.iter().map(|&c| graph.constraint(c).name.clone()).collect::<Vec<_>>().join(", ")
         };
@@ -92,10 +92,10 @@ fn listing(graph: &ConstraintGraph) -> String {
         let _ = writeln!(out, "  constraints: {}", or(names(&state.manifold), "none"));
         let _ =
             writeln!(out, "  constant on a leaf: {}", or(names(&state.foliation), "nothing, the state is one leaf"));
-        if !graph.is_expanded(StateId(index as u32)) {
+        if !graph.is_expanded(id) {
             let _ = writeln!(out, "  not expanded yet");
         }
-        for (_, t) in graph.leaving(StateId(index as u32)) {
+        for (_, t) in graph.leaving(id) {
             let to = match t.kind {
                 TransitionKind::Loop => String::new(),
                 TransitionKind::Regular | TransitionKind::Crossed => format!(" → {}", graph.state(t.to).name),

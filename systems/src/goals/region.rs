@@ -82,9 +82,7 @@ enum Try {
 impl Region {
     pub(crate) fn new(model: &Model, number: usize, goal: &PartialGoal) -> Self {
         let malformed = validate(model, goal).err();
-        let states = (0..model.graph.states.len() as u32).map(StateId);
-        let states = states.filter(|&state| !model.graph.state(state).is_passed_through());
-        let sites: Vec<_> = states.map(Site::new).collect();
+        let sites: Vec<_> = model.graph.states_of_nodes().map(|(state, _)| Site::new(state)).collect();
         let widened = if model.graph.lazy { 0 } else { sites.len() };
         Self {
             number,

@@ -164,8 +164,7 @@ pub fn state_of(model: &Model, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> Opti
     let holds =
         |c: ConstraintId| is_any_finger(model.graph.constraint(c).kind) || residual(model, c, q, X_WJ) <= tolerance;
     let holds: Vec<bool> = (0..count).map(|c| holds(ConstraintId(c))).collect();
-    let states = (0..model.graph.states.len() as u32).map(StateId);
-    let mut order: Vec<_> = states.filter(|&state| !model.graph.state(state).is_passed_through()).collect();
+    let mut order: Vec<_> = model.graph.states_of_nodes().map(|(state, _)| state).collect();
     order.sort_by_key(|&s| std::cmp::Reverse(model.graph.state(s).priority));
     order.into_iter().find(|&s| model.graph.state(s).manifold.iter().all(|&c| holds[c.at()]))
 }

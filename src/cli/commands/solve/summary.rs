@@ -59,7 +59,7 @@ pub(crate) fn text(loaded: &Loaded<'_>, answer: &Answer) -> String {
         report.edges,
         report.leaves,
         if graph.lazy { "as much as was needed of the graph:" } else { "graph" },
-        graph.states.len(),
+        graph.states_of_nodes().count(),
         graph.transitions.len()
     );
     for world in &report.worlds {
