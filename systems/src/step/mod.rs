@@ -9,6 +9,7 @@ pub mod commit;
 pub mod conclusion;
 pub mod connection;
 pub mod lazy_extension;
+pub mod local_planner;
 pub mod projection;
 pub mod rendezvous;
 pub mod sampling;

@@ -198,6 +198,19 @@ pub fn steer_whole(
     settings: &SearchSettings,
     state: StateId,
     arguments: &[Pose],
+    ends: (&[f64], &[f64]),
+    scratch: &mut MotionScratch,
+) -> Option<Steered> {
+    steer(model, settings, state, arguments, ends, scratch).filter(|steered| steered.is_whole)
+}
+
+/// The same as far as it goes; `None` where the constraints of the state do not compile.
+#[must_use]
+pub fn steer(
+    model: &PlanningModel,
+    settings: &SearchSettings,
+    state: StateId,
+    arguments: &[Pose],
     (a, b): (&[f64], &[f64]),
     scratch: &mut MotionScratch,
 ) -> Option<Steered> {
@@ -206,7 +219,7 @@ pub fn steer_whole(
         return Some(Steered { knots: [a, b].concat(), residual: 0.0, is_whole: true });
     }
     let way = Way { ends: (a, b), arguments };
-    Some(project_between(model, settings, interior, &way, scratch)).filter(|steered| steered.is_whole)
+    Some(project_between(model, settings, interior, &way, scratch))
 }
 
 /// Projects the straight motion from one configuration to another onto implicit rows, as far as that goes.

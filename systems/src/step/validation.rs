@@ -185,7 +185,7 @@ fn certify_leg(
 }
 
 /// Cuts a leg's knots to the certified prefix; where that is not all of it, what is in the way.
-fn certified_prefix(
+pub(crate) fn certified_prefix(
     model: &PlanningModel,
     settings: &SearchSettings,
     pairs: &PairSet,

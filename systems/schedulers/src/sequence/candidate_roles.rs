@@ -6,9 +6,6 @@ use foliate_systems::schedule::StepCounter;
 /// Of so many candidates one is an extension as `mrrt` makes them, so that nothing is given up for good.
 const ORDINARY: u64 = 64;
 
-/// Of so many candidates one grows the trees of joins that a straight motion could not make, where there are such.
-const GROWING: u64 = 4;
-
 /// Among the first so many candidates every other one is left out: most problems need few grasps, and further lazy extensions
 /// are wasted.
 const FIRST: u64 = 32;
@@ -28,12 +25,6 @@ impl CandidateRole {
     #[must_use]
     pub fn is_ordinary(self) -> bool {
         self.0 % ORDINARY == ORDINARY / 2
-    }
-
-    /// Whether it grows trees that are to be joined, where there are such.
-    #[must_use]
-    pub fn grows(self) -> bool {
-        self.0 % GROWING == GROWING - 1
     }
 
     /// Whether it is left out.

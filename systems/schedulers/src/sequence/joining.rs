@@ -1,24 +1,15 @@
-//! Joins the trees that a sequence of transitions needs to be connected: by a straight motion first, then by two trees
-//! that grow towards one another on the leaf.
+//! Joins the trees that a sequence of transitions needs to be connected: by a straight motion first, then by what `local_plans` has planned.
 
-use crate::sequence::candidate_roles::CandidateRole;
 use crate::sequence::lazy_extension::LazyExtensions;
 use crate::sequence::leaf_graph::{Join, LeafGraph};
-use bevy_ecs::prelude::{Query, Res, ResMut, Resource};
-use foliate_components::candidate::{Candidate, CandidateArena};
+use crate::sequence::local_plans::LocalPlans;
+use bevy_ecs::prelude::{Res, ResMut, Resource};
 use foliate_components::roadmap::{NodeId, Roadmap, TreeId};
 use foliate_systems::exploration::edges::{Connection, Connections, UnvalidatedEdges};
 use foliate_systems::exploration::entities::NewNodes;
 use foliate_systems::exploration::roadmap_query::RoadmapQuery;
 use foliate_systems::exploration::roots::Roots;
 use foliate_systems::planning_model::model::PlanningModel;
-use foliate_systems::runtime::random::{Purpose, stream};
-use foliate_systems::schedule::StepCounter;
-use foliate_systems::settings::SearchSettings;
-use rand::RngExt;
-
-/// Candidates that make up one effort.
-const EFFORT: f64 = 8.0;
 
 /// Straight motions that are tried in one round.
 const AT_ONCE: usize = 2;
@@ -26,71 +17,13 @@ const AT_ONCE: usize = 2;
 /// A node that has grown for a join is tried against so many nodes of the other side.
 const NEIGHBOURS: usize = 3;
 
-/// Share of the candidates for joins that keep still what both ends have in common.
-const STILL: f64 = 0.75;
-
 /// The joins that a straight motion could not make, of the sequence that is worked on.
 #[derive(Clone, Debug, Default, Resource)]
 pub struct Growing(pub Vec<Join>);
 
-/// The joins of this round, in the order of the proposals; `None` for what grew.
+/// The joins of this round, in the order of the proposals; `None` for what was planned or grew.
 #[derive(Clone, Debug, Default, Resource)]
 pub struct Tried(pub(crate) Vec<Option<Join>>);
-
-/// Sets a part of the candidates to growing the trees of joins that a straight motion could not make.
-#[allow(clippy::too_many_arguments, reason = "a system's parameters are what it reads and writes")]
-pub fn grow_joins(
-    model: Res<'_, PlanningModel>,
-    settings: Res<'_, SearchSettings>,
-    step: Res<'_, StepCounter>,
-    roadmap: RoadmapQuery<'_, '_>,
-    growing: Res<'_, Growing>,
-    mut graph: ResMut<'_, LeafGraph>,
-    mut arena: ResMut<'_, CandidateArena>,
-    mut candidates: Query<'_, '_, &mut Candidate>,
-) {
-    let roadmap = roadmap.view();
-    if growing.0.is_empty() {
-        return;
-    }
-    let pool = arena.complete.len();
-    let size = arena.configuration_size();
-    let grows = |c: &Candidate| CandidateRole::of(&step, pool, c).grows();
-    let mut chosen: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive() && grows(c)).collect();
-    let first = (CandidateRole::of(&step, pool, &Candidate::default()).number() / 4) as usize;
-    for (turn, candidate) in (first..).zip(&mut chosen) {
-        let join = growing.0[turn / 2 % growing.0.len()];
-        let (a, b) = graph.ends(join);
-        if roadmap.tree_of(a) == roadmap.tree_of(b) {
-            continue;
-        }
-        let from = if turn % 2 == 0 { a } else { b };
-        let leaf = graph.leaf(join);
-        let q = &mut arena.random[candidate.index as usize * size..][..size];
-        let mut rng = stream(settings.seed, Purpose::JOIN, step.step, candidate.index);
-        draw_between(&model, (roadmap.configuration(a), roadmap.configuration(b)), q, &mut rng);
-        candidate.near = nearest(&model, roadmap, q, roadmap.nodes_on(leaf), roadmap.tree_of(from));
-        candidate.tree = candidate.near.map(|near| roadmap.side_of(near));
-        candidate.transition = model.graph.loop_of(roadmap.node(from).state);
-        graph.count_failure(join, 1.0 / EFFORT);
-    }
-}
-
-/// Moves every other random configuration towards the straight motion between two others, by a random share.
-fn draw_between(model: &PlanningModel, (a, b): (&[f64], &[f64]), q: &mut [f64], rng: &mut impl RngExt) {
-    let space = &model.problem.robot.space;
-    let (along, away, still): (f64, f64, f64) = (rng.random(), 2.0 * rng.random::<f64>(), rng.random());
-    let mut middle = vec![0.0; q.len()];
-    space.interpolate(a, b, along, &mut middle);
-    let random = q.to_vec();
-    space.interpolate(&middle, &random, away.min(1.0), q);
-    if still < STILL {
-        for (index, x) in q.iter_mut().enumerate().filter(|&(index, _)| a[index] == b[index]) {
-            *x = a[index];
-        }
-    }
-    model.lock(q);
-}
 
 /// The nodes of a tree nearest to `q`, nearest first; ties by lowest id.
 fn nearest_few(
@@ -108,14 +41,8 @@ fn nearest_few(
     near.into_iter().take(NEIGHBOURS).map(|(_, node)| node)
 }
 
-/// The node of a tree nearest to `q`; ties by lowest id.
-fn nearest(model: &PlanningModel, roadmap: Roadmap<'_>, q: &[f64], nodes: &[NodeId], tree: TreeId) -> Option<NodeId> {
-    let own = nodes.iter().copied().filter(|&node| roadmap.tree_of(node) == tree);
-    model.nearest(roadmap, q, own, &model.robot_weights)
-}
-
-/// Proposes the straight motions that the cheapest sequence needs and that have not been tried, and between what has grown
-/// for a join and the other side of it.
+/// Proposes what has been planned, the straight motions that the cheapest sequence needs and that have not been tried, and those between
+/// what has grown by chance on the leaf of a join and the other side of it.
 #[allow(clippy::too_many_arguments, reason = "a system's parameters are what it reads and writes")]
 pub fn propose_joins(
     model: Res<'_, PlanningModel>,
@@ -125,6 +52,7 @@ pub fn propose_joins(
     mut new: ResMut<'_, NewNodes>,
     mut growing: ResMut<'_, Growing>,
     mut graph: ResMut<'_, LeafGraph>,
+    mut plans: ResMut<'_, LocalPlans>,
     mut tried: ResMut<'_, Tried>,
     mut connections: ResMut<'_, Connections>,
 ) {
@@ -136,10 +64,14 @@ pub fn propose_joins(
         &model.robot_weights,
     );
     connections.0.clear();
-    if !graph.take_changes() && tried.0.is_empty() {
+    if !graph.take_changes() && tried.0.is_empty() && plans.made.is_empty() {
         return;
     }
     tried.0.clear();
+    for connection in std::mem::take(&mut plans.made) {
+        connections.0.push(connection);
+        tried.0.push(None);
+    }
     for node in std::mem::take(&mut new.0) {
         let (leaf, tree) = (roadmap.node(node).leaf, roadmap.tree_of(node));
         for &join in growing.0.iter().filter(|&&join| graph.leaf(join) == leaf) {

@@ -83,6 +83,11 @@ pub fn rest(step: Res<'_, StepCounter>, arena: Res<'_, CandidateArena>, mut cand
     }
 }
 
+/// Leaves out all candidates.
+pub fn rest_all(mut candidates: Query<'_, '_, &mut Candidate>) {
+    candidates.iter_mut().for_each(|mut candidate| candidate.reject(Rejection::LeftOut));
+}
+
 /// Draws for the candidates that have none a transition that leads to another state, by weight, by where it leads to, and by
 /// what came of it so far; where its first leg may be left out, it is.
 #[allow(clippy::too_many_arguments, reason = "a system's parameters are what it reads and writes")]

@@ -7,6 +7,7 @@ pub mod foundations;
 pub mod joining;
 pub mod lazy_extension;
 pub mod leaf_graph;
+pub mod local_plans;
 pub mod scheduler;
 
 pub use crate::sequence::scheduler::Sequence;

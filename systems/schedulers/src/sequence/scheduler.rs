@@ -1,6 +1,5 @@
 //! `sequence`: sequences of transitions first, long motions last.
 
-use crate::mrrt;
 use crate::sequence::{connect_iterations, lazy_extension};
 use foliate_systems::goals::systems::draw_more_goals;
 use foliate_systems::heuristic::placements::systems::{aim_at_placements, learn_from_placements};
@@ -8,7 +7,7 @@ use foliate_systems::heuristic::systems;
 use foliate_systems::search::scheduler::Scheduler;
 use foliate_systems::step::projection::project;
 
-use crate::sequence::{foundations, joining, leaf_graph};
+use crate::sequence::{foundations, joining, leaf_graph, local_plans};
 use bevy_ecs::prelude::{Schedule, World};
 use foliate_components::graph::TransitionKind;
 use foliate_systems::planning_model::model::PlanningModel;
@@ -17,8 +16,8 @@ use foliate_systems::step::lazy_extension as lazy;
 use foliate_systems::step::{commit, conclusion, rendezvous, sampling, selection, steering, validation, waypoints};
 
 /// Trees are extended lazily, by short motions between leaves, where `mrrt` would first certify how to get there; only the long motions of
-/// sequences that reach from the start to a goal are certified, those estimated to be easiest first. A problem whose only
-/// transitions are loops has no sequences: it is left to the systems of [`mrrt`].
+/// sequences that reach from the start to a goal are certified, those estimated to be easiest first. Where these
+/// are not free, they are planned as problems of their own. A problem whose only transitions are loops is such a motion and nothing else.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sequence;
 
@@ -28,11 +27,9 @@ impl Scheduler for Sequence {
     }
 
     fn schedule(&self, world: &mut World) -> Schedule {
-        if stays_on_its_leaf(world) {
-            return mrrt::step_systems().schedule();
-        }
         insert_resources(world);
-        step_systems().schedule()
+        let systems = if stays_on_its_leaf(world) { plain_systems() } else { step_systems() };
+        systems.schedule()
     }
 }
 
@@ -41,6 +38,7 @@ pub fn insert_resources(world: &mut World) {
     world.init_resource::<leaf_graph::LeafGraph>();
     world.init_resource::<lazy_extension::LazyExtensions>();
     world.init_resource::<joining::Growing>();
+    world.init_resource::<local_plans::LocalPlans>();
     world.init_resource::<joining::Tried>();
     world.init_resource::<foundations::Foundations>();
     world.init_resource::<connect_iterations::ConnectIterations>();
@@ -54,7 +52,6 @@ pub fn step_systems() -> StepSystems {
         .in_set(
             SearchSet::Select,
             (
-                joining::grow_joins,
                 lazy_extension::rest,
                 selection::gather_weights,
                 systems::measure_leaves,
@@ -70,7 +67,30 @@ pub fn step_systems() -> StepSystems {
         .in_set(SearchSet::Steer, (waypoints::check_waypoints, steering::steer_legs, lazy::drop_cut_short))
         .in_set(SearchSet::Validate, (validation::certify_legs, lazy_extension::count_outcomes, learn_from_placements))
         .in_set(SearchSet::Commit, (commit::commit_extensions, draw_more_goals))
-        .in_set(SearchSet::Connect, (connect_iterations::join_iteratively, connect_iterations::count_memory))
+        .in_set(
+            SearchSet::Connect,
+            (local_plans::plan_joins, connect_iterations::join_iteratively, connect_iterations::count_memory),
+        )
+        .in_set(
+            SearchSet::Conclude,
+            (
+                conclusion::conclude,
+                conclusion::report_progress,
+                conclusion::report_feedback,
+                conclusion::report_solution,
+            ),
+        )
+}
+
+/// The systems of a step where there is one leaf alone: nothing is extended, the trees of start and goals are joined.
+fn plain_systems() -> StepSystems {
+    StepSystems::new()
+        .in_set(SearchSet::Sample, (sampling::reset_candidates, lazy_extension::rest_all))
+        .in_set(SearchSet::Commit, (commit::commit_extensions, draw_more_goals))
+        .in_set(
+            SearchSet::Connect,
+            (local_plans::plan_joins, connect_iterations::join_iteratively, connect_iterations::count_memory),
+        )
         .in_set(
             SearchSet::Conclude,
             (

@@ -61,7 +61,9 @@ pub fn certify_connections(
         || buffers.borrow(),
         |scratch, (index, connection)| {
             if !stop.is_raised() && !bridges.is_needless(*index) {
-                connection.verdict = attempts.certify(connection.from, connection.to, scratch);
+                if connection.verdict.is_none() {
+                    connection.verdict = attempts.certify(connection.from, connection.to, scratch);
+                }
                 if connection.is_certified() {
                     bridges.build(*index);
                 }

@@ -1,0 +1,136 @@
+//! Joins that a straight motion could not make, planned as problems of their own.
+//!
+//! Of the joins that the cheapest sequence needs a few are planned in each step, by turns. What has grown is kept until the join is made,
+//! so that a hard one gets more and more work, and its estimated cost rises with the work: then another sequence is the cheapest, and its
+//! joins have their turn. None is given up. Its cost grows by a bounded amount in a step in which it is planned, and where all
+//! others have become dearer it is planned again.
+
+use crate::sequence::joining::Growing;
+use crate::sequence::leaf_graph::{Join, LeafGraph};
+use bevy_ecs::prelude::{Local, Res, ResMut, Resource};
+use foliate_components::graph::leaf::LeafIndex;
+use foliate_components::roadmap::Roadmap;
+use foliate_systems::events::StopSignal;
+use foliate_systems::exploration::edges::Connection;
+use foliate_systems::exploration::roadmap_query::RoadmapQuery;
+use foliate_systems::planning_model::model::PlanningModel;
+use foliate_systems::runtime::parallel::each;
+use foliate_systems::runtime::random::{Purpose, stream};
+use foliate_systems::runtime::scratch_pool::ScratchPool;
+use foliate_systems::schedule::StepCounter;
+use foliate_systems::settings::SearchSettings;
+use foliate_systems::step::local_planner::leaf_space::{LeafScratch, LeafSpace};
+use foliate_systems::step::local_planner::rrt_connect::{LocalPlan, Planned};
+use std::collections::BTreeMap;
+
+/// Work on a join in one step: the first time, and at most. It is as much as was done before, so that a join that cannot be made costs
+/// little at first.
+const FIRST: u64 = 16;
+const MOST: u64 = 32;
+
+/// Joins that are planned in one step.
+const AT_ONCE: usize = 4;
+
+/// Work that makes up one effort.
+const EFFORT: f64 = 16.0;
+
+/// Work after which the trees of a join begin anew, so that their memory is bounded.
+const ANEW: u64 = 8192;
+
+/// Memory of all trees from which on those of joins that have no turn are dropped, bytes.
+const MOST_BYTES: u64 = 64 << 20;
+
+/// What has grown for joins that are not made yet.
+#[derive(Clone, Debug, Default, Resource)]
+pub struct LocalPlans {
+    plans: BTreeMap<Join, LocalPlan>,
+    /// Connections that have been planned in this step.
+    pub(crate) made: Vec<Connection>,
+}
+
+impl LocalPlans {
+    /// About how much memory it takes, bytes.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.plans.values().map(LocalPlan::bytes).sum()
+    }
+}
+
+/// The trees of a join in this step.
+struct Turn {
+    join: Join,
+    plan: LocalPlan,
+    /// Work that had been done before.
+    before: u64,
+    planned: Option<Planned>,
+}
+
+/// Lets the trees of joins grow that the cheapest sequence needs.
+#[allow(clippy::too_many_arguments, reason = "a system's parameters are what it reads and writes")]
+pub fn plan_joins(
+    model: Res<'_, PlanningModel>,
+    settings: Res<'_, SearchSettings>,
+    stop: Res<'_, StopSignal>,
+    mut step: ResMut<'_, StepCounter>,
+    leaves: Res<'_, LeafIndex>,
+    roadmap: RoadmapQuery<'_, '_>,
+    growing: Res<'_, Growing>,
+    mut graph: ResMut<'_, LeafGraph>,
+    mut plans: ResMut<'_, LocalPlans>,
+    buffers: Local<'_, ScratchPool<LeafScratch>>,
+) {
+    let roadmap = roadmap.view();
+    let mut turns = plans.take_turns(roadmap, &graph, &growing.0, step.step);
+    let (buffers, number) = (&*buffers, step.step);
+    each(
+        &mut turns,
+        || buffers.borrow(),
+        |scratch, Turn { join, plan, planned, .. }| {
+            if stop.is_raised() {
+                return;
+            }
+            let Some(leaf) = LeafSpace::new(&model, &settings, &leaves, graph.leaf(*join)) else { return };
+            let (a, b) = graph.ends(*join);
+            let ends = (roadmap.configuration(a), roadmap.configuration(b));
+            let mut rng = stream(settings.seed, Purpose::JOIN, number, join.0);
+            *planned = plan.grow(&leaf, ends, plan.work.clamp(FIRST, MOST), &mut rng, scratch);
+        },
+    );
+    for Turn { join, plan, before, planned } in turns {
+        step.connections += plan.work - before;
+        if let Some(Planned { from, to, motion }) = planned {
+            plans.made.push(Connection { from, to, verdict: Some(Ok(vec![motion])) });
+        } else {
+            // A leaf on which nothing can be planned counts as if it had been tried.
+            graph.count_failure(join, (plan.work - before).max(FIRST) as f64 / EFFORT);
+            plans.plans.insert(join, plan);
+        }
+    }
+}
+
+impl LocalPlans {
+    /// The joins whose turn it is, out of those that the sequence needs; forgets those that have been made.
+    fn take_turns(&mut self, roadmap: Roadmap<'_>, graph: &LeafGraph, needed: &[Join], step: u64) -> Vec<Turn> {
+        let is_apart = |join: Join| {
+            let (a, b) = graph.ends(join);
+            roadmap.tree_of(a) != roadmap.tree_of(b)
+        };
+        self.plans.retain(|&join, _| is_apart(join));
+        let mut needed: Vec<Join> = needed.iter().copied().filter(|&join| is_apart(join)).collect();
+        let first = step as usize % needed.len().max(1);
+        needed.rotate_left(first);
+        needed.truncate(AT_ONCE);
+        let turns = needed.into_iter().map(|join| {
+            let (a, b) = graph.ends(join);
+            let begun = self.plans.remove(&join).filter(|plan| plan.work < ANEW);
+            let begin = || LocalPlan::between([a, b].map(|node| (node, roadmap.configuration(node))));
+            let plan = begun.unwrap_or_else(begin);
+            Turn { join, before: plan.work, plan, planned: None }
+        });
+        let turns = turns.collect();
+        if self.bytes() > MOST_BYTES {
+            self.plans.clear();
+        }
+        turns
+    }
+}

@@ -1,0 +1,194 @@
+//! A leaf as a local planner sees it: configurations are projected onto it, motions are kept on it and certified.
+
+use crate::planning_model::model::PlanningModel;
+use crate::settings::SearchSettings;
+use crate::step::steering::{self, Steered};
+use crate::step::validation;
+use foliate_components::Pose;
+use foliate_components::candidate::{LegParameter, PlannedLeg};
+use foliate_components::graph::leaf::{LeafId, LeafIndex};
+use foliate_components::graph::{StateId, TransitionId};
+use foliate_kernels::collision::{CollisionScratch, Contact, PairId, PairSet, Verdicts};
+use foliate_kernels::constrained_motion::{
+    MotionScratch, Scratch as NewtonScratch, Settings as NewtonSettings, project,
+};
+use foliate_kernels::kinematics::RigidAttachment;
+
+/// Configurations of a straight motion that are tested before it is certified. They stop most of what is blocked for a tenth of the
+/// price at which a certificate finds the place.
+const SAMPLES: usize = 16;
+
+/// So many projected knots cost as much as a straight motion.
+const KNOTS_PER_WORK: u64 = 4;
+
+/// A leaf of a state whose constraints compile.
+pub struct LeafSpace<'a> {
+    pub(super) model: &'a PlanningModel,
+    settings: &'a SearchSettings,
+    /// The loop of the leaf's state.
+    pub(super) transition: TransitionId,
+    pub(super) leaf: LeafId,
+    state: StateId,
+    /// Right-hand sides of projections.
+    arguments: Vec<Pose>,
+    /// Right-hand sides of motions; empty where no implicit rows are left.
+    along: Vec<Pose>,
+    rigid_attachments: Vec<RigidAttachment>,
+    pairs: &'a PairSet,
+}
+
+/// Buffers of one thread.
+#[derive(Debug, Default)]
+pub struct LeafScratch {
+    collision: CollisionScratch,
+    motion: MotionScratch,
+    newton: NewtonScratch,
+    samples: Vec<f64>,
+    found: Vec<Option<(usize, Contact)>>,
+    /// Work that was done: straight motions, and as many knots as cost as much as one.
+    pub(super) work: u64,
+    pub(super) X_WJ: Vec<Pose>,
+}
+
+/// A certified motion from a configuration towards another one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Extension {
+    /// Whole configurations, end to end; at least two.
+    pub knots: Vec<f64>,
+    /// Proven lower bound of the clearance beyond the margins, metres.
+    pub clearance: f64,
+    /// Proven bound of the residual of implicit rows, metres and radians.
+    pub residual: f64,
+    /// Whether it reaches the other configuration.
+    pub arrives: bool,
+    /// The pair of shapes that is in the way where it ends, if one is.
+    pub blocked_by: Option<PairId>,
+}
+
+impl Extension {
+    /// Where it ends.
+    #[must_use]
+    pub fn end(&self, size: usize) -> &[f64] {
+        &self.knots[self.knots.len() - size..]
+    }
+}
+
+impl<'a> LeafSpace<'a> {
+    /// `None` where the state has no motion within its leaves, or a constraint of it does not compile.
+    #[must_use]
+    pub fn new(
+        model: &'a PlanningModel,
+        settings: &'a SearchSettings,
+        leaves: &'a LeafIndex,
+        leaf: LeafId,
+    ) -> Option<Self> {
+        let of_leaf = leaves.leaf(leaf);
+        let state = of_leaf.state;
+        let transition = model.graph.loop_of(state)?;
+        let parameters: Vec<_> = of_leaf.parameters.iter().map(|&p| LegParameter::Known(p)).collect();
+        let program = model.leg_program(transition, 0).ok()?;
+        let arguments = program.arguments(model, leaves, state, &parameters, None);
+        let along = steering::arguments_on(model, of_leaf, leaves)?;
+        let rigid_attachments = model.attachments_of_leaf(of_leaf, leaves);
+        let pairs = model.pairs(transition, state, &rigid_attachments);
+        Some(Self { model, settings, transition, leaf, state, arguments, along, rigid_attachments, pairs })
+    }
+
+    /// Moves a configuration onto the leaf. Whether it could.
+    pub fn project(&self, q: &mut [f64], scratch: &mut LeafScratch) -> bool {
+        let Ok(program) = self.model.leg_program(self.transition, 0) else { return false };
+        let settings = NewtonSettings {
+            tolerance: self.settings.projection_tolerance,
+            iterations: self.settings.projection_iterations,
+            level: self.settings.level,
+            ..NewtonSettings::default()
+        };
+        project(&program.program, q, &self.arguments, &settings, &mut scratch.newton).is_converged()
+    }
+
+    /// The weighted distance of two configurations, metres.
+    #[must_use]
+    pub fn distance(&self, a: &[f64], b: &[f64]) -> f64 {
+        self.model.problem.robot.space.distance(a, b, &self.model.robot_weights)
+    }
+
+    /// The motion from one configuration of the leaf straight towards another one, as far as it is certified. `None` where that is
+    /// nowhere.
+    pub fn extend(&self, from: &[f64], to: &[f64], scratch: &mut LeafScratch) -> Option<Extension> {
+        scratch.collision.set_level(self.settings.level);
+        scratch.work += 1;
+        let motion =
+            if self.along.is_empty() { self.straight(from, to, scratch) } else { self.projected(from, to, scratch) };
+        motion.filter(|motion| !self.model.object_out_of_bounds(motion.end(from.len())))
+    }
+
+    /// Where nothing is implicit: up to the last of some samples that is free, if that is certified.
+    fn straight(&self, from: &[f64], to: &[f64], scratch: &mut LeafScratch) -> Option<Extension> {
+        let (size, space) = (from.len(), &self.model.problem.robot.space);
+        scratch.samples.resize(SAMPLES * size, 0.0);
+        for (number, q) in scratch.samples.chunks_exact_mut(size).enumerate() {
+            space.interpolate(from, to, (number + 1) as f64 / SAMPLES as f64, q);
+        }
+        let verdicts = Verdicts {
+            scene: &self.model.collision,
+            kinematics: &self.model.kinematics,
+            rigid_attachments: &self.rigid_attachments,
+            pairs: self.pairs,
+            guard: self.settings.clearance_guard,
+        };
+        scratch.found.clear();
+        verdicts.first_in_rows(&scratch.samples, &[SAMPLES], &mut scratch.collision, &mut scratch.found);
+        let hit = scratch.found[0];
+        let end = match hit {
+            None => to.to_vec(),
+            Some((0, _)) => return None,
+            Some((place, _)) => {
+                let mut end = scratch.samples[(place - 1) * size..][..size].to_vec();
+                self.carry(&mut end, scratch);
+                end
+            }
+        };
+        let (along, knots) = ((self.transition, self.state), [from, &end].concat());
+        let clearance = validation::certify_whole(
+            self.model,
+            self.settings,
+            along,
+            &self.rigid_attachments,
+            &knots,
+            &mut scratch.collision,
+        )
+        .ok()?;
+        let blocked_by = hit.map(|(_, contact)| contact.pair);
+        Some(Extension { knots, clearance, residual: 0.0, arrives: hit.is_none(), blocked_by })
+    }
+
+    /// Where rows are implicit: a polyline on the leaf, up to where it leaves it or something is in the way.
+    fn projected(&self, from: &[f64], to: &[f64], scratch: &mut LeafScratch) -> Option<Extension> {
+        let (model, settings, ends) = (self.model, self.settings, (from, to));
+        let Steered { knots, residual, is_whole } =
+            steering::steer(model, settings, self.state, &self.along, ends, &mut scratch.motion)?;
+        scratch.work += (knots.len() / from.len()) as u64 / KNOTS_PER_WORK;
+        let mut leg = PlannedLeg { leg: 0, state: self.state, parameters: Vec::new(), knots, clearance: 0.0, residual };
+        let blocked = validation::certified_prefix(
+            model,
+            settings,
+            self.pairs,
+            &self.rigid_attachments,
+            &mut leg,
+            &mut scratch.collision,
+        );
+        let PlannedLeg { knots, clearance, residual, .. } = leg;
+        let arrives = is_whole && blocked.is_none();
+        let blocked_by = blocked.flatten().map(|contact| contact.pair);
+        (knots.len() > from.len()).then_some(Extension { knots, clearance, residual, arrives, blocked_by })
+    }
+
+    /// Writes carried objects where their carriers take them; leaves the poses of the bodies in the scratch.
+    pub(super) fn carry(&self, q: &mut [f64], scratch: &mut LeafScratch) {
+        let kinematics = &self.model.kinematics;
+        scratch.X_WJ.resize(kinematics.bodies(), Pose::identity());
+        kinematics.forward(q, &mut scratch.X_WJ);
+        kinematics.carry(q, &self.rigid_attachments, &mut scratch.X_WJ);
+        kinematics.write_back(&self.rigid_attachments, &scratch.X_WJ, q);
+    }
+}

@@ -1,0 +1,67 @@
+//! Retraction: a motion that is blocked goes on along the surface of what is in its way.
+//!
+//! What would bring the two shapes closer is taken out of the motion, and a push that sets them apart is added: Zhang and Manocha, *An
+//! efficient retraction-based RRT planner* (ICRA 2008), with the gradient of the distance in place of a search for the closest
+//! contact configuration.
+
+use crate::step::local_planner::leaf_space::{LeafScratch, LeafSpace};
+use foliate_kernels::collision::{DistanceQuery, PairId, pair_clearance};
+use glam::DVec3;
+
+/// By so much a push sets the two shapes apart, metres.
+const PUSH: f64 = 0.02;
+
+/// Step of the difference quotient, radians or metres. Distances are exact to within rounding, so that it need not be larger.
+const DIFFERENCE: f64 = 1e-4;
+
+/// Squared gradients below this say nothing, 1 / weighted metre².
+const FLAT: f64 = 1e-9;
+
+impl LeafSpace<'_> {
+    /// From `q`, where a motion to `target` is blocked by a pair of shapes: the configuration to turn to. `None` where the pair does not
+    /// depend on what moves, the motion does not bring it closer, or nothing on the leaf is near.
+    pub fn aside(&self, q: &[f64], target: &[f64], pair: PairId, scratch: &mut LeafScratch) -> Option<Vec<f64>> {
+        let (space, weights) = (&self.model.problem.robot.space, &self.model.robot_weights);
+        let mut motion = vec![0.0; space.dimension()];
+        space.difference(q, target, &mut motion);
+        let gradient = self.gradient(q, &motion, pair, scratch);
+        let approach: f64 = gradient.iter().zip(&motion).map(|(slope, by)| slope * by).sum();
+        let weighed = |(slope, weight): (&f64, &f64)| if *weight > 0.0 { (slope / weight).powi(2) } else { 0.0 };
+        let square: f64 = gradient.iter().zip(weights).map(weighed).sum();
+        // Compared so that NaN is no gradient.
+        let is_steep = square > FLAT;
+        if !is_steep || approach >= 0.0 {
+            return None;
+        }
+        let factor = (PUSH - approach) / square;
+        for (index, by) in motion.iter_mut().enumerate().filter(|(index, _)| weights[*index] > 0.0) {
+            *by += factor * gradient[index] / weights[index].powi(2);
+        }
+        let mut aside = vec![0.0; q.len()];
+        space.integrate(q, &motion, &mut aside);
+        space.clamp(&mut aside);
+        self.model.lock(&mut aside);
+        self.project(&mut aside, scratch).then_some(aside)
+    }
+
+    /// How the distance of a pair grows with each velocity coordinate of the robots that a motion changes, metres per unit.
+    fn gradient(&self, q: &[f64], motion: &[f64], pair: PairId, scratch: &mut LeafScratch) -> Vec<f64> {
+        let (space, weights) = (&self.model.problem.robot.space, &self.model.robot_weights);
+        let mut moved = q.to_vec();
+        let mut distance = |q: &mut [f64]| {
+            self.carry(q, scratch);
+            let query = DistanceQuery::exact(f64::MAX);
+            pair_clearance(&self.model.collision, pair, &scratch.X_WJ, query, &mut DVec3::ZERO.clone())
+        };
+        let here = distance(&mut moved);
+        let mut by = vec![0.0; motion.len()];
+        let mut gradient = vec![0.0; motion.len()];
+        for index in (0..motion.len()).filter(|&index| weights[index] > 0.0 && motion[index] != 0.0) {
+            by[index] = DIFFERENCE;
+            space.integrate(q, &by, &mut moved);
+            by[index] = 0.0;
+            gradient[index] = (distance(&mut moved) - here) / DIFFERENCE;
+        }
+        gradient
+    }
+}
