@@ -1,5 +1,6 @@
 //! Why a start or a goal cannot be planned for: typed reasons, and their words.
 
+use crate::constraint::Rests;
 use crate::robot::indices::ShapeIndex;
 use std::fmt;
 
@@ -109,13 +110,15 @@ pub struct OffSupport {
     pub aside: f64,
     /// Angle between the polygons, radians.
     pub tilt: f64,
+    /// By which rule it must lie.
+    pub rests: Rests,
 }
 
 impl OffSupport {
-    /// Gap and way along the support, metres, and tilt, radians.
+    /// Gap and way along the support, metres, tilt, radians, and the rule by which it must lie.
     #[must_use]
-    pub fn new(gap: f64, aside: f64, tilt: f64) -> Self {
-        Self { gap, aside, tilt }
+    pub fn new(gap: f64, aside: f64, tilt: f64, rests: Rests) -> Self {
+        Self { gap, aside, tilt, rests }
     }
 }
 
@@ -130,6 +133,11 @@ impl fmt::Display for OffSupport {
         )?;
         if self.aside > 0.0 {
             write!(f, ", and {:.2} mm beside where it may lie", self.aside * 1e3)?;
+            match self.rests {
+                Rests::Centre => {}
+                Rests::Stable { .. } => write!(f, " without tipping over; rests = \"centre\" asks for less")?,
+                Rests::WholeFace { .. } => write!(f, " with its whole face; rests = \"stable\" asks for less")?,
+            }
         }
         Ok(())
     }

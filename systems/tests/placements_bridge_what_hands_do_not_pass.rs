@@ -7,6 +7,7 @@ mod common;
 
 use common::{model, search, seeded};
 use foliate_components::Pose;
+use foliate_components::constraint::Rests;
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::problem::{Goal, GraphOptions, ObjectOptions, Problem, Rule};
 use foliate_components::robot::model::{HandleModel, Model};
@@ -84,6 +85,7 @@ fn through_the_wall() -> Problem {
         supports: vec![robot.surface("table/top").unwrap()],
         placement_margin: 1e-3,
         preplacement_distance: 0.02,
+        rests: Rests::Centre,
         ..GraphOptions::default()
     };
     let bent = [1.2, -0.6, 0.0, 1.4, 0.0, 0.8, 0.0];
