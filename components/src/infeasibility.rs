@@ -96,7 +96,7 @@ pub struct NearestState {
     /// Largest row of its error, metres and radians.
     pub residual: f64,
     /// Of a placement on surfaces: how far the object is off its support.
-    pub off: Option<OffSupport>,
+    pub off: Option<Box<OffSupport>>,
 }
 
 /// How far an object is off the support that it is nearest to.
@@ -231,7 +231,7 @@ impl fmt::Display for Infeasibility {
             Self::NoState { nearest: Some(nearest), .. } => {
                 let NearestState { state, constraint, residual, off } = nearest;
                 write!(f, "it lies in no state: `{constraint}` of state `{state}` is off by {residual:.3e}")?;
-                off.map_or(Ok(()), |off| write!(f, " (the object is {off})"))
+                off.as_ref().map_or(Ok(()), |off| write!(f, " (the object is {off})"))
             }
             Self::NoState { nearest: None, lazy: true } => {
                 f.write_str("it lies in no state: no state is allowed in which its grasps hold")

@@ -81,14 +81,14 @@ mod tests {
         let lower = polygon(&[(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)]);
         let upper = polygon(&[(0.0, 0.0), (1.0, 1.0), (0.0, 1.0)]);
         let both = [lower.clone(), upper.clone()];
-        assert!(are_joined(&[square.clone()], &both));
+        assert!(are_joined(std::slice::from_ref(&square), &both));
         assert!(are_joined(&both, &both));
         // Too large, only a part, of one piece twice, with a side that the document does not have.
         let larger = polygon(&[(0.0, 0.0), (1.0, 0.0), (1.0, 1.001), (0.0, 1.0)]);
         assert!(!are_joined(&[larger], &both));
-        assert!(!are_joined(&[lower.clone()], &both));
-        assert!(!are_joined(&[square.clone()], &[lower.clone(), lower.clone()]));
-        assert!(!are_joined(&[square.clone()], &[lower]));
+        assert!(!are_joined(std::slice::from_ref(&lower), &both));
+        assert!(!are_joined(std::slice::from_ref(&square), &[lower.clone(), lower.clone()]));
+        assert!(!are_joined(std::slice::from_ref(&square), &[lower]));
         let under: Vec<_> = square.iter().rev().copied().collect();
         assert!(!are_joined(&[under], &both));
         let lifted = square.iter().map(|corner| *corner + DVec3::Z * 1e-3).collect();
