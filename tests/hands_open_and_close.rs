@@ -10,13 +10,14 @@ mod written;
 
 use foliate::check::{CheckOptions, CheckReport, check_problem};
 use foliate::components::Pose;
-use foliate::components::graph::ConstraintKind;
+use foliate::components::graph::{ConstraintKind, Opening};
 use foliate::components::infeasibility::Infeasibility;
 use foliate::components::path::{Attachment, ManipulationPath};
 use foliate::components::problem::{Goal, Problem};
 use foliate::components::robot::Source;
 use foliate::path_file::PathFile;
 use foliate::scene::{PackagePath, Scene};
+use foliate::systems::settings::SearchSettings;
 use foliate::{NoSolutionReason, Planner};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -193,8 +194,97 @@ fn a_hand_that_is_described_is_as_it_is_described() {
     assert_eq!((found.open, found.closed), (WIDE, 0.0));
 }
 
+/// The demo with a post on either side of the first box: 22 mm from it, 2 mm less than a finger and half a wide hand need.
+fn between_posts(graph: &str) -> Scene {
+    let text = std::fs::read_to_string(folder().join("scene.toml")).unwrap();
+    let (head, rest) = text.split_once("[locked]").unwrap();
+    let (_, tail) = rest.split_once("[start]").unwrap();
+    let post = |name: &str, y: f64| {
+        let pose = format!("pose = {{ xyz = [0.5, {y}, 0.741] }}");
+        format!("[[part]]\nname = \"{name}\"\nkind = \"environment\"\nurdf = \"box.urdf\"\n{pose}\n\n")
+    };
+    let posts = post("post1", 0.1 - 0.072) + &post("post2", 0.1 + 0.072);
+    let head = head.replacen("[graph]", &format!("{posts}[graph]"), 1);
+    let tail = tail.replace("box2 = { xyz = [0.50, 0.10, 0.741] }", "box2 = { xyz = [0.50, -0.10, 0.741] }");
+    let tail =
+        tail.replace("box1 = { xyz = [0.50, -0.10, 0.741] }, box2", "box1 = { xyz = [0.50, -0.25, 0.741] }, box2");
+    let text = format!("{head}{graph}\n[start]\n{tail}");
+    Scene::from_text("demo", &text, &folder(), &PackagePath::default()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn between_posts_a_hand_fits_that_opens_only_as_far_as_it_needs() {
+    let wide = between_posts("approach = \"wide\"");
+    let settings = SearchSettings::default().with(|s| (s.seed, s.max_steps) = (1, 150));
+    let answer = Planner::new(wide.problem).unwrap().settings(settings).first_path().solve();
+    assert!(matches!(answer.unwrap_err().reason, NoSolutionReason::StepLimit));
+    let scene = between_posts("approach = \"as-needed\"");
+    for seed in 1..=3 {
+        let (path, _) = solved(&scene, seed, 2);
+        let needed = HALF_WIDTH + 0.005;
+        let fingers = JOINTS.map(|joint| coordinate(&scene, joint));
+        // Where it has opened to approach, and where it has let go.
+        let closing = |number: &usize| {
+            let (first, last) = (&path.segments[*number].knots[0], path.segments[*number].knots.last().unwrap());
+            fingers.iter().any(|&i| (last[i] - HALF_WIDTH - GAP).abs() < 1e-6 && (first[i] - needed).abs() < 1e-5)
+        };
+        assert!((0..path.segments.len()).any(|number| closing(&number)), "seed {seed}");
+        let widest = path.segments.iter().flat_map(|segment| &segment.knots).flat_map(|q| fingers.map(|i| q[i]));
+        let ready = scene.problem.start[fingers[0]];
+        assert!(widest.fold(0.0, f64::max) <= ready.max(needed + 1e-5), "seed {seed}");
+    }
+    // The clearance is the scene's.
+    let scene = between_posts("approach = \"as-needed\"\napproach_clearance = 0.002");
+    let planner = Planner::new(scene.problem.clone()).unwrap();
+    let robot = &scene.problem.robot;
+    let (gripper, handle) = (robot.gripper("robot/left_hand").unwrap(), robot.handle("box1/top").unwrap());
+    let ready = planner.model().finger_value(0, 0, Opening::Ready { gripper, handle }).unwrap();
+    assert!((ready - HALF_WIDTH - 0.002).abs() < 1e-5, "{ready}");
+}
+
+#[test]
+fn every_finger_closes_until_its_own_contact() {
+    // Two fingers that do not mimic each other, and a handle 6 mm beside the middle of the box.
+    let own = std::env::temp_dir().join(format!("foliate-fingers-{}", std::process::id()));
+    std::fs::create_dir_all(&own).unwrap();
+    for file in ["robot.urdf", "robot.srdf", "box.urdf", "box.srdf", "table.urdf", "table.srdf"] {
+        let text = std::fs::read_to_string(folder().join(file)).unwrap();
+        let text = text.replace("    <mimic joint=\"left_finger\" multiplier=\"1\" offset=\"0\"/>\n", "");
+        let text = text.replace("<position xyz=\"0 0 0.02\"", "<position xyz=\"0 0.006 0.02\"");
+        std::fs::write(own.join(file), text).unwrap();
+    }
+    let text = std::fs::read_to_string(folder().join("scene.toml")).unwrap();
+    let (head, rest) = text.split_once("[locked]").unwrap();
+    let text = format!("{head}[start]{}", rest.split_once("[start]").unwrap().1);
+    let scene = Scene::from_text("demo", &text, &own, &PackagePath::default()).unwrap();
+    let planner = Planner::new(scene.problem.clone()).unwrap();
+    let (model, robot) = (planner.model(), &scene.problem.robot);
+    let (gripper, handle) = (robot.gripper("robot/left_hand").unwrap(), robot.handle("box1/top").unwrap());
+    let hand = model.problem.graph.hands.iter().position(|hand| hand.grippers.contains(&gripper)).unwrap() as u32;
+    let closed = [0, 1].map(|finger| model.finger_value(hand, finger, Opening::Closed { gripper, handle }).unwrap());
+    let wanted = [HALF_WIDTH - 0.006 + GAP, HALF_WIDTH + 0.006 + GAP];
+    let off = |wanted: [f64; 2]| closed.iter().zip(wanted).map(|(at, wanted)| (at - wanted).abs()).fold(0.0, f64::max);
+    // Which side is which does not matter here.
+    assert!(off(wanted).min(off([wanted[1], wanted[0]])) < 1e-5, "{closed:?}");
+    // The other hand's finger has one that follows it: both stop where the first does.
+    let gripper = robot.gripper("robot/right_hand").unwrap();
+    let hand = model.problem.graph.hands.iter().position(|hand| hand.grippers.contains(&gripper)).unwrap() as u32;
+    let coupled = model.finger_value(hand, 0, Opening::Closed { gripper, handle }).unwrap();
+    assert!((coupled - wanted[1]).abs() < 1e-5, "{coupled}");
+    let solution = planner.seed(1).first_path().solve().unwrap();
+    let file = written(&scene, &solution.model.graph, &solution.path, &own.join("path.json"));
+    let options = CheckOptions::default();
+    let report = check_problem(&file, &own, &PackagePath::default(), &options, &scene.problem).unwrap();
+    assert!(report.passed(), "{:#?}", report.violations);
+    let _gone = std::fs::remove_dir_all(&own);
+}
+
 #[test]
 fn mistakes_are_told() {
+    let graph = |text: &str| demo("", "", text).unwrap_err();
+    assert!(graph("approach = \"narrow\"").contains("wide, as-needed"));
+    assert!(graph("approach_clearance = 0.001").contains("no meaning"));
+    assert!(graph("approach = \"as-needed\"\napproach_clearance = -0.001").contains("approach_clearance"));
     let hand = |text: &str| demo("", "", &format!("hands = {{ \"robot/left_hand\" = {text} }}")).unwrap_err();
     let finger = |name: &str, values: &str| hand(&format!("{{ fingers = {{ \"{name}\" = {{ {values} }} }} }}"));
     assert!(hand("\"plan\"").contains("planned"));

@@ -7,8 +7,9 @@
 mod written;
 
 use foliate::check::{CheckOptions, CheckReport, Kind, check, check_problem};
+use foliate::components::constraint::Rests;
 use foliate::components::pose::pose_from_array;
-use foliate::components::problem::Problem;
+use foliate::components::problem::{GraphOptions, Problem};
 use foliate::path_file::document::{RestsEntry, RestsRule};
 use foliate::path_file::{PathFile, save};
 use foliate::scene::{PackagePath, Scene, SceneError};
@@ -200,12 +201,61 @@ fn what_cannot_rest_as_it_must_is_refused() {
     // Words and numbers of the scene.
     for (line, words) in [
         ("rests = \"flat\"", "none of centre, stable, whole-face"),
-        ("rests_margin = 0.001", "no meaning with rests = \"centre\""),
+        ("rests = \"centre\"\nrests_margin = 0.001", "no meaning with rests = \"centre\""),
         ("rests = \"stable\"\nrests_margin = -0.001", "rests_margin"),
     ] {
         let refused = folder.try_to_read(&with(line)).unwrap_err().to_string();
         assert!(refused.contains(words), "{refused}");
     }
+}
+
+#[test]
+fn a_scene_that_does_not_say_means_that_nothing_tips_over() {
+    let folder = Folder::new("silent", STRIP, 0.018);
+    let silent = folder.scene(SCENE);
+    assert_eq!(silent.problem.graph.rests, Rests::Stable { margin: 0.005 });
+    assert_eq!(GraphOptions::default().rests, silent.problem.graph.rests);
+    let file = folder.write(&silent, &try_to_solve(&silent, 1).unwrap());
+    assert_eq!(file.rests, Some(RestsEntry { rule: RestsRule::Stable, margin: 0.005 }));
+    assert!(folder.check(&file).passed());
+    // The middle of this box is over the strip, its mass is 16 mm beside it.
+    let tips = SCENE.replace("box1 = { xyz = [0.50, 0.10", "box1 = { xyz = [0.528, 0.10");
+    let refused = try_to_solve(&folder.scene(&tips), 1).unwrap_err().to_string();
+    assert!(refused.contains("the start is infeasible") && refused.contains("without tipping over"), "{refused}");
+    assert!(refused.contains("rests = \"centre\" asks for less"), "{refused}");
+    // Without a `[graph]` as well.
+    let none = SCENE[..SCENE.find("[graph]").unwrap()].to_owned() + &SCENE[SCENE.find("[locked]").unwrap()..];
+    assert_eq!(folder.scene(&none).problem.graph.rests, Rests::default());
+}
+
+#[test]
+fn pieces_of_faces_that_documents_cut_carry_as_one() {
+    let folder = Folder::new("cut", STRIP, 0.0);
+    for file in ["table.srdf", "box.srdf"] {
+        let text = std::fs::read_to_string(folder.0.join(file)).unwrap();
+        let cut = text.replace("<shape> 4  0 1 2 3 </shape>", "<shape> 3  0 1 2  3  0 2 3 </shape>");
+        assert_ne!(cut, text);
+        std::fs::write(folder.0.join(file), cut).unwrap();
+    }
+    let polygons = |scene: &Scene, name: &str| {
+        scene.problem.robot.surfaces[scene.problem.robot.surface(name).unwrap().at()].polygons.len()
+    };
+    // The middle of the box's face is on the cut: 0 mm inside of both triangles.
+    let scene = folder.scene(SCENE);
+    assert_eq!((polygons(&scene, "table/top"), polygons(&scene, "box1/bottom")), (1, 1));
+    let mut file = folder.write(&scene, &try_to_solve(&scene, 1).unwrap());
+    let report = folder.check(&file);
+    assert!(report.passed(), "{:?}", report.violations);
+    // A whole that is larger than its pieces is none.
+    let top = file.documents.surfaces.get_mut("table/top").unwrap();
+    top.points.iter_mut().filter(|point| point[0] > -0.1).for_each(|point| point[0] += 1e-3);
+    let violations = folder.check(&file).violations;
+    assert!(violations.iter().any(|v| v.kind == Kind::Document && v.subject.contains("table/top")), "{violations:?}");
+    // By the rule of centres documents are taken as they are.
+    let scene = folder.scene(&with("rests = \"centre\""));
+    assert_eq!((polygons(&scene, "table/top"), polygons(&scene, "box1/bottom")), (2, 2));
+    let file = folder.write(&scene, &try_to_solve(&scene, 1).unwrap());
+    assert!(folder.check(&file).passed());
 }
 
 #[test]

@@ -16,7 +16,8 @@ mod written;
 
 use common::timed::{rest_to_rest, stand_still_at_events};
 use foliate::Planner;
-use foliate::check::{CheckOptions, CheckReport, SceneChoice, Verdict, check};
+use foliate::check::{CheckOptions, CheckReport, Verdict, check, check_problem};
+use foliate::components::constraint::Rests;
 use foliate::path_file::{PathFile, save};
 use foliate::scene::{PackagePath, Scene};
 use serde_json::{Value, json};
@@ -345,8 +346,11 @@ fn a_file_of_version_1_is_read_as_before() {
     save::model_names(&scene, &folder.path.join("demo.json")).unwrap();
     let file = save::read(&folder.write("demo.json", text)).unwrap();
     assert_eq!(file.format, "foliate.path/1");
-    let options = CheckOptions { scene: SceneChoice::Given("demo".into()), ..CheckOptions::default() };
-    let report = check(&file, &folder.path, &PackagePath::only(&[]), &options).unwrap();
+    // Such files know one rule of how objects rest, which the demo had then.
+    let mut problem = scene.problem;
+    problem.graph.rests = Rests::Centre;
+    let options = CheckOptions::default();
+    let report = check_problem(&file, &folder.path, &PackagePath::only(&[]), &options, &problem).unwrap();
     assert_eq!(report.verdict(), Verdict::Proved, "{:#?}", report.violations);
     assert!(report.duration.is_none() && report.max_velocity.is_none());
 }

@@ -18,7 +18,7 @@ ROOT_COORDINATES = {
 }
 PART_KEYS = {"name", "kind", "urdf", "srdf", "root", "pose", "mimic", "root_bounds", "joint_bounds", "masks"}
 GRAPH_KEYS = {"grippers", "supports", "grasps", "rules", "everywhere", "objects", "placement_margin",
-              "preplacement_distance"}
+              "rests", "preplacement_distance"}
 SCENE_KEYS = {"format", "name", "description", "coordinates", "part", "constraint", "locked", "graph", "start", "goal",
               "sha256", "default_margin", "margins"}
 
@@ -116,6 +116,8 @@ def read_scene(file: Path) -> Scene:
     objects = {name: _manipulated(name, entry) for name, entry in graph.get("objects", {}).items()}
     if not objects and any(part.kind == "object" for part in parts):
         objects = {part.name: None for part in parts if part.kind == "object"}
+    if graph.get("rests", "stable") != "centre" and any(entry and entry.surfaces for entry in objects.values()):
+        raise SceneError(f"{file}: objects do not rest by their centres, the only rule of the other planner")
     return Scene(
         file=file,
         name=tree["name"],

@@ -1,5 +1,6 @@
 //! Why a start or a goal cannot be planned for: typed reasons, and their words.
 
+use crate::constraint::Rests;
 use crate::robot::indices::ShapeIndex;
 use std::fmt;
 
@@ -95,7 +96,7 @@ pub struct NearestState {
     /// Largest row of its error, metres and radians.
     pub residual: f64,
     /// Of a placement on surfaces: how far the object is off its support.
-    pub off: Option<OffSupport>,
+    pub off: Option<Box<OffSupport>>,
 }
 
 /// How far an object is off the support that it is nearest to.
@@ -109,13 +110,15 @@ pub struct OffSupport {
     pub aside: f64,
     /// Angle between the polygons, radians.
     pub tilt: f64,
+    /// By which rule it must lie.
+    pub rests: Rests,
 }
 
 impl OffSupport {
-    /// Gap and way along the support, metres, and tilt, radians.
+    /// Gap and way along the support, metres, tilt, radians, and the rule by which it must lie.
     #[must_use]
-    pub fn new(gap: f64, aside: f64, tilt: f64) -> Self {
-        Self { gap, aside, tilt }
+    pub fn new(gap: f64, aside: f64, tilt: f64, rests: Rests) -> Self {
+        Self { gap, aside, tilt, rests }
     }
 }
 
@@ -130,6 +133,11 @@ impl fmt::Display for OffSupport {
         )?;
         if self.aside > 0.0 {
             write!(f, ", and {:.2} mm beside where it may lie", self.aside * 1e3)?;
+            match self.rests {
+                Rests::Centre => {}
+                Rests::Stable { .. } => write!(f, " without tipping over; rests = \"centre\" asks for less")?,
+                Rests::WholeFace { .. } => write!(f, " with its whole face; rests = \"stable\" asks for less")?,
+            }
         }
         Ok(())
     }
@@ -223,7 +231,7 @@ impl fmt::Display for Infeasibility {
             Self::NoState { nearest: Some(nearest), .. } => {
                 let NearestState { state, constraint, residual, off } = nearest;
                 write!(f, "it lies in no state: `{constraint}` of state `{state}` is off by {residual:.3e}")?;
-                off.map_or(Ok(()), |off| write!(f, " (the object is {off})"))
+                off.as_ref().map_or(Ok(()), |off| write!(f, " (the object is {off})"))
             }
             Self::NoState { nearest: None, lazy: true } => {
                 f.write_str("it lies in no state: no state is allowed in which its grasps hold")

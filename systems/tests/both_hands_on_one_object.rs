@@ -7,6 +7,7 @@ mod common;
 
 use common::{model, search, seeded};
 use foliate_components::Pose;
+use foliate_components::constraint::Rests;
 use foliate_components::constraint::{Constraint, Frame, Grasp, Reference, RelativePose};
 use foliate_components::outcome::{Rejection, SearchOutcome, TransitionStatistics};
 use foliate_components::path::{Attachment, ManipulationPath};
@@ -117,6 +118,7 @@ impl Cell {
             rules,
             placement_margin: 1e-3,
             preplacement_distance: 0.05,
+            rests: Rests::Centre,
             ..GraphOptions::default()
         };
         Problem {

@@ -8,6 +8,7 @@ mod common;
 
 use common::{model, search, seeded};
 use foliate_components::Pose;
+use foliate_components::constraint::Rests;
 use foliate_components::constraint::{Constraint, Frame, Reference, RelativePose, Row};
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::pose::pose_from_array;
@@ -47,6 +48,7 @@ fn two_arms() -> Problem {
         supports: vec![robot.surface("table/top").unwrap()],
         placement_margin: 1e-3,
         preplacement_distance: 0.05,
+        rests: Rests::Centre,
         ..GraphOptions::default()
     };
     // Each turned aside.

@@ -9,6 +9,7 @@ mod common;
 use common::{model, search, seeded, stop_within};
 use foliate_components::Pose;
 use foliate_components::candidate::CandidateArena;
+use foliate_components::constraint::Rests;
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::pose::pose_from_array;
 use foliate_components::problem::{Goal, GraphOptions, ObjectOptions, Problem};
@@ -47,6 +48,7 @@ fn mobile_arm(root: RootJoint, root_bounds: Vec<(f64, f64)>) -> Problem {
         supports: vec![robot.surface("table/top").unwrap()],
         placement_margin: 1e-3,
         preplacement_distance: 0.05,
+        rests: Rests::Centre,
         ..GraphOptions::default()
     };
     let mut start = robot.space.neutral();

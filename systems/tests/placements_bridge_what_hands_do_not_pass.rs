@@ -7,15 +7,20 @@ mod common;
 
 use common::{model, search, seeded};
 use foliate_components::Pose;
+use foliate_components::constraint::Rests;
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::problem::{Goal, GraphOptions, ObjectOptions, Problem, Rule};
+use foliate_components::roadmap::NodeId;
 use foliate_components::robot::model::{HandleModel, Model};
 use foliate_components::robot::shape::Geometry;
 use foliate_components::robot::{PartIndex, Robot};
 use foliate_components::samples::models::{block, environment, fixed_robot, movable_object, seven_axis_arm, table};
 use foliate_kernels::collision::adjacent_links;
 use foliate_schedulers::sequence::Sequence;
+use foliate_systems::exploration::memory::PlacementBytes;
 use foliate_systems::exploration::roots::Roots;
+use foliate_systems::planning_model::PlanningModel;
+use foliate_systems::search::Search;
 use glam::{DQuat, DVec3};
 
 /// The bar's size, metres. A hand is 100 mm thick.
@@ -84,6 +89,7 @@ fn through_the_wall() -> Problem {
         supports: vec![robot.surface("table/top").unwrap()],
         placement_margin: 1e-3,
         preplacement_distance: 0.02,
+        rests: Rests::Centre,
         ..GraphOptions::default()
     };
     let bent = [1.2, -0.6, 0.0, 1.4, 0.0, 0.8, 0.0];
@@ -111,29 +117,64 @@ fn a_bar_is_put_down_in_a_hole_that_no_hand_passes() {
     }
 }
 
+/// Searches of the wall with suggestions, seed by seed, until solved or for `steps` steps.
+fn suggested(poses: &[DVec3], seeds: std::ops::RangeInclusive<u64>, steps: u64) -> Vec<(SearchOutcome, Search)> {
+    let mut problem = through_the_wall();
+    let bar = problem.graph.objects[0].part;
+    problem.suggestions = poses.iter().map(|place| (bar, Pose::from_translation(*place))).collect();
+    let model = model(problem);
+    let solve = |seed| search(&model, &Sequence, seeded(seed).with(|s| s.max_steps = steps), 1);
+    seeds.map(solve).collect()
+}
+
 #[test]
-fn suggestions_help_and_wrong_ones_do_no_harm() {
-    let steps = |suggestions: Vec<Pose>| -> u64 {
-        let mut problem = through_the_wall();
-        let bar = problem.graph.objects[0].part;
-        problem.suggestions = suggestions.into_iter().map(|pose| (bar, pose)).collect();
-        let model = model(problem);
-        let solve = |seed| {
-            let (outcome, found) = search(&model, &Sequence, seeded(seed).with(|s| s.max_steps = 600), 1);
-            assert_eq!(outcome, SearchOutcome::Solved, "seed {seed}");
-            found.counter().step
-        };
-        (1..=12).map(solve).sum()
+fn suggestions_are_tried_at_once() {
+    // Whether the bar lies in the hole, in both trees: it is 60 mm from the middle at most.
+    let lies_there = |(_, found): &(SearchOutcome, Search)| {
+        let roadmap = found.roadmap();
+        let x = found.world().resource::<PlanningModel>().problem.start.len() - 7;
+        let lies = |q: &[f64]| q[x].abs() < 0.06 && (q[x + 2] - 0.5 * BAR.z - 1e-3).abs() < 1e-6;
+        let nodes = roadmap.nodes().iter().zip(0u32..);
+        let there = nodes.filter(|(_, number)| lies(roadmap.configuration(NodeId(*number))));
+        let sides: std::collections::BTreeSet<_> = there.map(|(node, _)| node.side).collect();
+        sides.len()
     };
-    let at = |x: f64, y: f64, z: f64| Pose::from_translation(DVec3::new(x, y, z));
-    let without = steps(vec![]);
+    let count = |poses: &[DVec3]| -> usize { suggested(poses, 1..=16, 12).iter().map(lies_there).sum() };
     // In the hole, and 50 mm above the table: it is laid down.
-    let helped = steps(vec![at(0.0, 0.0, 0.11)]);
+    let (without, helped) = (count(&[]), count(&[DVec3::new(0.0, 0.0, 0.11)]));
+    println!("sides that have brought the bar there, of 32: {without} without, {helped} with a suggestion");
+    assert!(helped >= without + 8, "{helped} of 32 with a suggestion, {without} without");
+}
+
+#[test]
+fn wrong_suggestions_do_no_harm() {
+    let steps =
+        |poses: &[DVec3]| -> u64 { suggested(poses, 1..=8, 80).iter().map(|(_, found)| found.counter().step).sum() };
     // In the wall, off the table and where it says nothing.
-    let misled = steps(vec![at(0.0, 0.5, 0.061), at(50.0, 0.0, 0.061), at(-0.4, 0.35, 0.061)]);
-    println!("steps: {without} without, {helped} with the hole, {misled} with wrong poses");
-    assert!(helped < without, "{helped} steps with the hole, {without} without");
-    assert!(misled < 4 * without, "{misled} steps with wrong poses, {without} without");
+    let wrong = [DVec3::new(0.0, 0.5, 0.061), DVec3::new(50.0, 0.0, 0.061), DVec3::new(-0.4, 0.35, 0.061)];
+    let (without, misled) = (steps(&[]), steps(&wrong));
+    println!("steps, 80 at most: {without} without, {misled} with wrong poses");
+    assert!(2 * misled < 3 * without, "{misled} steps with wrong poses, {without} without");
+}
+
+#[test]
+fn the_pool_counts_in_the_memory_of_a_search() {
+    let model = model(through_the_wall());
+    let run = |max_bytes: u64, max_steps: u64| {
+        let settings = seeded(1).with(|s| (s.max_bytes, s.max_steps) = (max_bytes, max_steps));
+        search(&model, &Sequence, settings, 1)
+    };
+    // Drawing begins at step 12. Three pair sets and every placement are in the count.
+    let [before, after] = [12, 13].map(|steps| run(u64::MAX, steps).1);
+    let pool = |found: &Search| found.world().resource::<PlacementBytes>().0;
+    assert_eq!(pool(&before), 0);
+    let least = 3 * model.bytes_of_pairs();
+    assert!(pool(&after) > least, "{} of more than {least} bytes", pool(&after));
+    // It is part of what the limit is held against: without it the search would have gone on.
+    let limit = after.bytes() - pool(&after) / 2;
+    let (outcome, ended) = run(limit, 600);
+    assert_eq!(outcome, SearchOutcome::MemoryLimit);
+    assert!(ended.bytes() - pool(&ended) < limit && pool(&ended) > 0, "{} bytes without it", ended.bytes());
 }
 
 #[test]

@@ -148,12 +148,23 @@ def _check_placement(motion: SegmentMotion, attachment: Attachment, parameters, 
     support_from_surface = (
         motion.frame_poses(worlds, support.link).inverse() @ motion.frame_poses(worlds, surface.link)
     )
-    errors = placement_errors(support_from_surface, surface, support, path.placement_margin, path.rests)
-    if path.rests and path.rests[0] == "stable":
-        report.note(f"{attachment}: that the centre of mass is over the support is not checked")
+    centre = _centre_of_mass(motion, attachment, surface, parameters, worlds)
+    errors = placement_errors(support_from_surface, surface, support, path.placement_margin, path.rests, centre)
+    if path.rests and path.rests[0] == "stable" and centre is None:
+        report.note(f"{attachment}: that the centre of mass is over the support is not checked, for want of masses of one body")
     judge(motion, parameters, "placement", str(attachment), errors, path.path_tolerance, report)
     frozen = frozen_errors(support_from_surface, [False] * 6, [True] * 6)
     judge(motion, parameters, "placement-constancy", str(attachment), frozen, path.path_tolerance, report)
+
+
+def _centre_of_mass(motion: SegmentMotion, attachment: Attachment, surface: Surface, parameters, worlds: Poses):
+    """Of an object of one body with a mass: pinocchio's, in the frame of the surface's link (3,)."""
+    member = motion.scene.by_name.get(attachment.object.partition("/")[0])
+    if member is None or len(member.part.model.inertias) > 1 or member.part.mass == 0.0:
+        return None
+    in_root = member.part.centre_of_mass(motion.joint_values(member, parameters))
+    surface_from_root = motion.frame_poses(worlds, surface.link).inverse() @ worlds[:, member.first_body]
+    return surface_from_root.apply(in_root)[0]
 
 
 def _check_rest(motion: SegmentMotion, attachment: Attachment, parameters, worlds: Poses, report: Report) -> None:
@@ -167,15 +178,15 @@ def _check_rest(motion: SegmentMotion, attachment: Attachment, parameters, world
 
 def placement_errors(
     support_from_surface: Poses, surface: Surface, support: Surface, margin: float,
-    rests: tuple[str, float] | None = None,
+    rests: tuple[str, float] | None = None, centre: np.ndarray | None = None,
 ) -> dict[str, np.ndarray]:
     """Errors (N,) of the best pair of polygons at the first sample: angle between the object's normal and the
     opposite of the support's, gap minus margin, and how far the object polygon's centre (by the rule whole-face: the
-    worst of its corners, by its margin) lies outside the support. The rule stable is not measured: it asks for masses."""
+    worst of its corners, by its margin; by the rule stable the centre of mass, where it is known) lies outside the support."""
     best = None
     for lower in _polygons(support):
         for upper in _polygons(surface):
-            errors = _contact_errors(support_from_surface, upper, lower, margin, rests)
+            errors = _contact_errors(support_from_surface, upper, lower, margin, rests, centre)
             worst = sum(error[0] for error in errors.values())
             if best is None or worst < best[0]:
                 best = (worst, errors)
@@ -187,25 +198,35 @@ def _polygons(surface: Surface) -> list[np.ndarray]:
 
 
 def _contact_errors(
-    support_from_surface: Poses, upper: np.ndarray, lower: np.ndarray, margin: float, rests: tuple[str, float] | None
+    support_from_surface: Poses, upper: np.ndarray, lower: np.ndarray, margin: float, rests: tuple[str, float] | None,
+    mass_centre: np.ndarray | None,
 ) -> dict:
     lower_normal, lower_centre = polygon_normal(lower), lower.mean(axis=0)
     centre = support_from_surface.apply(upper.mean(axis=0))
     normal = support_from_surface.rotation @ polygon_normal(upper)
-    edges = np.roll(lower, -1, axis=0) - lower
-    outward = np.cross(edges, lower_normal)
-    outward /= np.linalg.norm(outward, axis=1, keepdims=True)
     errors = {
         "normals not opposite": angle_between(normal, -lower_normal),
         "gap is not the margin": np.abs((centre - lower_centre) @ lower_normal - margin),
     }
-    beyond = lambda points: np.einsum("ej,nej->ne", outward, points[:, None] - lower[None]).max(axis=1)
+    beyond = lambda points: _beyond(lower, points)
     if rests is None:
         errors["centre outside the support"] = np.maximum(beyond(centre), 0.0)
     elif rests[0] == "whole-face":
         corners = [beyond(support_from_surface.apply(corner)) for corner in upper]
         errors["corner hangs over the support"] = np.maximum(np.max(corners, axis=0) + rests[1], 0.0)
+    elif mass_centre is not None:
+        over = np.maximum(beyond(support_from_surface.apply(mass_centre)) + rests[1], 0.0)
+        errors["centre of mass not over the support"] = over
+        within = np.maximum(_beyond(upper, mass_centre[None]) + rests[1], 0.0)
+        errors["centre of mass not over the object's polygon"] = np.full_like(over, within[0])
     return errors
+
+
+def _beyond(polygon: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """How far points (N, 3) are beyond the worst edge of a convex polygon, seen along its normal; negative inside."""
+    outward = np.cross(np.roll(polygon, -1, axis=0) - polygon, polygon_normal(polygon))
+    outward /= np.linalg.norm(outward, axis=1, keepdims=True)
+    return np.einsum("ej,nej->ne", outward, points[:, None] - polygon[None]).max(axis=1)
 
 
 def polygon_normal(points: np.ndarray) -> np.ndarray:

@@ -68,7 +68,8 @@ pub enum PlacementError {
     #[error("the margin {0} is not a finite number of metres")]
     Margin(f64),
     #[error(
-        "it cannot rest stably on any of its polygons: the centre of mass is at best {:.2} mm inside of one, and {:.2} mm are asked",
+        "it cannot rest stably on any of its polygons: the centre of mass is at best {:.2} mm inside of one, and {:.2} mm are asked; \
+         rests = \"centre\" does not ask for the centre of mass",
         inside * 1e3, margin * 1e3
     )]
     NeverStable { inside: f64, margin: f64 },

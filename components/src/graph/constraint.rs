@@ -32,7 +32,14 @@ pub enum Opening {
     Travel,
     /// Wide open, beside what it is to grasp.
     Wide,
-    /// Closed on a handle: until a finger nearly touches the body of the handle.
+    /// As wide as a grasp needs, beside what it is to grasp.
+    Ready {
+        /// Who is to hold.
+        gripper: GripperIndex,
+        /// What is to be held.
+        handle: HandleIndex,
+    },
+    /// Closed on a handle: until fingers nearly touch the body of the handle.
     Closed {
         /// Who holds.
         gripper: GripperIndex,

@@ -28,6 +28,15 @@ pub enum Fingers {
     Free,
     /// Those of this hand hold still wide open, though it holds nothing; the others as ever.
     Wide(u32),
+    /// Those of this hand hold still as wide open as a grasp needs, though it holds nothing; the others as ever.
+    Ready {
+        /// The hand.
+        hand: u32,
+        /// Who is to hold.
+        gripper: GripperIndex,
+        /// What is to be held.
+        handle: HandleIndex,
+    },
 }
 
 /// A manifold of configurations, foliated by the complements of its constraints.

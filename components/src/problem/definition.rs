@@ -4,7 +4,7 @@ use crate::Pose;
 use crate::constraint::kind::Constraint;
 use crate::constraint::rests::Rests;
 use crate::problem::cost::CostOptions;
-use crate::problem::hand::Hand;
+use crate::problem::hand::{Approach, Hand};
 use crate::problem::timing::TimingOptions;
 use crate::robot::error::CoordinateError;
 use crate::robot::hybrid_robot::{DisabledPair, Robot};
@@ -160,6 +160,8 @@ pub struct GraphOptions {
     pub resting_joints: Vec<RestingJoint>,
     /// Hands that open and close. Grippers that are not named here get theirs from the structure of the robot.
     pub hands: Vec<Hand>,
+    /// How far hands open to approach.
+    pub approach: Approach,
     /// Constraints of the problem's own; what follows names them by number. Parameter rows name slot 0.
     pub constraints: Vec<NamedConstraint>,
     /// Those of them that hold in every state: feet that stand still, balance.

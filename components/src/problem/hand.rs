@@ -15,7 +15,22 @@ pub struct Hand {
     pub fingers: Vec<Finger>,
 }
 
-/// A joint of one coordinate that opens and closes a hand. All fingers of a hand move together, in proportion to their ranges.
+/// How far hands open to approach what they are to grasp, and where they let go of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Approach {
+    /// Wide open.
+    #[default]
+    Wide,
+    /// As far as the grasp needs, and no farther: the fingers stay off the body of the handle all along the way from the pregrasp to
+    /// the grasp. Where a grasp has no pregrasp its hand opens wide.
+    AsNeeded {
+        /// How far they stay off, metres.
+        clearance: f64,
+    },
+}
+
+/// A joint of one coordinate that opens and closes a hand. All fingers of a hand move together, in proportion to their ranges, until one
+/// touches something: then the joints of its chain stand still, and the others go on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Finger {
     /// The joint.
@@ -29,10 +44,18 @@ pub struct Finger {
     pub travel: Option<f64>,
 }
 
+impl Finger {
+    /// The value at `share` of the way from open to shut.
+    #[must_use]
+    pub fn at(&self, share: f64) -> f64 {
+        self.open + share * (self.closed - self.open)
+    }
+}
+
 impl Hand {
     /// The values of the fingers at `share` of the way from open to shut.
     pub fn at(&self, share: f64) -> impl Iterator<Item = f64> + '_ {
-        self.fingers.iter().map(move |finger| finger.open + share * (finger.closed - finger.open))
+        self.fingers.iter().map(move |finger| finger.at(share))
     }
 
     /// Whether the hand travels wide open.

@@ -12,6 +12,6 @@ pub use crate::problem::definition::{
     Goal, GraphOptions, JointRest, Margin, NamedConstraint, ObjectOptions, PartialGoal, Problem, RestingJoint,
     RestingPlane, Rule, WrittenLeg, WrittenState, WrittenTransition,
 };
-pub use crate::problem::hand::{Finger, Hand};
+pub use crate::problem::hand::{Approach, Finger, Hand};
 pub use crate::problem::rate_limits::RateLimits;
 pub use crate::problem::timing::{NumberLimit, TimingOptions};

@@ -1,6 +1,7 @@
 //! Drawers and lids: joints that move only while a gripper holds a handle beyond them.
 
 use crate::Pose;
+use crate::constraint::Rests;
 use crate::problem::{Goal, GraphOptions, JointRest, ObjectOptions, Problem, RestingJoint};
 use crate::robot::error::ComposeError;
 use crate::robot::hybrid_robot::Robot;
@@ -74,6 +75,7 @@ fn drawer_options(robot: &Robot, rest: JointRest) -> GraphOptions {
         grippers: robot.gripper("arm/hand").into_iter().collect(),
         objects: object.into_iter().collect(),
         resting_joints: robot.joint("cabinet/slide").map(|joint| RestingJoint { joint, rest }).into_iter().collect(),
+        rests: Rests::Centre,
         ..GraphOptions::default()
     }
 }
@@ -111,6 +113,7 @@ pub fn open_a_box_and_move_it() -> Result<Problem, ComposeError> {
         placement_margin: 1e-3,
         preplacement_distance: 0.05,
         resting_joints: hinge.into_iter().collect(),
+        rests: Rests::Centre,
         ..GraphOptions::default()
     };
     let at = |place: DVec3, angle: f64| -> Vec<f64> {

@@ -1,6 +1,7 @@
 //! Small manipulation problems in code, for tests, benches and examples that load no files.
 
 use crate::Pose;
+use crate::constraint::Rests;
 use crate::pose::pose_to_array;
 use crate::problem::{Goal, GraphOptions, ObjectOptions, Problem, RestingPlane};
 use crate::robot::JoinedLinks;
@@ -65,6 +66,7 @@ pub fn boxes_on_a_table(starts: &[(f64, f64)], goals: &[(f64, f64)]) -> Result<P
         supports: robot.surface("table/top").into_iter().collect(),
         placement_margin: 1e-3,
         preplacement_distance: 0.05,
+        rests: Rests::Centre,
         ..GraphOptions::default()
     };
     let configuration = |places: &[(f64, f64)]| {

@@ -1,6 +1,7 @@
 //! Many arms and many boxes: graphs that are too large to list.
 
 use crate::Pose;
+use crate::constraint::Rests;
 use crate::problem::{Goal, GraphOptions, ObjectOptions, Problem};
 use crate::robot::error::ComposeError;
 use crate::robot::hybrid_robot::Robot;
@@ -52,6 +53,7 @@ pub fn crowd(arms: u32, boxes: u32) -> Result<Problem, ComposeError> {
         supports: robot.surface("table/top").into_iter().collect(),
         placement_margin: 1e-3,
         preplacement_distance: 0.05,
+        rests: Rests::Centre,
         ..GraphOptions::default()
     };
     let start = configuration(arms, boxes, DVec3::ZERO);

@@ -1,6 +1,7 @@
 //! Many boxes that one arm or two move to given places on a table.
 
 use crate::Pose;
+use crate::constraint::Rests;
 use crate::pose::pose_to_array;
 use crate::problem::{Goal, GraphOptions, ObjectOptions, Problem};
 use crate::robot::error::ComposeError;
@@ -53,6 +54,7 @@ pub fn rearrange_boxes(
         supports: robot.surface("table/top").into_iter().collect(),
         placement_margin: 1e-3,
         preplacement_distance: 0.05,
+        rests: Rests::Centre,
         ..GraphOptions::default()
     };
     let configuration = |places: &[(f64, f64)]| {

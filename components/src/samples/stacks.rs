@@ -1,6 +1,7 @@
 //! Boxes on boxes: supports that move, and magnets.
 
 use crate::Pose;
+use crate::constraint::Rests;
 use crate::problem::{Goal, GraphOptions, ObjectOptions, Problem};
 use crate::robot::error::ComposeError;
 use crate::robot::hybrid_robot::Robot;
@@ -66,6 +67,7 @@ fn options(
         supports: named(robot, supports),
         placement_margin: GAP,
         preplacement_distance: 0.05,
+        rests: Rests::Centre,
         ..GraphOptions::default()
     }
 }

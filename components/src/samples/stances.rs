@@ -1,6 +1,7 @@
 //! States of a problem's own: a foot that stands, is lifted and is set down elsewhere.
 
 use crate::Pose;
+use crate::constraint::Rests;
 use crate::constraint::kind::Constraint;
 use crate::constraint::{Frame, Reference, RelativePose, Row};
 use crate::problem::{Goal, GraphOptions, NamedConstraint, Problem, WrittenLeg, WrittenState, WrittenTransition};
@@ -103,6 +104,7 @@ pub fn make_a_step() -> Result<Problem, ComposeError> {
             WrittenState { name: "lifted".into(), constraints: Vec::new() },
         ],
         transitions: vec![transition("lift", 0, 1, 1), transition("step", 1, 0, 1)],
+        rests: Rests::Centre,
         ..GraphOptions::default()
     };
     let (ignored_pairs, goals) = (neighbours(&robot), vec![Goal::Configuration(goal)]);

@@ -1,6 +1,6 @@
 //! Reads a scene file table by table and composes its problem.
 
-use crate::scene::assemble::graph::{options, rests};
+use crate::scene::assemble::graph::{faces, options, rests};
 use crate::scene::assemble::names::{configuration, locked};
 use crate::scene::assemble::scene::{Loader, Scene, SceneFile, SceneOrigin};
 use crate::scene::assemble::{goal, pairs, part, suggest, timing};
@@ -11,6 +11,7 @@ use crate::scene::reading::keys::{File, Item, Keys};
 use crate::scene::sources::follower_limits;
 use crate::scene::sources::package::PackagePath;
 use crate::scene::sources::source::{Place, SceneBase, folder_of, locate, sha256};
+use foliate_components::constraint::Rests;
 use foliate_components::problem::Problem;
 use foliate_components::robot::{ComposeError, PartIndex, Robot};
 use std::collections::HashMap;
@@ -40,7 +41,7 @@ pub(crate) fn load(name: &str, text: &str, base: SceneBase, packages: &PackagePa
     let part_items = keys.required("part")?;
     let items = part_items.list()?;
     let parts = parts(&mut keys, (&part_items, &items), &mut loader)?;
-    let robot = compose(&part_items, &parts)?;
+    let mut robot = compose(&part_items, &parts)?;
     loader.warnings.extend(narrowed(&robot, &parts));
 
     configuration::refuse_twins(&robot, &items)?;
@@ -60,6 +61,9 @@ pub(crate) fn load(name: &str, text: &str, base: SceneBase, packages: &PackagePa
     let cost = timing::cost(&mut keys)?;
     let suggestions = suggest::read(&mut keys, &robot)?;
     keys.finish()?;
+    if graph.rests != Rests::Centre {
+        robot.surfaces.iter_mut().for_each(faces::join);
+    }
     let problem =
         Problem { name: scene_name, robot, graph, ignored_pairs, margins, start, goals, suggestions, timing, cost };
     let parts = parts.into_iter().map(|p| p.source).collect();

@@ -1,7 +1,7 @@
 //! How much memory a search takes, counted from what it has done: budgets then depend on no clock, no thread and no other search.
 //!
 //! What is counted is what grows: the roadmap, unvalidated edges, a lazy graph, what is compiled of transitions when they are first
-//! tried, and what the scheduler says of itself ([`SchedulerBytes`]). `tests/memory_has_a_limit.rs` compares it with the process.
+//! tried, the pool of placements, and what the scheduler says of itself ([`SchedulerBytes`]). `tests/memory_has_a_limit.rs` compares it with the process.
 
 use crate::exploration::edges::UnvalidatedByEnd;
 use crate::planning_model::model::PlanningModel;
@@ -16,6 +16,10 @@ const PER_GRAPH_BYTE: u64 = 3;
 /// What the resources of a scheduler take, bytes. A scheduler whose resources grow writes it before set Conclude.
 #[derive(Clone, Copy, Debug, Default, Resource)]
 pub struct SchedulerBytes(pub u64);
+
+/// What the pool of placements takes, bytes ([`crate::heuristic::placements`]).
+#[derive(Clone, Copy, Debug, Default, Resource)]
+pub struct PlacementBytes(pub u64);
 
 /// What has been compiled for this search, by any search that shares the model.
 #[derive(Clone, Debug, Default, Resource)]
@@ -67,14 +71,15 @@ pub fn taken(
     roadmap: &RoadmapStore,
     unvalidated_edges: &UnvalidatedByEnd,
     compiled: &Compiled,
-    scheduler: &SchedulerBytes,
+    (scheduler, placements): (&SchedulerBytes, &PlacementBytes),
 ) -> u64 {
     let graph = if model.graph.lazy { PER_GRAPH_BYTE * model.graph.bytes() } else { 0 };
-    roadmap.bytes() + unvalidated_edges.bytes() + compiled.bytes() + graph + scheduler.0
+    roadmap.bytes() + unvalidated_edges.bytes() + compiled.bytes() + graph + scheduler.0 + placements.0
 }
 
 /// As [`taken`], of the search in a world.
 #[must_use]
 pub fn taken_in(world: &World) -> u64 {
-    taken(world.resource(), world.resource(), world.resource(), world.resource(), world.resource())
+    let own = (world.resource(), world.resource());
+    taken(world.resource(), world.resource(), world.resource(), world.resource(), own)
 }

@@ -1,7 +1,7 @@
 //! Hands that open and close: which grippers have fingers, which bound of a finger is the open one, and how far the fingers close on a
 //! handle.
 
-use crate::planning_model::graph::attachment_order::{grasp_of, is_beyond};
+use crate::planning_model::graph::attachment_order::{chains, grasp_of, is_beyond};
 use crate::planning_model::graph::support_placement::relative_pose_residual;
 use foliate_components::Pose;
 use foliate_components::constraint::{Grasp, Mask};
@@ -29,12 +29,16 @@ const NEARLY: f64 = 2e-6;
 
 /// Steps of a closing hand at most.
 const MOST_STEPS: usize = 200;
-
+/// Places between pregrasp and grasp at which the width of the object is measured, at most.
+const MOST_PLACES: f64 = 100.0;
 /// Turns about a free axis of a grasp at which the width of the object is measured.
 const TURNS: usize = 8;
 
-/// By gripper and handle: the shares of the way from open to shut at which the hand has closed.
-pub(crate) type Closings = HashMap<(GripperIndex, HandleIndex), OnceLock<f64>>;
+/// By gripper and handle: of each finger of the hand the share of its way from open to shut, found when it is first asked for.
+pub(crate) type FingerShares = HashMap<(GripperIndex, HandleIndex), OnceLock<Vec<f64>>>;
+
+/// What distances of fingers are measured with.
+pub(crate) type Tables<'t> = (&'t Problem, &'t Kinematics, &'t CollisionScene);
 
 /// The hands of a problem: those that it names, and those that the structure of the robot has.
 #[must_use]
@@ -117,28 +121,54 @@ fn holds_at_start(problem: &Problem, kinematics: &Kinematics, hand: &Hand) -> bo
         .any(|(_, grasp)| grasp.standoff <= 0.0 || relative_pose_residual(&grasp.constraint(), &X_WJ) <= HOLDS)
 }
 
-/// The table of closings, none measured yet.
+/// A table of all grasps of hands with fingers, none measured yet.
 #[must_use]
-pub(crate) fn closings(problem: &Problem) -> Closings {
+pub(crate) fn shares(problem: &Problem) -> FingerShares {
     let hands = problem.graph.hands.iter().filter(|hand| !hand.fingers.is_empty());
     let grippers = hands.flat_map(|hand| hand.grippers.iter().copied());
     let grasps = grippers.flat_map(|gripper| grasps_of(problem, gripper).map(move |(handle, _)| (gripper, handle)));
     grasps.map(|grasp| (grasp, OnceLock::new())).collect()
 }
 
-/// The share of the way from open to shut at which a hand has closed on a handle: where a finger is [`FINGER_GAP`] from the body of the
-/// handle or from another finger, or wholly shut. Where the grasp leaves a turn free, where that is so first for any turn.
+/// How far each finger of a hand has closed on a handle, as a share of its way from open to shut: until it is [`FINGER_GAP`] from the body of
+/// the handle or from another finger, or wholly shut. Where the grasp leaves a turn free, where that is so first for any turn.
 #[must_use]
-pub(crate) fn closing(
-    (problem, kinematics, scene): (&Problem, &Kinematics, &CollisionScene),
+pub(crate) fn closing(tables: Tables<'_>, hand: &Hand, grasp: (GripperIndex, HandleIndex)) -> Vec<f64> {
+    narrowed(tables, hand, grasp, (0.0, FINGER_GAP))
+}
+
+/// As [`closing`], for fingers that stay `clearance` metres off all along the way from the pregrasp to the grasp.
+#[must_use]
+pub(crate) fn ready(
+    tables: Tables<'_>,
     hand: &Hand,
     (gripper, handle): (GripperIndex, HandleIndex),
-) -> f64 {
-    let Ok(grasp) = grasp_of(problem, gripper, handle) else { return 1.0 };
+    clearance: f64,
+) -> Vec<f64> {
+    let standoff = grasp_of(tables.0, gripper, handle).map_or(0.0, |grasp| grasp.standoff);
+    narrowed(tables, hand, (gripper, handle), (standoff, clearance.max(FINGER_GAP)))
+}
+
+/// How far fingers may close that stay `gap` metres off, where the handle is anywhere up to `standoff` metres ahead of the gripper.
+fn narrowed(
+    (problem, kinematics, scene): Tables<'_>,
+    hand: &Hand,
+    (gripper, handle): (GripperIndex, HandleIndex),
+    (standoff, gap): (f64, f64),
+) -> Vec<f64> {
+    let mut least = vec![1.0; hand.fingers.len()];
+    let Ok(grasp) = grasp_of(problem, gripper, handle) else { return least };
     let mut measurement = Measurement::new(problem, kinematics, scene);
     let pairs = measurement.finger_pairs(hand, handle);
+    let steps = (standoff / gap).ceil().clamp(0.0, MOST_PLACES);
+    let ahead = (0..=steps as usize).map(|step| standoff * step as f64 / steps.max(1.0));
     let turns = free_turns(grasp.mask);
-    turns.into_iter().map(|turn| measurement.closing_at(hand, &grasp, &pairs, turn)).fold(1.0, f64::min)
+    let places = ahead.flat_map(|ahead| turns.iter().map(move |turn| Pose::from_translation(DVec3::X * ahead) * *turn));
+    for X_GH in places {
+        let shares = measurement.closing_at(hand, &grasp, &pairs, (X_GH, gap));
+        least.iter_mut().zip(shares).for_each(|(least, share)| *least = least.min(share));
+    }
+    least
 }
 
 /// Measures distances of fingers, at the start of a problem with some joints elsewhere.
@@ -223,43 +253,64 @@ impl<'a> Measurement<'a> {
             .any(|joint| matches!(joints[joint.at()].source, Source::Follows { leader: l, .. } if l == leader))
     }
 
-    /// Conservative advancement: the fingers close by as much as they cannot touch within.
-    fn closing_at(&mut self, hand: &Hand, grasp: &Grasp, pairs: &[FingerPair], turn: Pose) -> f64 {
-        let mut share = 0.0;
+    /// Conservative advancement: the fingers close by as much as they cannot touch within, with the handle at `X_GH` in the gripper. All go
+    /// on alike until one is within `gap` metres of something; its chain then stands still, and the others go on.
+    fn closing_at(&mut self, hand: &Hand, grasp: &Grasp, pairs: &[FingerPair], (X_GH, gap): (Pose, f64)) -> Vec<f64> {
+        let joints: Vec<_> = hand.fingers.iter().map(|finger| finger.joint).collect();
+        let chains = chains(&self.problem.robot, &joints);
+        let mut shares = vec![0.0; hand.fingers.len()];
+        let mut moves = vec![true; hand.fingers.len()];
         for _ in 0..MOST_STEPS {
-            let values: Vec<_> = hand.fingers.iter().map(|finger| finger.joint).zip(hand.at(share)).collect();
-            self.set(values.into_iter());
+            let at = hand.fingers.iter().zip(&shares).map(|(finger, share)| (finger.joint, finger.at(*share)));
+            self.set(at);
             let X_WG = grasp.gripper.joint.map_or(Pose::IDENTITY, |body| self.X_WJ[body.at()])
                 * grasp.gripper.joint_from_frame;
-            let X_WB = X_WG * turn * grasp.handle.joint_from_frame.inverse();
-            let mut step = 1.0 - share;
+            let X_WB = X_WG * X_GH * grasp.handle.joint_from_frame.inverse();
+            let moving = (0..shares.len()).filter(|&finger| moves[finger]);
+            let mut step = moving.map(|finger| 1.0 - shares[finger]).fold(f64::INFINITY, f64::min);
+            let mut stopped = Vec::new();
             for pair in pairs {
-                let room = pair.clearance(self.scene, &self.X_WJ, X_WB, FINGER_GAP + step * pair.speed) - FINGER_GAP;
-                step = step.min(if room > NEARLY { room / pair.speed } else { 0.0 });
+                let speed: f64 =
+                    pair.speeds.iter().zip(&moves).filter(|(_, moves)| **moves).map(|(speed, _)| speed).sum();
+                if speed <= 0.0 {
+                    continue;
+                }
+                let room = pair.clearance(self.scene, &self.X_WJ, X_WB, gap + step * speed) - gap;
+                if room > NEARLY {
+                    step = step.min(room / speed);
+                } else {
+                    stopped.extend((0..shares.len()).filter(|&finger| pair.speeds[finger] > 0.0));
+                }
             }
+            if stopped.is_empty() {
+                shares.iter_mut().zip(&moves).filter(|(_, moves)| **moves).for_each(|(share, _)| *share += step);
+            }
+            let stops = |chain: &&Vec<usize>| chain.iter().any(|finger| stopped.contains(finger));
+            chains.iter().filter(stops).flatten().for_each(|&finger| moves[finger] = false);
             // Compared so that NaN ends it.
-            let goes_on = step > 0.0;
+            let goes_on = step > 0.0 && moves.contains(&true);
             if !goes_on {
                 break;
             }
-            share += step;
         }
-        share
+        shares
     }
 
-    /// How fast a point of a body moves at most while a hand closes, metres over its whole way.
-    fn speed(&self, hand: &Hand, body: Option<JointIndex>) -> f64 {
+    /// How fast each finger moves points of a body at most while it closes, metres over its whole way.
+    fn speeds(&self, hand: &Hand, body: Option<JointIndex>) -> Vec<f64> {
         let joints = &self.problem.robot.joints;
-        let range = |joint: JointIndex| {
-            let of =
-                |joint: JointIndex| hand.fingers.iter().find(|f| f.joint == joint).map(|f| (f.open - f.closed).abs());
-            match joints[joint.at()].source {
-                Source::Coordinates { .. } => of(joint),
-                Source::Follows { leader, multiplier, .. } => of(leader).map(|range| range * multiplier.abs()),
+        let mut speeds = vec![0.0; hand.fingers.len()];
+        for joint in std::iter::successors(body, |body| joints[body.at()].parent) {
+            let (leader, factor) = match joints[joint.at()].source {
+                Source::Coordinates { .. } => (joint, 1.0),
+                Source::Follows { leader, multiplier, .. } => (leader, multiplier.abs()),
+            };
+            if let Some(finger) = hand.fingers.iter().position(|finger| finger.joint == leader) {
+                let range = (hand.fingers[finger].open - hand.fingers[finger].closed).abs();
+                speeds[finger] += range * factor * self.reach(joint);
             }
-        };
-        let above = std::iter::successors(body, |body| joints[body.at()].parent);
-        above.filter_map(|joint| Some(range(joint)? * self.reach(joint))).sum()
+        }
+        speeds
     }
 
     /// How far from its axis a joint moves points, metres per radian; 1 where it slides.
@@ -291,15 +342,15 @@ impl<'a> Measurement<'a> {
         let mut pairs = Vec::new();
         for pair in self.scene.pairs() {
             let shapes = [pair.first.at(), pair.second.at()];
-            let speeds = shapes.map(|shape| self.speed(hand, solids[shape].body));
+            let speeds = shapes.map(|shape| self.speeds(hand, solids[shape].body));
             let [a, b] = shapes.map(|shape| is_held(solids[shape].link));
             let pair = |finger: usize, other: usize, holds: bool| FingerPair {
                 finger: shapes[finger],
                 other: shapes[other],
                 holds,
-                speed: speeds[0] + speeds[1],
+                speeds: speeds[0].iter().zip(&speeds[1]).map(|(a, b)| a + b).collect(),
             };
-            match speeds.map(|speed| speed > 0.0) {
+            match [0, 1].map(|shape| speeds[shape].iter().any(|speed| *speed > 0.0)) {
                 [true, true] => pairs.push(pair(0, 1, false)),
                 [true, false] if b => pairs.push(pair(0, 1, true)),
                 [false, true] if a => pairs.push(pair(1, 0, true)),
@@ -316,8 +367,8 @@ struct FingerPair {
     other: usize,
     /// Whether the other one is of the body that is held, and not another finger.
     holds: bool,
-    /// How fast they come closer at most, metres over the whole way from open to shut.
-    speed: f64,
+    /// How fast each finger of the hand brings them closer at most, metres over its whole way from open to shut.
+    speeds: Vec<f64>,
 }
 
 impl FingerPair {

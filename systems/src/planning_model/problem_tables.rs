@@ -6,11 +6,11 @@
 use crate::events::StopSignal;
 use crate::planning_model::graph::snapping::{Snapped, snap};
 use crate::planning_model::hands;
-use crate::planning_model::hands::Closings;
+use crate::planning_model::hands::FingerShares;
 use foliate_components::constraint::{Constraint, Locked, LockedValue};
 use foliate_components::coverage::LeftOutPair;
 use foliate_components::graph::{ConstraintKind, Opening};
-use foliate_components::problem::{Goal, JointRest, Problem};
+use foliate_components::problem::{Approach, Goal, JointRest, Problem};
 use foliate_components::robot::{JointIndex, JointType, LinkIndex, PartKind, Robot, Source};
 use foliate_kernels::collision::{CollisionScene, PairRule, PairSet};
 use foliate_kernels::kinematics::Kinematics;
@@ -39,7 +39,9 @@ pub struct ProblemTables {
     /// Every pair, for verdicts.
     pub(crate) all_pairs: PairSet,
     /// Where the fingers of a hand are that holds a handle, found when it is first asked for.
-    pub(crate) closed: Closings,
+    pub(crate) closed: FingerShares,
+    /// Where they are that approach a handle as far open as they need.
+    pub(crate) ready: FingerShares,
 }
 
 impl ProblemTables {
@@ -64,11 +66,12 @@ impl ProblemTables {
         let kinematics = Kinematics::new(&problem.robot);
         let snapped = snap(&mut problem, &kinematics);
         problem.graph.hands = hands::complete(&problem, &still, &kinematics, &collision);
-        let closed = hands::closings(&problem);
+        let [closed, ready] = [hands::shares(&problem), hands::shares(&problem)];
         let robot = &problem.robot;
         Self {
             snapped,
             closed,
+            ready,
             uninvolved: uninvolved_joints(&problem),
             kinematics,
             weights: coordinate_weights(robot),
@@ -97,13 +100,20 @@ impl ProblemTables {
     pub fn finger_value(&self, hand: u32, finger: u32, opening: Opening) -> Option<f64> {
         let hand = self.problem.graph.hands.get(hand as usize)?;
         let record = hand.fingers.get(finger as usize)?;
+        let tables = (&self.problem, &self.kinematics, &self.collision);
         match opening {
             Opening::Travel => record.travel,
             Opening::Wide => Some(record.open),
             Opening::Closed { gripper, handle } => {
-                let tables = (&self.problem, &self.kinematics, &self.collision);
                 let closing = || hands::closing(tables, hand, (gripper, handle));
-                hand.at(*self.closed.get(&(gripper, handle))?.get_or_init(closing)).nth(finger as usize)
+                let shares = self.closed.get(&(gripper, handle))?.get_or_init(closing);
+                Some(record.at(*shares.get(finger as usize)?))
+            }
+            Opening::Ready { gripper, handle } => {
+                let Approach::AsNeeded { clearance } = self.problem.graph.approach else { return Some(record.open) };
+                let ready = || hands::ready(tables, hand, (gripper, handle), clearance);
+                let shares = self.ready.get(&(gripper, handle))?.get_or_init(ready);
+                Some(record.at(*shares.get(finger as usize)?))
             }
         }
     }

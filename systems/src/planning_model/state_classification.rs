@@ -318,7 +318,7 @@ fn nearest_state(
     let mut nearest = NearestState::new(state, constraint, error);
     if let ConstraintKind::Placement { object, on } = kind {
         let place = model.objects()[object as usize].placement_on(on);
-        nearest.off = place.and_then(|place| place.resting.off(X_WJ));
+        nearest.off = place.and_then(|place| place.resting.off(X_WJ)).map(Box::new);
     }
     nearest
 }

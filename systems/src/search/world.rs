@@ -5,7 +5,7 @@
 use crate::events::{EventSink, StopSignal};
 use crate::exploration::edges::{Connections, UnvalidatedByEnd};
 use crate::exploration::entities::{NewNodes, TransitionWeights};
-use crate::exploration::memory::{Compiled, SchedulerBytes};
+use crate::exploration::memory::{Compiled, PlacementBytes, SchedulerBytes};
 use crate::exploration::neighbours::index::Neighbours;
 use crate::exploration::reached_leaves::ReachedLeaves;
 use crate::exploration::roadmap_query::{insert_roadmap, roadmap_in};
@@ -45,6 +45,7 @@ pub(crate) fn empty_world(
     world.init_resource::<Connections>();
     world.init_resource::<UnvalidatedByEnd>();
     world.init_resource::<SchedulerBytes>();
+    world.init_resource::<PlacementBytes>();
     world.init_resource::<Compiled>();
     world.init_resource::<ReachedLeaves>();
     world.init_resource::<crate::heuristic::leaf_heuristic::LeafHeuristic>();

@@ -3,7 +3,7 @@
 use crate::events::{EventSink, Feedback, MOST_STATES, MOST_TRANSITIONS, SearchEvent, StopSignal, TransitionFeedback};
 use crate::exploration::edges::UnvalidatedByEnd;
 use crate::exploration::memory;
-use crate::exploration::memory::{Compiled, SchedulerBytes};
+use crate::exploration::memory::{Compiled, PlacementBytes, SchedulerBytes};
 use crate::exploration::roadmap_query::RoadmapQuery;
 use crate::exploration::roots::{Ending, Roots};
 use crate::goals::sampler::GoalSampler;
@@ -32,6 +32,7 @@ pub fn conclude(
     goals: Res<'_, GoalSampler>,
     compiled: Res<'_, Compiled>,
     scheduler: Res<'_, SchedulerBytes>,
+    placements: Res<'_, PlacementBytes>,
     mut ending: ResMut<'_, Ending>,
 ) {
     let roadmap = roadmap.view();
@@ -41,7 +42,7 @@ pub fn conclude(
     } else if solved {
         Some(SearchOutcome::Solved)
     } else if roadmap.nodes().len() >= settings.max_nodes
-        || memory::taken(&model, &store, &unvalidated_edges, &compiled, &scheduler) >= settings.max_bytes
+        || memory::taken(&model, &store, &unvalidated_edges, &compiled, (&scheduler, &placements)) >= settings.max_bytes
     {
         Some(SearchOutcome::MemoryLimit)
     } else if let Some(why) = no_goal(&roots, &goals, &model, &settings) {

@@ -3,9 +3,12 @@
 use crate::scene::assemble::names::frame::one_of;
 use crate::scene::assemble::names::locked::{scalar_joint, within};
 use crate::scene::reading::error::SceneError;
-use crate::scene::reading::keys::Item;
-use foliate_components::problem::{Finger, Hand};
+use crate::scene::reading::keys::{Item, Keys};
+use foliate_components::problem::{Approach, Finger, Hand};
 use foliate_components::robot::{GripperIndex, JointIndex, Robot};
+
+/// How far fingers that approach stay off what they are to grasp where a scene does not say, metres.
+const APPROACH_CLEARANCE: f64 = 5e-3;
 
 /// `hands = { "robot/gripper" = { fingers = { "robot/joint" = { open = …, closed = … } } } or "planned" }`. `gripper` finds the gripper of a
 /// name.
@@ -50,6 +53,17 @@ pub(super) fn read(
         }
     }
     Ok(hands)
+}
+
+/// `approach = "wide"` or `"as-needed"`, and `approach_clearance`.
+pub(super) fn approach(keys: &mut Keys<'_>) -> Result<Approach, SceneError> {
+    let words = [("wide", Approach::Wide), ("as-needed", Approach::AsNeeded { clearance: APPROACH_CLEARANCE })];
+    let approach = keys.optional("approach").map_or(Ok(Approach::default()), |item| one_of(&item, &words))?;
+    let Some(item) = keys.optional("approach_clearance") else { return Ok(approach) };
+    match approach {
+        Approach::Wide => Err(item.error("has no meaning with approach = \"wide\"").hint("it is of \"as-needed\"")),
+        Approach::AsNeeded { .. } => Ok(Approach::AsNeeded { clearance: item.distance()? }),
+    }
 }
 
 /// `{ open = …, closed = …, travel = … }`: values of the joint, metres or radians.

@@ -69,6 +69,7 @@ pub(crate) fn read(
     if let Some(item) = keys.optional("hands") {
         options.hands = hands::read(&item, robot, &options.locked, |item, name| named_gripper(item, name, robot))?;
     }
+    options.approach = hands::approach(&mut keys)?;
     written::read(&mut keys, &mut options)?;
     keys.finish()?;
     Ok(options)

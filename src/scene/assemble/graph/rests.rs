@@ -7,16 +7,13 @@ use foliate_components::constraint::Rests;
 use foliate_components::problem::GraphOptions;
 use foliate_components::robot::{CentreSource, Robot};
 
-/// How far inside both polygons the centre of mass must be where a scene does not say, metres.
-const STABLE_MARGIN: f64 = 5e-3;
-
 pub(in crate::scene::assemble) fn read(keys: &mut Keys<'_>) -> Result<Rests, SceneError> {
     let words = [
         ("centre", Rests::Centre),
-        ("stable", Rests::Stable { margin: STABLE_MARGIN }),
+        ("stable", Rests::Stable { margin: Rests::STABLE_MARGIN }),
         ("whole-face", Rests::WholeFace { margin: 0.0 }),
     ];
-    let rests = keys.optional("rests").map_or(Ok(Rests::Centre), |item| one_of(&item, &words))?;
+    let rests = keys.optional("rests").map_or(Ok(Rests::default()), |item| one_of(&item, &words))?;
     let Some(item) = keys.optional("rests_margin") else { return Ok(rests) };
     let margin = item.distance()?;
     match rests {
@@ -43,7 +40,10 @@ pub(in crate::scene::assemble) fn remarks(scene: &str, robot: &Robot, options: &
             None => "the centre of the polygon that it lies on",
         };
         let message = format!("`{}` has no mass: {stands_for} stands for its centre of mass", robot[object.part].name);
-        Some(SceneError::new(scene, "graph.rests", message).hint("give its links an <inertial>"))
+        Some(
+            SceneError::new(scene, "graph.rests", message)
+                .hint("give its links an <inertial>, or say rests = \"centre\""),
+        )
     };
     lying.filter_map(remark).collect()
 }

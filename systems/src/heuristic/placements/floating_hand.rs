@@ -89,6 +89,15 @@ impl Way {
 }
 
 impl FloatingHands {
+    /// About how many bytes they take: pair sets, and poses of bodies by grasp.
+    pub(crate) fn bytes(&self, model: &Model) -> u64 {
+        let pair_sets = 1 + 2 * self.hands.len() as u64;
+        let poses = self.hands.iter().map(|hand| hand.wide.len()).sum::<usize>()
+            + self.grasps.iter().map(|grasp| grasp.closed.len()).sum::<usize>();
+        let poses = poses * size_of::<(JointIndex, Pose)>() + size_of_val(&*self.X_WJ) + size_of_val(&*self.start);
+        pair_sets * model.bytes_of_pairs() + (poses + size_of_val(&*self.grasps)) as u64
+    }
+
     /// The hands of the graph that may hold an object by its root; nothing where the object does not move or none can.
     pub(crate) fn of_object(model: &Model, object: u32) -> Option<Self> {
         let robot = &model.problem.robot;

@@ -5,6 +5,10 @@
 //! against both. What is in both trees connects start and goal; of the placements on the way, those at which the grasp
 //! has to change are *bridges*: the object can be brought there by some grasps, and taken away by others. Where hands carry the
 //! object from the start to the goal at once nothing is drawn: no placement between is needed for their sake.
+//!
+//! Only what is fixed in the world is in the way. Other objects are not, nor those that are at the same place in start and goal: a
+//! path may move them away, so a placement that they block may still be needed. Where none ever moves, candidates that
+//! aim at it fail, and it is aimed at less.
 
 use crate::heuristic::placements::drawing::Resting;
 use crate::heuristic::placements::floating_hand::{FloatingHands, HandScratch, Way};
@@ -197,6 +201,12 @@ impl ObjectPlacements {
             (grasp, wanting.count() as f64)
         };
         bits(graspable).map(wants)
+    }
+
+    /// About how many bytes it takes.
+    pub(crate) fn bytes(&self, model: &Model) -> u64 {
+        let members = self.members.iter().map(|members| size_of_val(&**members)).sum::<usize>();
+        (members + size_of_val(&*self.bridges)) as u64 + self.hands.bytes(model)
     }
 
     /// Whether more draws are wanted.

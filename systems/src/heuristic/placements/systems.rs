@@ -1,6 +1,7 @@
 //! The systems of the pool of placements: it grows before set Select chooses, candidates are aimed at it, and what came of them is
 //! counted after set Validate.
 
+use crate::exploration::memory::PlacementBytes;
 use crate::exploration::reached_leaves::{ReachedLeaves, StateLeaves};
 use crate::exploration::roadmap_query::roadmap_in;
 use crate::exploration::roots::Roots;
@@ -58,6 +59,8 @@ pub fn aim_at_placements(world: &mut World) {
             if step >= FIRST_STEP {
                 grow(objects, &model, world.resource::<SearchSettings>().seed);
             }
+            let bytes = objects.iter().map(|object| object.bytes(&model)).sum();
+            world.insert_resource(PlacementBytes(bytes));
             aim(world, &model, objects, aims);
         });
     });

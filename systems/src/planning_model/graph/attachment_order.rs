@@ -192,6 +192,20 @@ fn seen_from(problem: &Problem, frame: Frame, root: JointIndex) -> Option<Frame>
     Some(Frame { joint: Some(root), joint_from_frame: pose })
 }
 
+/// Which of some joints are in one chain, by number: one of two is beyond the other.
+#[must_use]
+pub(crate) fn chains(robot: &Robot, joints: &[JointIndex]) -> Vec<Vec<usize>> {
+    let joined = |a: JointIndex, b: JointIndex| is_beyond(robot, Some(a), b) || is_beyond(robot, Some(b), a);
+    let mut chains: Vec<Vec<usize>> = Vec::new();
+    for (number, joint) in joints.iter().enumerate() {
+        let is_of = |chain: &[usize]| chain.iter().any(|&other| joined(*joint, joints[other]));
+        let mut own: Vec<usize> = chains.extract_if(.., |chain| is_of(chain)).flatten().collect();
+        own.push(number);
+        chains.push(own);
+    }
+    chains
+}
+
 /// Whether a body is moved by a joint, directly or through others.
 #[must_use]
 pub fn is_beyond(robot: &Robot, body: Option<JointIndex>, joint: JointIndex) -> bool {

@@ -7,32 +7,35 @@
 //! | 3 | pre-placement | grasp, and the object lifted along the support's normal |
 //!
 //! Legs 01 and 12 lie in the state without the grasp, 23 in the state with it. A hand with fingers opens and closes in legs of its own,
-//! in states that are only passed through: in one the fingers move, in another they are wide open though the hand is empty. HPP's last leg
+//! in states that are only passed through: in one the fingers move, in another they are open though the hand is empty. HPP's last leg
 //! of either direction (34, 10) has no length, because the waypoint already satisfies the target: it is left out.
 
 use crate::planning_model::graph::builder::Builder;
 use crate::planning_model::graph::state_keys::StateKey;
 use crate::planning_model::graph::transitions::{Change, leg};
 use foliate_components::graph::{ConstraintId, ConstraintKind, Fingers, Leg, Opening, StateId};
+use foliate_components::problem::Approach;
 
 /// The states through which a hand with fingers passes between a state without a grasp and one with it.
 struct PassingStates {
     /// The hand.
     number: u32,
-    /// Whether it is wide open whenever it is empty; then it need not move its fingers beside an object.
-    travels_wide: bool,
+    /// How far it is open beside the object.
+    open: Opening,
+    /// Whether it is as far open whenever it is empty; then it need not move its fingers beside an object.
+    travels_open: bool,
     /// The grasp holds, and the fingers move.
     moving_full: StateId,
     /// The hand is empty, and the fingers move.
     moving_empty: StateId,
-    /// The hand is empty and wide open.
-    wide: StateId,
+    /// The hand is empty and open.
+    beside: StateId,
 }
 
 impl PassingStates {
-    /// The state in which the hand goes to a grasp or backs off: wide open, where it `has_opened`.
+    /// The state in which the hand goes to a grasp or backs off: open, where it `has_opened`.
     fn beside(&self, has_opened: bool, without: StateId) -> StateId {
-        if has_opened { self.wide } else { without }
+        if has_opened { self.beside } else { without }
     }
 }
 
@@ -45,8 +48,8 @@ impl Builder<'_> {
         if self.state_keys.has_pregrasp(gripper, handle) {
             let target = vec![self.constraint(ConstraintKind::Pregrasp { gripper, handle })];
             legs.push(leg(name, "01", without, target, false));
-            if let Some(hand) = hand.as_ref().filter(|hand| !hand.travels_wide) {
-                let mut target = self.opening(hand.number, Opening::Wide);
+            if let Some(hand) = hand.as_ref().filter(|hand| !hand.travels_open) {
+                let mut target = self.opening(hand.number, hand.open);
                 target.push(self.constraint(ConstraintKind::Pregrasp { gripper, handle }));
                 legs.push(leg(name, "1o", hand.moving_empty, target, true));
             }
@@ -83,7 +86,7 @@ impl Builder<'_> {
         }
         let has_pregrasp = self.state_keys.has_pregrasp(gripper, handle);
         if let Some(hand) = &hand {
-            let target = self.opening(hand.number, Opening::Wide).into_iter().chain(lost).collect();
+            let target = self.opening(hand.number, hand.open).into_iter().chain(lost).collect();
             legs.push(leg(name, "2o", hand.moving_full, target, true));
         }
         // Where another hand keeps the object, this one only backs off: random motion belongs to the loop of that state.
@@ -91,8 +94,8 @@ impl Builder<'_> {
             let beside = hand.as_ref().map_or(without, |hand| hand.beside(true, without));
             let target = vec![self.constraint(ConstraintKind::Pregrasp { gripper, handle })];
             legs.push(leg(name, "21", beside, target, true));
-            if let Some(hand) = hand.as_ref().filter(|hand| !hand.travels_wide) {
-                let mut target = self.opening(hand.number, Opening::Travel);
+            if let Some(hand) = hand.as_ref().filter(|hand| !hand.travels_open) {
+                let mut target = self.opening(hand.number, self.state_keys.travel(hand.number));
                 target.push(self.constraint(ConstraintKind::Pregrasp { gripper, handle }));
                 legs.push(leg(name, "1c", hand.moving_empty, target, true));
             }
@@ -118,14 +121,23 @@ impl Builder<'_> {
     fn passing_states(&mut self, change: Change) -> Option<PassingStates> {
         let (without, with) = (self.key(change.without), self.key(change.with));
         let number = self.state_keys.hand_of(change.gripper, &without.grasps)?;
-        let travels_wide = self.state_keys.travel(number) == Opening::Wide;
+        let Change { gripper, handle, .. } = change;
+        // Without a pregrasp there is no place beside the object at which the hand could open.
+        let is_wide =
+            self.state_keys.options.approach == Approach::Wide || !self.state_keys.has_pregrasp(gripper, handle);
+        let (open, beside) = match is_wide {
+            true => (Opening::Wide, Fingers::Wide(number)),
+            false => (Opening::Ready { gripper, handle }, Fingers::Ready { hand: number, gripper, handle }),
+        };
+        let travels_open = self.state_keys.travel(number) == open;
         let mut at = |key: &StateKey, fingers: Fingers| self.passing_state(StateKey { fingers, ..key.clone() });
         Some(PassingStates {
             number,
-            travels_wide,
+            open,
+            travels_open,
             moving_full: at(&with, Fingers::Moving(number)),
-            moving_empty: if travels_wide { change.without } else { at(&without, Fingers::Moving(number)) },
-            wide: if travels_wide { change.without } else { at(&without, Fingers::Wide(number)) },
+            moving_empty: if travels_open { change.without } else { at(&without, Fingers::Moving(number)) },
+            beside: if travels_open { change.without } else { at(&without, beside) },
         })
     }
     /// The pre-placements of those of the constraints that are placements.

@@ -208,6 +208,9 @@ impl<'a> StateKeys<'a> {
             Fingers::Moving(moving) if moving == hand => None,
             Fingers::Free => None,
             Fingers::Wide(wide) if wide == hand => Some(Opening::Wide),
+            Fingers::Ready { hand: ready, gripper, handle } if ready == hand => {
+                Some(Opening::Ready { gripper, handle })
+            }
             _ => Some(self.opening(hand, &key.grasps)),
         };
         let hands = (0u32..).zip(&self.options.hands);
@@ -313,6 +316,9 @@ impl<'a> StateKeys<'a> {
                 let name = match opening {
                     Opening::Travel => format!("travel_{finger}"),
                     Opening::Wide => format!("open_{finger}"),
+                    Opening::Ready { handle, .. } => {
+                        format!("open_{finger}_for_{}", self.robot.handles[handle.at()].name)
+                    }
                     Opening::Closed { handle, .. } => {
                         format!("close_{finger}_on_{}", self.robot.handles[handle.at()].name)
                     }
@@ -356,6 +362,9 @@ impl<'a> StateKeys<'a> {
             Fingers::Free => words.push("fingers move".into()),
             Fingers::Moving(hand) => words.push(format!("{} moves its fingers", gripper(hand))),
             Fingers::Wide(hand) => words.push(format!("{} is wide open", gripper(hand))),
+            Fingers::Ready { hand, handle, .. } => {
+                words.push(format!("{} is open for {}", gripper(hand), self.robot.handles[handle.at()].name));
+            }
         }
         words.join(" : ")
     }

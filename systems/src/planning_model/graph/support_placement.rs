@@ -125,7 +125,7 @@ impl SupportPlacement {
         let [x, y, z, ..] = placement::value(lying, contact, X_WJ);
         let tilt = (placement::pose(lying, contact, X_WJ).rotation * DVec3::X).angle_between(DVec3::X);
         // x points into the support.
-        Some(OffSupport::new(-x, y.hypot(z), tilt))
+        Some(OffSupport::new(-x, y.hypot(z), tilt, lying.rests))
     }
 
     /// Where exactly the object rests, given poses at which it does to within a projection's tolerance: its carrier, and
