@@ -2,11 +2,13 @@
 
 use crate::exploration::explored::Explored;
 use crate::exploration::reached_leaves::{LeafParameterColumns, ReachedLeaves};
+use crate::heuristic::blocking::MoveOrder;
 use crate::heuristic::grasp_distance::GraspDistance;
 use crate::heuristic::leaf_distance_table::{End, LeafDistanceTable};
 use crate::heuristic::pair_tables::PairTables;
 use crate::heuristic::weighted_leaves::{FOCUS, Weighted, WeightedLeaves};
 use crate::heuristic::weighted_sampling::{Reached, draw_weighted};
+use crate::planning_model::model::Model;
 use bevy_ecs::prelude::Resource;
 use foliate_components::graph::leaf::{Leaf, LeafId, LeafIndex};
 use foliate_components::graph::{ConstraintGraph, StateId, Transition};
@@ -31,6 +33,8 @@ pub struct LeafHeuristic {
     pub(crate) trees: Vec<Vec<WeightedLeaves>>,
     /// By leaf: candidates that started there.
     pub(crate) tries: Vec<u32>,
+    /// By leaf: changes of grasp that the way from there takes beyond its distance.
+    detours: Vec<u16>,
     /// Leaves on which the last step's candidates have started.
     touched: Vec<LeafId>,
     /// Leaves that no way leads to any more, by tree.
@@ -138,6 +142,30 @@ impl LeafHeuristic {
         }
     }
 
+    fn weighted(&self, leaf: LeafId, far: u16, tree: TreeId) -> Weighted {
+        let detours = self.detours.get(leaf.at()).copied().unwrap_or(0);
+        Weighted { leaf, far, detours, tries: self.tries[leaf.at()], lost: self.lost.contains(&(tree, leaf)) }
+    }
+
+    /// Hears what stands in the way from a new leaf to the likeliest leaf of another side.
+    pub(crate) fn follow_order(
+        &mut self,
+        model: &Model,
+        explored: &Explored<'_, '_>,
+        order: &mut MoveOrder,
+        (born, leaf): (TreeId, LeafId),
+    ) {
+        if !order.is_known() {
+            return;
+        }
+        let (own, leaves) = (explored.roadmap().tree(born), &explored.leaves);
+        let others = explored.roadmap().sides().filter(|&side| side != own);
+        let nearest = others.filter_map(|side| self.heaviest(side)).min();
+        let Some((_, target)) = nearest else { return };
+        self.detours.resize(leaves.leaves().len(), 0);
+        self.detours[leaf.at()] = order.detours(model, leaves, leaves.leaf(leaf), leaves.leaf(target));
+    }
+
     /// The leaves that a tree has reached, with what is known of each.
     fn gather(&self, reached: &ReachedLeaves, roadmap: Roadmap<'_>, tree: TreeId) -> Vec<WeightedLeaves> {
         let mut states: Vec<(StateId, Vec<Weighted>)> = Vec::new();
@@ -148,7 +176,7 @@ impl LeafHeuristic {
                 let entry = |(index, &place): (usize, &u32)| {
                     let leaf = list[place as usize];
                     let far = nearest.to_others(roadmap, tree, index).unwrap_or(0);
-                    Weighted { leaf, far, tries: self.tries[leaf.at()], lost: self.lost.contains(&(tree, leaf)) }
+                    self.weighted(leaf, far, tree)
                 };
                 let new = columns.places[..nearest.known].iter().enumerate().map(entry);
                 let at = states.partition_point(|(state, _)| *state < columns.state);
@@ -368,7 +396,7 @@ impl LeafHeuristic {
             }
         }
         let far = far.iter().map(|&(_, far)| far).min().unwrap_or(0);
-        let new = Weighted { leaf: id, far, tries: self.tries[id.at()], lost: self.lost.contains(&(own, id)) };
+        let new = self.weighted(id, far, own);
         let states = &mut self.trees[own.at()];
         match in_state(states, state) {
             Some(leaves) => leaves.insert(new),

@@ -2,6 +2,7 @@
 
 use crate::exploration::explored::Explored;
 use crate::heuristic::leaf_heuristic::{HeuristicScratch, LeafHeuristic, Measured};
+use crate::heuristic::blocking::MoveOrder;
 use crate::planning_model::model::PlanningModel;
 use crate::runtime::parallel::LEAST_SHARED;
 use crate::runtime::random::{Purpose, draw, stream};
@@ -18,14 +19,12 @@ use rayon::prelude::*;
 /// leaves are few among many.
 const GREEDY: f64 = 0.5;
 
-/// So many changes of grasp, two objects moved, are not much.
-const NEAR: u16 = 4;
-
 /// Measures the leaves that the last step has reached, each against all others.
 pub fn measure_leaves(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
     explored: Explored<'_, '_>,
+    mut order: ResMut<'_, MoveOrder>,
     mut heuristic: ResMut<'_, LeafHeuristic>,
 ) {
     let heuristic = &mut *heuristic;
@@ -44,6 +43,7 @@ pub fn measure_leaves(
     for born in (0..trees as u32).map(TreeId) {
         let list = &explored.reached.by_born_tree[born.at()];
         for &leaf in &list[heuristic.measured[born.at()].known..] {
+            heuristic.follow_order(&model, &explored, &mut order, (born, leaf));
             heuristic.measure(&model.graph, &explored, settings.level, (born, leaf));
         }
     }
@@ -56,6 +56,7 @@ pub fn choose_leaves(
     step: Res<'_, StepCounter>,
     explored: Explored<'_, '_>,
     heuristic: Res<'_, LeafHeuristic>,
+    order: Res<'_, MoveOrder>,
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
     if settings.selection != Selection::Guided {
@@ -64,8 +65,8 @@ pub fn choose_leaves(
     let weigh = |tree: TreeId| {
         let states = &heuristic.trees[tree.at()];
         let drawn = states.iter().map(|state| (state, state.weight())).collect::<Vec<_>>();
-        let far = heuristic.heaviest(tree).filter(|(far, _)| *far > NEAR);
-        (tree, far.map(|(_, leaf)| leaf), drawn)
+        let heaviest = heuristic.heaviest(tree).filter(|_| order.is_known());
+        (tree, heaviest.map(|(_, leaf)| leaf), drawn)
     };
     let trees: Vec<_> = explored.roadmap().sides().map(weigh).collect();
     let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive() && c.near.is_none()).collect();

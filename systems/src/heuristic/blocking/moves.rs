@@ -1,0 +1,175 @@
+//! Which objects to move next on the way from one leaf to another.
+
+use crate::heuristic::blocking::buffers::Buffers;
+use crate::heuristic::blocking::dependencies::Dependencies;
+use crate::heuristic::blocking::exclusions::Exclusions;
+use crate::planning_model::model::Model;
+use bevy_ecs::prelude::Resource;
+use foliate_components::graph::leaf::{Leaf, LeafIndex, ParameterId};
+use foliate_components::graph::{ConstraintGraph, ConstraintId, Transition, TransitionId, TransitionKind};
+
+/// So many objects that are elsewhere in the goal are few.
+const FEW: usize = 2;
+
+/// What is left of the weight of taking an object that waits for others, and of one that has to be set aside while others can go.
+const WAITING: f64 = 0.05;
+const LATER: f64 = 0.1;
+
+/// What is left of the weight of setting an object down where another is.
+const TAKEN: f64 = 0.02;
+
+/// How much likelier an object is set down anywhere while its target is taken.
+const ASIDE: f64 = 4.0;
+
+/// Changes of grasp that an object adds which has to be set aside, and one that is held while its target is taken.
+const DETOUR: u16 = 2;
+const HELD: u16 = 1;
+
+/// The order of moves; nothing is known, and all is as likely as without, where few objects move.
+#[derive(Clone, Debug, Default, Resource)]
+pub struct MoveOrder {
+    pub(crate) known: Option<Known>,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct Known {
+    pub(crate) exclusions: Exclusions,
+    pub(crate) buffers: Buffers,
+    /// By transition: what it does with an object.
+    moves: Vec<Option<Move>>,
+}
+
+/// What a transition does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Move {
+    /// It takes an object from where it rests.
+    Take(usize),
+    /// It sets an object down.
+    Put(usize),
+    Other,
+}
+
+/// What there is to move on the way from one leaf to another.
+#[derive(Clone, Debug)]
+pub(crate) struct Order {
+    /// By object: where it rests in either leaf.
+    pub(crate) here: Vec<Option<ParameterId>>,
+    pub(crate) there: Vec<Option<ParameterId>>,
+    dependencies: Dependencies,
+    pub(crate) aside: Vec<usize>,
+    /// Whether some object can go to its target at once.
+    is_any_free: bool,
+}
+
+impl MoveOrder {
+    /// Learns which objects there are, where so many are elsewhere in all goals.
+    pub(crate) fn begin(&mut self, model: &Model, start: &Leaf, goals: &[&Leaf]) {
+        let least = goals.iter().map(|goal| displaced(&model.graph, start, goal)).min().unwrap_or(0);
+        if self.known.is_none() && least > FEW {
+            let (exclusions, moves) = (Exclusions::new(model), Vec::new());
+            self.known = Some(Known { exclusions, buffers: Buffers::default(), moves });
+        }
+    }
+
+    /// Whether many objects move.
+    #[must_use]
+    pub fn is_known(&self) -> bool {
+        self.known.is_some()
+    }
+
+    /// Changes of grasp that the way from one leaf to another takes beyond one by one: objects that wait in circles are moved twice.
+    pub(crate) fn detours(&mut self, model: &Model, leaves: &LeafIndex, from: &Leaf, to: &Leaf) -> u16 {
+        let Some(known) = &mut self.known else { return 0 };
+        let order = known.order(model, leaves, from, to);
+        let is_held = |&object: &usize| {
+            order.here[object].is_none() && order.there[object].is_some() && order.dependencies.waits(object)
+        };
+        let held = (0..order.here.len()).filter(is_held).count() as u16;
+        DETOUR * order.aside.len() as u16 + HELD * held
+    }
+
+    /// How much likelier each of some transitions gets on the way from one leaf to another by what stands in the way.
+    pub fn preferences<'t>(
+        &mut self,
+        model: &Model,
+        leaves: &LeafIndex,
+        (from, to): (&Leaf, &Leaf),
+        transitions: impl Iterator<Item = (TransitionId, &'t Transition)>,
+    ) -> Option<Vec<f64>> {
+        let known = self.known.as_mut()?;
+        let order = known.order(model, leaves, from, to);
+        Some(transitions.map(|(id, transition)| order.weight(known.what(&model.graph, id), transition)).collect())
+    }
+}
+
+impl Known {
+    /// What a transition does with an object.
+    pub(crate) fn what(&mut self, graph: &ConstraintGraph, id: TransitionId) -> Move {
+        if self.moves.len() <= id.at() {
+            self.moves.resize(id.at() + 1, None);
+        }
+        let objects = &self.exclusions.objects;
+        let find = || {
+            let transition = graph.transition(id);
+            let has = |state, constraint: ConstraintId| graph.state(state).foliation.contains(&constraint);
+            let changed = objects.iter().enumerate().find_map(|(number, object)| {
+                match (has(transition.from, object.constraint), has(transition.to, object.constraint)) {
+                    (true, false) => Some(Move::Take(number)),
+                    (false, true) => Some(Move::Put(number)),
+                    _ => None,
+                }
+            });
+            changed.unwrap_or(Move::Other)
+        };
+        *self.moves[id.at()].get_or_insert_with(find)
+    }
+
+    /// See [`Order`].
+    pub(crate) fn order(&mut self, model: &Model, leaves: &LeafIndex, from: &Leaf, to: &Leaf) -> Order {
+        let rests = |leaf: &Leaf| -> Vec<Option<ParameterId>> {
+            let objects = self.exclusions.objects.iter();
+            let value = |constraint| model.graph.value(leaf, constraint);
+            let fixed = |id: &ParameterId| leaves.parameter(*id).carrier.is_none();
+            objects.map(|object| value(object.constraint).filter(fixed)).collect()
+        };
+        let (here, there) = (rests(from), rests(to));
+        let mut waits_for = vec![Vec::new(); here.len()];
+        for (object, target) in there.iter().enumerate() {
+            if let Some(target) = target.filter(|&target| here[object] != Some(target)) {
+                waits_for[object] = self.exclusions.excluded(model, leaves, (object, target), &here);
+            }
+        }
+        let moves = |object: usize| here[object].is_some() && there[object].is_some() && here[object] != there[object];
+        let is_any_free = (0..here.len()).any(|object| moves(object) && waits_for[object].is_empty());
+        let dependencies = Dependencies::new(waits_for);
+        let aside = dependencies.to_set_aside();
+        Order { here, there, dependencies, aside, is_any_free }
+    }
+}
+
+impl Order {
+    /// Whether the target of an object is taken.
+    pub(crate) fn waits(&self, object: usize) -> bool {
+        self.dependencies.waits(object)
+    }
+
+    fn weight(&self, what: Move, transition: &Transition) -> f64 {
+        match what {
+            Move::Take(object) if !self.waits(object) => 1.0,
+            Move::Take(object) if self.aside.contains(&object) => {
+                if self.is_any_free { LATER } else { 1.0 }
+            }
+            Move::Take(_) => WAITING,
+            Move::Put(object) if self.waits(object) => {
+                if transition.kind == TransitionKind::Crossed { TAKEN } else { ASIDE }
+            }
+            Move::Put(_) | Move::Other => 1.0,
+        }
+    }
+}
+
+/// How many constraints have values in two leaves that are not the same.
+fn displaced(graph: &ConstraintGraph, a: &Leaf, b: &Leaf) -> usize {
+    let known = graph.state(a.state).foliation.iter().zip(&a.parameters);
+    known.filter(|&(&c, &value)| graph.value(b, c).is_some_and(|other| other != value)).count()
+}
