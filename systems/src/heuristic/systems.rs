@@ -17,7 +17,10 @@ use rayon::prelude::*;
 
 /// Share of the guided candidates that start from the leaf of the largest weight where much is to be moved: with many objects near
 /// leaves are few among many.
-const GREEDY: f64 = 0.5;
+const GREEDY: f64 = 0.75;
+
+/// Where much is to be moved the probability that a candidate is guided is raised to this power: moves that are drawn blindly lead away.
+const MOSTLY: f64 = 0.15;
 
 /// Measures the leaves that the last step has reached, each against all others.
 pub fn measure_leaves(
@@ -69,10 +72,11 @@ pub fn choose_leaves(
         (tree, heaviest.map(|(_, leaf)| leaf), drawn)
     };
     let trees: Vec<_> = explored.roadmap().sides().map(weigh).collect();
+    let guided = settings.guided_probability.powf(if order.is_known() { MOSTLY } else { 1.0 });
     let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive() && c.near.is_none()).collect();
     pool.par_iter_mut().with_min_len(LEAST_SHARED).for_each_init(HeuristicScratch::default, |scratch, candidate| {
         let mut rng = stream(settings.seed, Purpose::HEURISTIC, step.step, candidate.index);
-        if rng.random::<f64>() >= settings.guided_probability {
+        if rng.random::<f64>() >= guided {
             return;
         }
         let Some((tree, heaviest, states)) = trees.choose(&mut rng) else { return };

@@ -16,6 +16,9 @@ const DRAWN: usize = 32;
 /// Placements that are looked at when one is chosen.
 const LOOKED_AT: usize = 24;
 
+/// A placement that leaves one object more to set aside is so many times less likely.
+const CIRCLE: f64 = 16.0;
+
 /// A placement is chosen half as often after so many tries.
 const PATIENCE: f64 = 2.0;
 
@@ -32,7 +35,7 @@ struct Buffer {
 }
 
 impl Buffers {
-    /// Chooses a placement for an object that is free in the order's first leaf; the fewer targets of other objects it excludes, the likelier.
+    /// Chooses a placement for an object that is free in the order's first leaf; the fewer objects then wait in circles, the likelier.
     pub(crate) fn choose(
         &mut self,
         model: &Model,
@@ -54,8 +57,10 @@ impl Buffers {
             if !exclusions.excluded(model, leaves, (object, parameter), &order.here).is_empty() {
                 continue;
             }
-            let taken = exclusions.excluded(model, leaves, (object, parameter), &targets).len();
-            choices.push((number, 1.0 / ((1.0 + taken as f64).powi(2) * (1.0 + f64::from(tries) / PATIENCE))));
+            let waiting = exclusions.excluded(model, leaves, (object, parameter), &targets);
+            let circles = order.dependencies.moved(object, &waiting).to_set_aside().len();
+            let weight = CIRCLE.powi(-(circles as i32)) / (1.0 + waiting.len() as f64);
+            choices.push((number, weight / (1.0 + f64::from(tries) / PATIENCE)));
         }
         let number = draw(&choices, rng.random())?;
         buffers[number].tries += 1;

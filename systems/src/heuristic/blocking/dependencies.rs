@@ -16,6 +16,18 @@ impl Dependencies {
         !self.waits_for[object].is_empty()
     }
 
+    /// The same where an object rests elsewhere, so that these others wait for it.
+    pub(crate) fn moved(&self, object: usize, waiting: &[usize]) -> Self {
+        let mut waits_for = self.waits_for.clone();
+        for (other, others) in waits_for.iter_mut().enumerate() {
+            others.retain(|&waited_for| waited_for != object);
+            if waiting.contains(&other) {
+                others.push(object);
+            }
+        }
+        Self { waits_for }
+    }
+
     /// Objects to set aside, sorted, so that no object waits in a circle: a small set, not always the smallest, which is NP-hard to
     /// find. Of the objects that wait in circles the one for which most of them wait is taken, of equals the first, until no circle is left.
     pub(crate) fn to_set_aside(&self) -> Vec<usize> {

@@ -21,6 +21,9 @@ const TAKEN: f64 = 0.02;
 /// How much likelier an object is set down anywhere while its target is taken.
 const ASIDE: f64 = 4.0;
 
+/// What is left of the weight of setting an object down anywhere while its target is free.
+const ANYWHERE: f64 = 0.1;
+
 /// Changes of grasp that an object adds which has to be set aside, and one that is held while its target is taken.
 const DETOUR: u16 = 2;
 const HELD: u16 = 1;
@@ -55,7 +58,7 @@ pub(crate) struct Order {
     /// By object: where it rests in either leaf.
     pub(crate) here: Vec<Option<ParameterId>>,
     pub(crate) there: Vec<Option<ParameterId>>,
-    dependencies: Dependencies,
+    pub(crate) dependencies: Dependencies,
     pub(crate) aside: Vec<usize>,
     /// Whether some object can go to its target at once.
     is_any_free: bool,
@@ -163,6 +166,7 @@ impl Order {
             Move::Put(object) if self.waits(object) => {
                 if transition.kind == TransitionKind::Crossed { TAKEN } else { ASIDE }
             }
+            Move::Put(object) if self.there[object].is_some() && transition.kind == TransitionKind::Regular => ANYWHERE,
             Move::Put(_) | Move::Other => 1.0,
         }
     }
