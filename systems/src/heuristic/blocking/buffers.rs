@@ -43,6 +43,7 @@ impl Buffers {
         exclusions: &mut Exclusions,
         (order, object): (&Order, usize),
         (seed, rng): (u64, &mut impl RngExt),
+        reach: impl Fn(ParameterId) -> f64,
     ) -> Option<ParameterId> {
         let buffers = self.of.entry(object).or_insert_with(|| places(model, leaves, exclusions, (order, object), seed));
         if buffers.is_empty() {
@@ -59,7 +60,7 @@ impl Buffers {
             }
             let waiting = exclusions.excluded(model, leaves, (object, parameter), &targets);
             let circles = order.dependencies.moved(object, &waiting).to_set_aside().len();
-            let weight = CIRCLE.powi(-(circles as i32)) / (1.0 + waiting.len() as f64);
+            let weight = reach(parameter) * CIRCLE.powi(-(circles as i32)) / (1.0 + waiting.len() as f64);
             choices.push((number, weight / (1.0 + f64::from(tries) / PATIENCE)));
         }
         let number = draw(&choices, rng.random())?;

@@ -5,7 +5,8 @@
 //! and fast methods for optimal tabletop rearrangement with overhand grasps*, IJRR 2018; Krontiris and Bekris, *Dealing with difficult
 //! instances of object rearrangement*, RSS 2015.)
 //!
-//! `exclusions` tests placements against each other and keeps the verdicts. `dependencies` is the graph and says what to set aside. `moves` weighs
+//! `exclusions` tests placements against each other and keeps the verdicts. `dependencies` is the graph and says what to set aside. `reach` remembers which grasps
+//! were found at which placements. `moves` weighs
 //! transitions by it, and says what a leaf's distance to another lacks. `buffers` draws placements to set objects aside at; `systems`
 //! aims candidates at them. All of it is a preference: candidates go through every check as usual. Problems in which few objects
 //! move do without.
@@ -14,6 +15,7 @@ pub(crate) mod buffers;
 pub(crate) mod dependencies;
 pub(crate) mod exclusions;
 pub mod moves;
+pub(crate) mod reach;
 pub mod systems;
 
 pub use crate::heuristic::blocking::moves::MoveOrder;

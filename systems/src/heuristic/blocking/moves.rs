@@ -3,10 +3,11 @@
 use crate::heuristic::blocking::buffers::Buffers;
 use crate::heuristic::blocking::dependencies::Dependencies;
 use crate::heuristic::blocking::exclusions::Exclusions;
+use crate::heuristic::blocking::reach::Reach;
 use crate::planning_model::model::Model;
 use bevy_ecs::prelude::Resource;
 use foliate_components::graph::leaf::{Leaf, LeafIndex, ParameterId};
-use foliate_components::graph::{ConstraintGraph, ConstraintId, Transition, TransitionId, TransitionKind};
+use foliate_components::graph::{ConstraintGraph, ConstraintId, ConstraintKind, StateId, Transition, TransitionId, TransitionKind};
 
 /// So many objects that are elsewhere in the goal are few.
 const FEW: usize = 2;
@@ -38,6 +39,7 @@ pub struct MoveOrder {
 pub(crate) struct Known {
     pub(crate) exclusions: Exclusions,
     pub(crate) buffers: Buffers,
+    pub(crate) reach: Reach,
     /// By transition: what it does with an object.
     moves: Vec<Option<Move>>,
 }
@@ -45,10 +47,10 @@ pub(crate) struct Known {
 /// What a transition does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Move {
-    /// It takes an object from where it rests.
-    Take(usize),
-    /// It sets an object down.
-    Put(usize),
+    /// It takes an object from where it rests, by a grasp.
+    Take(usize, Option<ConstraintId>),
+    /// It sets an object down that is held by a grasp.
+    Put(usize, Option<ConstraintId>),
     Other,
 }
 
@@ -70,7 +72,7 @@ impl MoveOrder {
         let least = goals.iter().map(|goal| displaced(&model.graph, start, goal)).min().unwrap_or(0);
         if self.known.is_none() && least > FEW {
             let (exclusions, moves) = (Exclusions::new(model), Vec::new());
-            self.known = Some(Known { exclusions, buffers: Buffers::default(), moves });
+            self.known = Some(Known { exclusions, buffers: Buffers::default(), reach: Reach::default(), moves });
         }
     }
 
@@ -101,7 +103,7 @@ impl MoveOrder {
     ) -> Option<Vec<f64>> {
         let known = self.known.as_mut()?;
         let order = known.order(model, leaves, from, to);
-        Some(transitions.map(|(id, transition)| order.weight(known.what(&model.graph, id), transition)).collect())
+        Some(transitions.map(|(id, transition)| order.weight(known.what(&model.graph, id), transition, &known.reach)).collect())
     }
 }
 
@@ -115,10 +117,15 @@ impl Known {
         let find = || {
             let transition = graph.transition(id);
             let has = |state, constraint: ConstraintId| graph.state(state).foliation.contains(&constraint);
+            let grasp_in = |has: StateId, lacks: StateId| {
+                let grasps = graph.state(has).manifold.iter().copied();
+                let mut new = grasps.filter(|c| !graph.state(lacks).manifold.contains(c));
+                new.find(|&c| matches!(graph.constraint(c).kind, ConstraintKind::Grasp { .. }))
+            };
             let changed = objects.iter().enumerate().find_map(|(number, object)| {
                 match (has(transition.from, object.constraint), has(transition.to, object.constraint)) {
-                    (true, false) => Some(Move::Take(number)),
-                    (false, true) => Some(Move::Put(number)),
+                    (true, false) => Some(Move::Take(number, grasp_in(transition.to, transition.from))),
+                    (false, true) => Some(Move::Put(number, grasp_in(transition.from, transition.to))),
                     _ => None,
                 }
             });
@@ -156,18 +163,31 @@ impl Order {
         self.dependencies.waits(object)
     }
 
-    fn weight(&self, what: Move, transition: &Transition) -> f64 {
+    fn weight(&self, what: Move, transition: &Transition, reach: &Reach) -> f64 {
         match what {
-            Move::Take(object) if !self.waits(object) => 1.0,
-            Move::Take(object) if self.aside.contains(&object) => {
-                if self.is_any_free { LATER } else { 1.0 }
+            Move::Take(object, grasp) => {
+                let ends = [self.here[object], self.there[object]].into_iter().flatten();
+                let within_reach = |grasp| ends.map(|end| reach.likelihood(grasp, end)).product::<f64>();
+                self.weight_of_taking(object) * grasp.map_or(1.0, within_reach)
             }
-            Move::Take(_) => WAITING,
-            Move::Put(object) if self.waits(object) => {
-                if transition.kind == TransitionKind::Crossed { TAKEN } else { ASIDE }
+            Move::Put(object, grasp) => {
+                let Some(target) = self.there[object] else { return 1.0 };
+                let is_out = grasp.is_some_and(|grasp| reach.is_out(grasp, target));
+                match (transition.kind, self.waits(object)) {
+                    (TransitionKind::Crossed, true) => TAKEN,
+                    (TransitionKind::Crossed, false) => grasp.map_or(1.0, |grasp| reach.likelihood(grasp, target)),
+                    (_, waits) => if waits || is_out { ASIDE } else { ANYWHERE },
+                }
             }
-            Move::Put(object) if self.there[object].is_some() && transition.kind == TransitionKind::Regular => ANYWHERE,
-            Move::Put(_) | Move::Other => 1.0,
+            Move::Other => 1.0,
+        }
+    }
+
+    fn weight_of_taking(&self, object: usize) -> f64 {
+        match (self.waits(object), self.aside.contains(&object), self.is_any_free) {
+            (false, ..) | (true, true, false) => 1.0,
+            (true, true, true) => LATER,
+            (true, false, _) => WAITING,
         }
     }
 }

@@ -10,10 +10,11 @@ use crate::planning_model::model::{Model, PlanningModel};
 use crate::runtime::random::{Purpose, stream};
 use crate::schedule::StepCounter;
 use crate::settings::SearchSettings;
-use bevy_ecs::prelude::{Entity, Mut, Res, ResMut, World};
+use bevy_ecs::prelude::{Entity, Mut, Query, Res, ResMut, World};
 use foliate_components::candidate::{Candidate, CommitAs};
 use foliate_components::graph::leaf::{Leaf, LeafId, LeafIndex};
 use foliate_components::graph::{Transition, TransitionId, TransitionKind};
+use foliate_components::outcome::Rejection;
 use rand::RngExt;
 
 /// Share of the releases onto new leaves that are aimed at a chosen place, of objects whose target is taken.
@@ -102,7 +103,7 @@ fn buffer_for(
     seed: u64,
     rng: &mut impl RngExt,
 ) -> Option<(TransitionId, LeafId)> {
-    let Move::Put(object) = known.what(&model.graph, setting.transition) else { return None };
+    let Move::Put(object, grasp) = known.what(&model.graph, setting.transition) else { return None };
     let placed = known.exclusions.objects[object].constraint;
     let parallel = model.graph.transition(setting.transition);
     let is_crossed = |&(_, transition): &(TransitionId, &Transition)| {
@@ -115,13 +116,45 @@ fn buffer_for(
     if !order.waits(object) {
         return None;
     }
-    let Known { exclusions, buffers, .. } = known;
+    let Known { exclusions, buffers, reach, .. } = known;
     let mut leaves = world.resource_mut::<LeafIndex>();
-    let parameter = buffers.choose(model, &mut leaves, exclusions, (&order, object), (seed, rng))?;
+    let parameter = buffers.choose(model, &mut leaves, exclusions, (&order, object), (seed, rng), |place| grasp.map_or(1.0, |grasp| reach.likelihood(grasp, place)))?;
     let value = |&constraint: &_| match constraint == placed {
         true => Some(parameter),
         false => model.graph.value(&from, constraint),
     };
     let parameters = model.graph.state(transition.to).foliation.iter().map(value).collect::<Option<_>>()?;
     Some((id, writer::intern_leaf(world, Leaf { state: transition.to, parameters })))
+}
+
+/// Set Validate, after the certificates: remembers which grasps were found at which placements.
+pub fn learn_reach(
+    model: Res<'_, PlanningModel>,
+    explored: Explored<'_, '_>,
+    mut order: ResMut<'_, MoveOrder>,
+    candidates: Query<'_, '_, &Candidate>,
+) {
+    let Some(known) = &mut order.known else { return };
+    for candidate in &candidates {
+        let (Some(near), Some(transition)) = (candidate.near, candidate.transition) else { continue };
+        let (object, grasp, leaf) = match known.what(&model.graph, transition) {
+            Move::Take(object, Some(grasp)) => (object, grasp, Some(explored.roadmap().node(near).leaf)),
+            Move::Put(object, Some(grasp)) => (object, grasp, candidate.drawn),
+            _ => continue,
+        };
+        let placed = known.exclusions.objects[object].constraint;
+        let place = leaf.and_then(|leaf| model.graph.value(explored.leaves.leaf(leaf), placed));
+        let was_found = !matches!(candidate.rejected, Some(Rejection::ProjectionFailed(_)));
+        if let (Some(place), true) = (place, was_tried(candidate)) {
+            known.reach.count(grasp, place, was_found);
+        }
+    }
+}
+
+/// Whether a candidate came so far that its waypoints were looked for.
+fn was_tried(candidate: &Candidate) -> bool {
+    !matches!(
+        candidate.rejected,
+        Some(Rejection::LeftOut | Rejection::Stopped | Rejection::NoLeafToAimAt | Rejection::NoProgress)
+    )
 }
