@@ -22,6 +22,9 @@ const GREEDY: f64 = 0.75;
 /// Where much is to be moved the probability that a candidate is guided is raised to this power: moves that are drawn blindly lead away.
 const MOSTLY: f64 = 0.15;
 
+/// So many of the likeliest leaves of each side are asked again in a step what stands in the way from there.
+const AGAIN: usize = 4;
+
 /// Measures the leaves that the last step has reached, each against all others.
 pub fn measure_leaves(
     model: Res<'_, PlanningModel>,
@@ -46,8 +49,17 @@ pub fn measure_leaves(
     for born in (0..trees as u32).map(TreeId) {
         let list = &explored.reached.by_born_tree[born.at()];
         for &leaf in &list[heuristic.measured[born.at()].known..] {
-            heuristic.follow_order(&model, &explored, &mut order, (born, leaf));
             heuristic.measure(&model.graph, &explored, settings.level, (born, leaf));
+            heuristic.follow_order(&model, &explored, settings.level, &mut order, (explored.roadmap().tree(born), leaf));
+        }
+    }
+    for side in explored.roadmap().sides() {
+        // What stands in the way changes with what the others reach.
+        for _ in 0..AGAIN {
+            let Some((_, leaf)) = heuristic.heaviest(side) else { break };
+            if !heuristic.follow_order(&model, &explored, settings.level, &mut order, (side, leaf)) {
+                break;
+            }
         }
     }
 }

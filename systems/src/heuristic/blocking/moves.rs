@@ -2,7 +2,7 @@
 
 use crate::heuristic::blocking::buffers::Buffers;
 use crate::heuristic::blocking::dependencies::Dependencies;
-use crate::heuristic::blocking::exclusions::Exclusions;
+use crate::heuristic::blocking::exclusions::{Exclusions, Placeable};
 use crate::heuristic::blocking::reach::Reach;
 use crate::planning_model::model::Model;
 use bevy_ecs::prelude::Resource;
@@ -25,7 +25,7 @@ const ASIDE: f64 = 4.0;
 /// What is left of the weight of setting an object down anywhere while its target is free.
 const ANYWHERE: f64 = 0.1;
 
-/// Changes of grasp that an object adds which has to be set aside, and one that is held while its target is taken.
+/// Changes of grasp that an object adds which has to be set aside or to change hands, and one that is held while its target is taken.
 const DETOUR: u16 = 2;
 const HELD: u16 = 1;
 
@@ -40,6 +40,9 @@ pub(crate) struct Known {
     pub(crate) exclusions: Exclusions,
     pub(crate) buffers: Buffers,
     pub(crate) reach: Reach,
+    /// By object: its grasps, of the constraints that were there.
+    grasps: Vec<Vec<ConstraintId>>,
+    constraints: usize,
     /// By transition: what it does with an object.
     moves: Vec<Option<Move>>,
 }
@@ -71,8 +74,8 @@ impl MoveOrder {
     pub(crate) fn begin(&mut self, model: &Model, start: &Leaf, goals: &[&Leaf]) {
         let least = goals.iter().map(|goal| displaced(&model.graph, start, goal)).min().unwrap_or(0);
         if self.known.is_none() && least > FEW {
-            let (exclusions, moves) = (Exclusions::new(model), Vec::new());
-            self.known = Some(Known { exclusions, buffers: Buffers::default(), reach: Reach::default(), moves });
+            let (exclusions, grasps, moves) = (Exclusions::new(model), Vec::new(), Vec::new());
+            self.known = Some(Known { exclusions, buffers: Buffers::default(), reach: Reach::default(), grasps, constraints: 0, moves });
         }
     }
 
@@ -90,7 +93,7 @@ impl MoveOrder {
             order.here[object].is_none() && order.there[object].is_some() && order.dependencies.waits(object)
         };
         let held = (0..order.here.len()).filter(is_held).count() as u16;
-        DETOUR * order.aside.len() as u16 + HELD * held
+        DETOUR * (order.aside.len() as u16 + known.changing_hands(&model.graph, &order, from)) + HELD * held
     }
 
     /// How much likelier each of some transitions gets on the way from one leaf to another by what stands in the way.
@@ -132,6 +135,37 @@ impl Known {
             changed.unwrap_or(Move::Other)
         };
         *self.moves[id.at()].get_or_insert_with(find)
+    }
+
+    /// The grasps of an object.
+    pub(crate) fn grasps_of(&mut self, graph: &ConstraintGraph, object: usize) -> &[ConstraintId] {
+        self.grasps.resize_with(self.exclusions.objects.len(), Vec::new);
+        for number in self.constraints..graph.constraints.len() {
+            let constraint = ConstraintId(number as u32);
+            if let ConstraintKind::Grasp { handle, .. } = graph.constraint(constraint).kind {
+                let has = |object: &Placeable| graph.objects[object.object as usize].handles.contains(&handle);
+                let of = self.exclusions.objects.iter().position(has);
+                of.into_iter().for_each(|of| self.grasps[of].push(constraint));
+            }
+        }
+        self.constraints = graph.constraints.len();
+        &self.grasps[object]
+    }
+
+    /// How many objects no grasp takes to their targets at once, as far as that is known.
+    fn changing_hands(&mut self, graph: &ConstraintGraph, order: &Order, from: &Leaf) -> u16 {
+        let mut count = 0;
+        for (object, (here, there)) in order.here.iter().zip(&order.there).enumerate() {
+            let Some(target) = there.filter(|there| *here != Some(*there)) else { continue };
+            let held = |c: &ConstraintId| graph.state(from.state).manifold.contains(c);
+            let grasps = self.grasps_of(graph, object).to_vec();
+            let carries = |grasp: &ConstraintId| {
+                let takes = here.map_or_else(|| held(grasp), |here| !self.reach.is_out(*grasp, here));
+                takes && !self.reach.is_out(*grasp, target)
+            };
+            count += u16::from(!grasps.is_empty() && !grasps.iter().any(carries));
+        }
+        count
     }
 
     /// See [`Order`].

@@ -113,12 +113,20 @@ fn buffer_for(
     let leaves = world.resource::<LeafIndex>();
     let (from, to) = (leaves.leaf(setting.from).clone(), leaves.leaf(setting.to).clone());
     let order = known.order(model, leaves, &from, &to);
-    if !order.waits(object) {
+    let target = order.there[object]?;
+    let is_out = grasp.is_some_and(|grasp| known.reach.is_out(grasp, target));
+    if !order.waits(object) && !is_out {
         return None;
     }
+    let onward = known.grasps_of(&model.graph, object).to_vec();
     let Known { exclusions, buffers, reach, .. } = known;
+    let suits = |place| {
+        let carries = |&grasp: &_| reach.likelihood(grasp, place) * reach.likelihood(grasp, target);
+        let goes_on = onward.iter().map(carries).reduce(f64::max).unwrap_or(1.0);
+        grasp.map_or(1.0, |grasp| reach.likelihood(grasp, place)) * goes_on
+    };
     let mut leaves = world.resource_mut::<LeafIndex>();
-    let parameter = buffers.choose(model, &mut leaves, exclusions, (&order, object), (seed, rng), |place| grasp.map_or(1.0, |grasp| reach.likelihood(grasp, place)))?;
+    let parameter = buffers.choose(model, &mut leaves, exclusions, (&order, object), (seed, rng), suits)?;
     let value = |&constraint: &_| match constraint == placed {
         true => Some(parameter),
         false => model.graph.value(&from, constraint),
