@@ -16,6 +16,9 @@ const FEW: usize = 2;
 const WAITING: f64 = 0.05;
 const LATER: f64 = 0.1;
 
+/// What is left of the weight of taking an object that is where it shall be.
+const IDLE: f64 = 0.05;
+
 /// What is left of the weight of setting an object down where another is.
 const TAKEN: f64 = 0.02;
 
@@ -218,6 +221,9 @@ impl Order {
     }
 
     fn weight_of_taking(&self, object: usize) -> f64 {
+        if self.here[object] == self.there[object] {
+            return IDLE;
+        }
         match (self.waits(object), self.aside.contains(&object), self.is_any_free) {
             (false, ..) | (true, true, false) => 1.0,
             (true, true, true) => LATER,

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 const FLOOR: f64 = 0.01;
 
 /// A grasp that is as unlikely is taken for out of reach.
-const HARDLY: f64 = 0.1;
+const HARDLY: f64 = 0.02;
 
 /// By grasp and placement: searches for a configuration, and how many have found one.
 #[derive(Clone, Debug, Default)]
@@ -45,7 +45,7 @@ mod tests {
         let (grasp, place) = (ConstraintId(3), ParameterId(5));
         let mut reach = Reach::default();
         assert!(reach.likelihood(grasp, place) > 0.99 && !reach.is_out(grasp, place));
-        (0..3).for_each(|_| reach.count(grasp, place, false));
+        (0..7).for_each(|_| reach.count(grasp, place, false));
         assert!(reach.is_out(grasp, place) && !reach.is_out(grasp, ParameterId(6)) && !reach.is_out(ConstraintId(4), place));
         (0..1000).for_each(|_| reach.count(grasp, place, false));
         assert!(reach.likelihood(grasp, place) >= FLOOR);
