@@ -17,7 +17,7 @@ const WAITING: f64 = 0.05;
 const LATER: f64 = 0.1;
 
 /// What is left of the weight of taking an object that is where it shall be.
-const IDLE: f64 = 0.05;
+const IDLE: f64 = 0.02;
 
 /// What is left of the weight of setting an object down where another is.
 const TAKEN: f64 = 0.02;
@@ -96,7 +96,8 @@ impl MoveOrder {
             order.here[object].is_none() && order.there[object].is_some() && order.dependencies.waits(object)
         };
         let held = (0..order.here.len()).filter(is_held).count() as u16;
-        DETOUR * (order.aside.len() as u16 + known.changing_hands(&model.graph, &order, from)) + HELD * held
+        let idle = if order.is_done() { 0 } else { order.held_in_both() };
+        DETOUR * (order.aside.len() as u16 + known.changing_hands(&model.graph, &order, from)) + HELD * (held + idle)
     }
 
     /// How much likelier each of some transitions gets on the way from one leaf to another by what stands in the way.
@@ -198,6 +199,16 @@ impl Order {
     /// Whether the target of an object is taken.
     pub(crate) fn waits(&self, object: usize) -> bool {
         self.dependencies.waits(object)
+    }
+
+    /// Whether every object rests where it shall, or is held there.
+    fn is_done(&self) -> bool {
+        self.here == self.there
+    }
+
+    /// Objects that both leaves hold: hands that are busy with something else than what is left to move.
+    fn held_in_both(&self) -> u16 {
+        self.here.iter().zip(&self.there).filter(|(here, there)| here.is_none() && there.is_none()).count() as u16
     }
 
     fn weight(&self, what: Move, transition: &Transition, reach: &Reach) -> f64 {
