@@ -164,7 +164,8 @@ impl LeafHeuristic {
         }
         let (leaves, from) = (&explored.leaves, explored.leaves.leaf(leaf));
         let targets = self.nearest_targets(&model.graph, explored, level, (leaf, tree));
-        let ways = targets.iter().map(|&(far, to)| far.saturating_add(order.detours(model, leaves, from, leaves.leaf(to))));
+        let ways =
+            targets.iter().map(|&(far, to)| far.saturating_add(order.detours(model, leaves, from, leaves.leaf(to))));
         let (Some(way), Some(far)) = (ways.min(), self.to_others(leaf, tree)) else { return false };
         self.detours.resize(leaves.leaves().len(), 0);
         let detours = way.saturating_sub(far);
@@ -203,7 +204,8 @@ impl LeafHeuristic {
                 for (&far, &place) in far.iter().zip(&columns.places).filter(|&(&far, _)| far <= most) {
                     let to = list[place as usize];
                     if !self.lost.contains(&(other, to)) {
-                        let at = nearest.partition_point(|&(f, l)| (f, std::cmp::Reverse(l)) < (far, std::cmp::Reverse(to)));
+                        let at =
+                            nearest.partition_point(|&(f, l)| (f, std::cmp::Reverse(l)) < (far, std::cmp::Reverse(to)));
                         nearest.insert(at, (far, to));
                         nearest.truncate(TARGETS);
                     }

@@ -1,8 +1,8 @@
 //! The systems of set Select that use the leaf heuristic: measure new leaves, and choose leaves for guided candidates.
 
 use crate::exploration::explored::Explored;
-use crate::heuristic::leaf_heuristic::{HeuristicScratch, LeafHeuristic, Measured};
 use crate::heuristic::blocking::MoveOrder;
+use crate::heuristic::leaf_heuristic::{HeuristicScratch, LeafHeuristic, Measured};
 use crate::planning_model::model::PlanningModel;
 use crate::runtime::parallel::LEAST_SHARED;
 use crate::runtime::random::{Purpose, draw, stream};
@@ -50,7 +50,13 @@ pub fn measure_leaves(
         let list = &explored.reached.by_born_tree[born.at()];
         for &leaf in &list[heuristic.measured[born.at()].known..] {
             heuristic.measure(&model.graph, &explored, settings.level, (born, leaf));
-            heuristic.follow_order(&model, &explored, settings.level, &mut order, (explored.roadmap().tree(born), leaf));
+            heuristic.follow_order(
+                &model,
+                &explored,
+                settings.level,
+                &mut order,
+                (explored.roadmap().tree(born), leaf),
+            );
         }
     }
     for side in explored.roadmap().sides() {

@@ -44,7 +44,12 @@ struct Block {
 
 impl Weighted {
     fn weight(&self) -> f64 {
-        if self.lost { 0.0 } else { FOCUS.powi(-i32::from(self.far.saturating_add(self.detours).min(i16::MAX as u16) as i16)) / (1.0 + f64::from(self.tries) / LEAF_PATIENCE) }
+        if self.lost {
+            0.0
+        } else {
+            FOCUS.powi(-i32::from(self.far.saturating_add(self.detours).min(i16::MAX as u16) as i16))
+                / (1.0 + f64::from(self.tries) / LEAF_PATIENCE)
+        }
     }
 }
 

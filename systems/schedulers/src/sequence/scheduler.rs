@@ -69,7 +69,10 @@ pub fn step_systems() -> StepSystems {
         .in_set(SearchSet::Rendezvous, (aim_at_buffers, rendezvous::draw_leaves, lazy_extension::stay_near))
         .in_set(SearchSet::Project, (project::project_waypoints, lazy::leave_out_first_legs))
         .in_set(SearchSet::Steer, (waypoints::check_waypoints, steering::steer_legs, lazy::drop_cut_short))
-        .in_set(SearchSet::Validate, (validation::certify_legs, lazy_extension::count_outcomes, learn_from_placements, learn_reach))
+        .in_set(
+            SearchSet::Validate,
+            (validation::certify_legs, lazy_extension::count_outcomes, learn_from_placements, learn_reach),
+        )
         .in_set(SearchSet::Commit, (commit::commit_extensions, draw_more_goals))
         .in_set(SearchSet::Connect, (connect_iterations::join_iteratively, connect_iterations::count_memory))
         .in_set(

@@ -94,7 +94,11 @@ mod tests {
         for seed in 0..200_usize {
             let count = 3 + seed % 20;
             let waits_for: Vec<Vec<usize>> = (0..count)
-                .map(|a| (0..count).filter(|&b| a != b && (a * 31 + b * 17 + seed * 7919) * 2_654_435_761 % 97 < 14).collect())
+                .map(|a| {
+                    (0..count)
+                        .filter(|&b| a != b && (a * 31 + b * 17 + seed * 7919) * 2_654_435_761 % 97 < 14)
+                        .collect()
+                })
                 .collect();
             let aside = Dependencies::new(waits_for.clone()).to_set_aside();
             let mut gone = vec![false; count];

@@ -65,11 +65,22 @@ impl Exclusions {
         let others = others.iter().enumerate().filter(|&(other, _)| other != object);
         let mut exclude = |&(other, place): &(usize, ParameterId)| {
             let key = (at.min(place), at.max(place));
-            let test = || Self::test(&self.pairs, &mut self.X_WJ, model, leaves, [(object, at), (other, place)].map(
-                |(number, place)| (number, self.objects[number].root, place)));
+            let test = || {
+                Self::test(
+                    &self.pairs,
+                    &mut self.X_WJ,
+                    model,
+                    leaves,
+                    [(object, at), (other, place)].map(|(number, place)| (number, self.objects[number].root, place)),
+                )
+            };
             *self.known.entry(key).or_insert_with(test)
         };
-        others.filter_map(|(other, place)| Some((other, (*place)?))).filter(&mut exclude).map(|(other, _)| other).collect()
+        others
+            .filter_map(|(other, place)| Some((other, (*place)?)))
+            .filter(&mut exclude)
+            .map(|(other, _)| other)
+            .collect()
     }
 
     /// Whether two objects touch where they are placed.
@@ -85,7 +96,8 @@ impl Exclusions {
         }
         let [a, b] = placed.map(|(number, ..)| number);
         let touch = |&id: &PairId| {
-            let clearance = pair_clearance(&model.collision, id, X_WJ, DistanceQuery::exact(0.0), &mut DVec3::ZERO.clone());
+            let clearance =
+                pair_clearance(&model.collision, id, X_WJ, DistanceQuery::exact(0.0), &mut DVec3::ZERO.clone());
             let is_apart = clearance > 0.0;
             !is_apart || contained(&model.collision, id, X_WJ)
         };

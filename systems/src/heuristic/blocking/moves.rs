@@ -7,7 +7,9 @@ use crate::heuristic::blocking::reach::Reach;
 use crate::planning_model::model::Model;
 use bevy_ecs::prelude::Resource;
 use foliate_components::graph::leaf::{Leaf, LeafIndex, ParameterId};
-use foliate_components::graph::{ConstraintGraph, ConstraintId, ConstraintKind, StateId, Transition, TransitionId, TransitionKind};
+use foliate_components::graph::{
+    ConstraintGraph, ConstraintId, ConstraintKind, StateId, Transition, TransitionId, TransitionKind,
+};
 
 /// So many objects that are elsewhere in the goal are few.
 const FEW: usize = 2;
@@ -78,7 +80,14 @@ impl MoveOrder {
         let least = goals.iter().map(|goal| displaced(&model.graph, start, goal)).min().unwrap_or(0);
         if self.known.is_none() && least > FEW {
             let (exclusions, grasps, moves) = (Exclusions::new(model), Vec::new(), Vec::new());
-            self.known = Some(Known { exclusions, buffers: Buffers::default(), reach: Reach::default(), grasps, constraints: 0, moves });
+            self.known = Some(Known {
+                exclusions,
+                buffers: Buffers::default(),
+                reach: Reach::default(),
+                grasps,
+                constraints: 0,
+                moves,
+            });
         }
     }
 
@@ -110,7 +119,11 @@ impl MoveOrder {
     ) -> Option<Vec<f64>> {
         let known = self.known.as_mut()?;
         let order = known.order(model, leaves, from, to);
-        Some(transitions.map(|(id, transition)| order.weight(known.what(&model.graph, id), transition, &known.reach)).collect())
+        Some(
+            transitions
+                .map(|(id, transition)| order.weight(known.what(&model.graph, id), transition, &known.reach))
+                .collect(),
+        )
     }
 }
 
@@ -224,7 +237,13 @@ impl Order {
                 match (transition.kind, self.waits(object)) {
                     (TransitionKind::Crossed, true) => TAKEN,
                     (TransitionKind::Crossed, false) => grasp.map_or(1.0, |grasp| reach.likelihood(grasp, target)),
-                    (_, waits) => if waits || is_out { ASIDE } else { ANYWHERE },
+                    (_, waits) => {
+                        if waits || is_out {
+                            ASIDE
+                        } else {
+                            ANYWHERE
+                        }
+                    }
                 }
             }
             Move::Other => 1.0,

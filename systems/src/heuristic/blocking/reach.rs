@@ -46,7 +46,9 @@ mod tests {
         let mut reach = Reach::default();
         assert!(reach.likelihood(grasp, place) > 0.99 && !reach.is_out(grasp, place));
         (0..7).for_each(|_| reach.count(grasp, place, false));
-        assert!(reach.is_out(grasp, place) && !reach.is_out(grasp, ParameterId(6)) && !reach.is_out(ConstraintId(4), place));
+        assert!(
+            reach.is_out(grasp, place) && !reach.is_out(grasp, ParameterId(6)) && !reach.is_out(ConstraintId(4), place)
+        );
         (0..1000).for_each(|_| reach.count(grasp, place, false));
         assert!(reach.likelihood(grasp, place) >= FLOOR);
         (0..1000).for_each(|_| reach.count(grasp, place, true));

@@ -77,8 +77,12 @@ fn aim(world: &mut World, model: &Model, known: &mut Known) {
     let roadmap = roadmap_in(world);
     let settings: Vec<Setting> = settings
         .into_iter()
-        .map(|(candidate, index, near, to, transition)| {
-            Setting { candidate, index, from: roadmap.node(near).leaf, to, transition }
+        .map(|(candidate, index, near, to, transition)| Setting {
+            candidate,
+            index,
+            from: roadmap.node(near).leaf,
+            to,
+            transition,
         })
         .collect();
     for setting in settings {
