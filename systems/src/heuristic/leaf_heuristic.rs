@@ -2,13 +2,11 @@
 
 use crate::exploration::explored::Explored;
 use crate::exploration::reached_leaves::{LeafParameterColumns, ReachedLeaves};
-use crate::heuristic::blocking::MoveOrder;
 use crate::heuristic::grasp_distance::GraspDistance;
 use crate::heuristic::leaf_distance_table::{End, LeafDistanceTable};
 use crate::heuristic::pair_tables::PairTables;
-use crate::heuristic::weighted_leaves::{FOCUS, Weighted, WeightedLeaves};
+use crate::heuristic::weighted_leaves::{FOCUS, Weighted, WeightedLeaves, in_state};
 use crate::heuristic::weighted_sampling::{Reached, draw_weighted};
-use crate::planning_model::model::Model;
 use bevy_ecs::prelude::Resource;
 use foliate_components::graph::leaf::{Leaf, LeafId, LeafIndex};
 use foliate_components::graph::{ConstraintGraph, StateId, Transition};
@@ -17,9 +15,6 @@ use foliate_kernels::lanes::Level;
 use rand::{Rng, RngExt};
 use std::borrow::Cow;
 use std::collections::BTreeSet;
-
-/// To so many leaves it is asked what stands in the way.
-const TARGETS: usize = 4;
 
 /// So many leaves of a state are measured one by one.
 const FEW: usize = 8;
@@ -37,11 +32,11 @@ pub struct LeafHeuristic {
     /// By leaf: candidates that started there.
     pub(crate) tries: Vec<u32>,
     /// By leaf: changes of grasp that the way from there takes beyond its distance.
-    detours: Vec<u16>,
+    pub(crate) detours: Vec<u16>,
     /// Leaves on which the last step's candidates have started.
     touched: Vec<LeafId>,
     /// Leaves that no way leads to any more, by tree.
-    lost: BTreeSet<(TreeId, LeafId)>,
+    pub(crate) lost: BTreeSet<(TreeId, LeafId)>,
     /// [`ReachedLeaves::cleared`] of what is measured.
     cleared: u32,
 }
@@ -150,71 +145,6 @@ impl LeafHeuristic {
         Weighted { leaf, far, detours, tries: self.tries[leaf.at()], lost: self.lost.contains(&(tree, leaf)) }
     }
 
-    /// Asks what stands in the way from a leaf to the nearest ones of other trees; true where it was told something else before.
-    pub(crate) fn follow_order(
-        &mut self,
-        model: &Model,
-        explored: &Explored<'_, '_>,
-        level: Level,
-        order: &mut MoveOrder,
-        (tree, leaf): (TreeId, LeafId),
-    ) -> bool {
-        if !order.is_known() {
-            return false;
-        }
-        let (leaves, from) = (&explored.leaves, explored.leaves.leaf(leaf));
-        let targets = self.nearest_targets(&model.graph, explored, level, (leaf, tree));
-        let ways =
-            targets.iter().map(|&(far, to)| far.saturating_add(order.detours(model, leaves, from, leaves.leaf(to))));
-        let (Some(way), Some(far)) = (ways.min(), self.to_others(leaf, tree)) else { return false };
-        self.detours.resize(leaves.leaves().len(), 0);
-        let detours = way.saturating_sub(far);
-        let has_changed = std::mem::replace(&mut self.detours[leaf.at()], detours) != detours;
-        if let Some(leaves) = self.trees.get_mut(tree.at()).and_then(|states| in_state(states, from.state)) {
-            leaves.change(leaf, |weighted| weighted.detours = detours);
-        }
-        has_changed
-    }
-
-    /// The leaves of other trees that are nearest to a leaf, those that no way leads to left out; of equals the newest.
-    fn nearest_targets(
-        &self,
-        graph: &ConstraintGraph,
-        explored: &Explored<'_, '_>,
-        level: Level,
-        (leaf, tree): (LeafId, TreeId),
-    ) -> Vec<(u16, LeafId)> {
-        let from = explored.leaves.leaf(leaf);
-        let mut nearest: Vec<(u16, LeafId)> = Vec::with_capacity(TARGETS + 1);
-        let mut far = Vec::new();
-        for (born, list) in (0u32..).map(TreeId).zip(&explored.reached.by_born_tree) {
-            let other = explored.roadmap().tree(born);
-            if other == tree {
-                continue;
-            }
-            for columns in explored.reached.columns_of(born) {
-                let pair = self.pair(graph, from.state, columns.state);
-                let most = nearest.get(TARGETS - 1).map_or(u16::MAX, |&(far, _)| far);
-                if pair.least > most {
-                    continue;
-                }
-                far.clear();
-                far.resize(columns.len(), 0);
-                pair.distances(&from.parameters, End::From, &columns.parameters).measure(level, &mut far);
-                for (&far, &place) in far.iter().zip(&columns.places).filter(|&(&far, _)| far <= most) {
-                    let to = list[place as usize];
-                    if !self.lost.contains(&(other, to)) {
-                        let at =
-                            nearest.partition_point(|&(f, l)| (f, std::cmp::Reverse(l)) < (far, std::cmp::Reverse(to)));
-                        nearest.insert(at, (far, to));
-                        nearest.truncate(TARGETS);
-                    }
-                }
-            }
-        }
-        nearest
-    }
-
     /// The leaves that a tree has reached, with what is known of each.
     fn gather(&self, reached: &ReachedLeaves, roadmap: Roadmap<'_>, tree: TreeId) -> Vec<WeightedLeaves> {
         let mut states: Vec<(StateId, Vec<Weighted>)> = Vec::new();
@@ -292,7 +222,7 @@ impl LeafHeuristic {
         draw_weighted(level, &others, (&scratch.far, nearest), rng.random(), &mut scratch.sums)
     }
 
-    fn pair(&self, graph: &ConstraintGraph, from: StateId, to: StateId) -> Cow<'_, LeafDistanceTable> {
+    pub(crate) fn pair(&self, graph: &ConstraintGraph, from: StateId, to: StateId) -> Cow<'_, LeafDistanceTable> {
         match self.pairs.get(from, to) {
             Some(pair) => Cow::Borrowed(pair),
             None => Cow::Owned(self.distance.between_states(graph, from, to)),
@@ -465,9 +395,4 @@ fn leaves_of<'a>(
 ) -> impl Iterator<Item = &'a Leaf> {
     let list = &explored.reached.by_born_tree[born.at()];
     columns.places.iter().map(|&place| explored.leaves.leaf(list[place as usize]))
-}
-
-fn in_state(states: &mut [WeightedLeaves], state: StateId) -> Option<&mut WeightedLeaves> {
-    let at = states.binary_search_by_key(&state, |s| s.state).ok()?;
-    Some(&mut states[at])
 }

@@ -140,6 +140,12 @@ impl WeightedLeaves {
     }
 }
 
+/// The leaves of one state, of states that are sorted.
+pub(crate) fn in_state(states: &mut [WeightedLeaves], state: StateId) -> Option<&mut WeightedLeaves> {
+    let at = states.binary_search_by_key(&state, |s| s.state).ok()?;
+    Some(&mut states[at])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,7 +1,7 @@
 //! Placements to set objects aside at.
 
 use crate::heuristic::blocking::exclusions::Exclusions;
-use crate::heuristic::blocking::moves::Order;
+use crate::heuristic::blocking::order::Order;
 use crate::heuristic::placements::drawing::Resting;
 use crate::planning_model::model::Model;
 use crate::runtime::random::{Purpose, draw, stream};

@@ -6,8 +6,8 @@
 //! instances of object rearrangement*, RSS 2015.)
 //!
 //! `exclusions` tests placements against each other and keeps the verdicts. `dependencies` is the graph and says what to set aside. `reach` remembers which grasps
-//! were found at which placements. `moves` weighs
-//! transitions by it, and says what a leaf's distance to another lacks. `buffers` draws placements to set objects aside at; `systems`
+//! were found at which placements. `order` weighs
+//! moves by both, `moves` does so for transitions and says what a leaf's distance to another lacks. `buffers` draws placements to set objects aside at; `systems`
 //! aims candidates at them. All of it is a preference: candidates go through every check as usual. Problems in which few objects
 //! move do without.
 
@@ -15,6 +15,7 @@ pub(crate) mod buffers;
 pub(crate) mod dependencies;
 pub(crate) mod exclusions;
 pub mod moves;
+pub(crate) mod order;
 pub(crate) mod reach;
 pub mod systems;
 

@@ -1,34 +1,16 @@
 //! Which objects to move next on the way from one leaf to another.
 
 use crate::heuristic::blocking::buffers::Buffers;
-use crate::heuristic::blocking::dependencies::Dependencies;
 use crate::heuristic::blocking::exclusions::{Exclusions, Placeable};
+use crate::heuristic::blocking::order::{Move, Order};
 use crate::heuristic::blocking::reach::Reach;
 use crate::planning_model::model::Model;
 use bevy_ecs::prelude::Resource;
-use foliate_components::graph::leaf::{Leaf, LeafIndex, ParameterId};
-use foliate_components::graph::{
-    ConstraintGraph, ConstraintId, ConstraintKind, StateId, Transition, TransitionId, TransitionKind,
-};
+use foliate_components::graph::leaf::{Leaf, LeafIndex};
+use foliate_components::graph::{ConstraintGraph, ConstraintId, ConstraintKind, StateId, Transition, TransitionId};
 
 /// So many objects that are elsewhere in the goal are few.
 const FEW: usize = 2;
-
-/// What is left of the weight of taking an object that waits for others, and of one that has to be set aside while others can go.
-const WAITING: f64 = 0.05;
-const LATER: f64 = 0.1;
-
-/// What is left of the weight of taking an object that is where it shall be.
-const IDLE: f64 = 0.02;
-
-/// What is left of the weight of setting an object down where another is.
-const TAKEN: f64 = 0.02;
-
-/// How much likelier an object is set down anywhere while its target is taken.
-const ASIDE: f64 = 4.0;
-
-/// What is left of the weight of setting an object down anywhere while its target is free.
-const ANYWHERE: f64 = 0.1;
 
 /// Changes of grasp that an object adds which has to be set aside or to change hands, and one that is held while its target is taken.
 const DETOUR: u16 = 2;
@@ -50,28 +32,6 @@ pub(crate) struct Known {
     constraints: usize,
     /// By transition: what it does with an object.
     moves: Vec<Option<Move>>,
-}
-
-/// What a transition does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Move {
-    /// It takes an object from where it rests, by a grasp.
-    Take(usize, Option<ConstraintId>),
-    /// It sets an object down that is held by a grasp.
-    Put(usize, Option<ConstraintId>),
-    Other,
-}
-
-/// What there is to move on the way from one leaf to another.
-#[derive(Clone, Debug)]
-pub(crate) struct Order {
-    /// By object: where it rests in either leaf.
-    pub(crate) here: Vec<Option<ParameterId>>,
-    pub(crate) there: Vec<Option<ParameterId>>,
-    pub(crate) dependencies: Dependencies,
-    pub(crate) aside: Vec<usize>,
-    /// Whether some object can go to its target at once.
-    is_any_free: bool,
 }
 
 impl MoveOrder {
@@ -100,7 +60,7 @@ impl MoveOrder {
     /// Changes of grasp that the way from one leaf to another takes beyond one by one: objects that wait in circles are moved twice.
     pub(crate) fn detours(&mut self, model: &Model, leaves: &LeafIndex, from: &Leaf, to: &Leaf) -> u16 {
         let Some(known) = &mut self.known else { return 0 };
-        let order = known.order(model, leaves, from, to);
+        let order = Order::new(model, leaves, &mut known.exclusions, from, to);
         let is_held = |&object: &usize| {
             order.here[object].is_none() && order.there[object].is_some() && order.dependencies.waits(object)
         };
@@ -118,7 +78,7 @@ impl MoveOrder {
         transitions: impl Iterator<Item = (TransitionId, &'t Transition)>,
     ) -> Option<Vec<f64>> {
         let known = self.known.as_mut()?;
-        let order = known.order(model, leaves, from, to);
+        let order = Order::new(model, leaves, &mut known.exclusions, from, to);
         Some(
             transitions
                 .map(|(id, transition)| order.weight(known.what(&model.graph, id), transition, &known.reach))
@@ -183,82 +143,6 @@ impl Known {
             count += u16::from(!grasps.is_empty() && !grasps.iter().any(carries));
         }
         count
-    }
-
-    /// See [`Order`].
-    pub(crate) fn order(&mut self, model: &Model, leaves: &LeafIndex, from: &Leaf, to: &Leaf) -> Order {
-        let rests = |leaf: &Leaf| -> Vec<Option<ParameterId>> {
-            let objects = self.exclusions.objects.iter();
-            let value = |constraint| model.graph.value(leaf, constraint);
-            let fixed = |id: &ParameterId| leaves.parameter(*id).carrier.is_none();
-            objects.map(|object| value(object.constraint).filter(fixed)).collect()
-        };
-        let (here, there) = (rests(from), rests(to));
-        let mut waits_for = vec![Vec::new(); here.len()];
-        for (object, target) in there.iter().enumerate() {
-            if let Some(target) = target.filter(|&target| here[object] != Some(target)) {
-                waits_for[object] = self.exclusions.excluded(model, leaves, (object, target), &here);
-            }
-        }
-        let moves = |object: usize| here[object].is_some() && there[object].is_some() && here[object] != there[object];
-        let is_any_free = (0..here.len()).any(|object| moves(object) && waits_for[object].is_empty());
-        let dependencies = Dependencies::new(waits_for);
-        let aside = dependencies.to_set_aside();
-        Order { here, there, dependencies, aside, is_any_free }
-    }
-}
-
-impl Order {
-    /// Whether the target of an object is taken.
-    pub(crate) fn waits(&self, object: usize) -> bool {
-        self.dependencies.waits(object)
-    }
-
-    /// Whether every object rests where it shall, or is held there.
-    fn is_done(&self) -> bool {
-        self.here == self.there
-    }
-
-    /// Objects that both leaves hold: hands that are busy with something else than what is left to move.
-    fn held_in_both(&self) -> u16 {
-        self.here.iter().zip(&self.there).filter(|(here, there)| here.is_none() && there.is_none()).count() as u16
-    }
-
-    fn weight(&self, what: Move, transition: &Transition, reach: &Reach) -> f64 {
-        match what {
-            Move::Take(object, grasp) => {
-                let ends = [self.here[object], self.there[object]].into_iter().flatten();
-                let within_reach = |grasp| ends.map(|end| reach.likelihood(grasp, end)).product::<f64>();
-                self.weight_of_taking(object) * grasp.map_or(1.0, within_reach)
-            }
-            Move::Put(object, grasp) => {
-                let Some(target) = self.there[object] else { return 1.0 };
-                let is_out = grasp.is_some_and(|grasp| reach.is_out(grasp, target));
-                match (transition.kind, self.waits(object)) {
-                    (TransitionKind::Crossed, true) => TAKEN,
-                    (TransitionKind::Crossed, false) => grasp.map_or(1.0, |grasp| reach.likelihood(grasp, target)),
-                    (_, waits) => {
-                        if waits || is_out {
-                            ASIDE
-                        } else {
-                            ANYWHERE
-                        }
-                    }
-                }
-            }
-            Move::Other => 1.0,
-        }
-    }
-
-    fn weight_of_taking(&self, object: usize) -> f64 {
-        if self.here[object] == self.there[object] {
-            return IDLE;
-        }
-        match (self.waits(object), self.aside.contains(&object), self.is_any_free) {
-            (false, ..) | (true, true, false) => 1.0,
-            (true, true, true) => LATER,
-            (true, false, _) => WAITING,
-        }
     }
 }
 

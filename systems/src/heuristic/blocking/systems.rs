@@ -5,7 +5,8 @@ use crate::exploration::explored::Explored;
 use crate::exploration::roadmap_query::roadmap_in;
 use crate::exploration::roots::Roots;
 use crate::exploration::writer;
-use crate::heuristic::blocking::moves::{Known, Move, MoveOrder};
+use crate::heuristic::blocking::moves::{Known, MoveOrder};
+use crate::heuristic::blocking::order::{Move, Order};
 use crate::planning_model::model::{Model, PlanningModel};
 use crate::runtime::random::{Purpose, stream};
 use crate::schedule::StepCounter;
@@ -116,7 +117,7 @@ fn buffer_for(
     let (id, transition) = model.graph.leaving(parallel.from).find(is_crossed)?;
     let leaves = world.resource::<LeafIndex>();
     let (from, to) = (leaves.leaf(setting.from).clone(), leaves.leaf(setting.to).clone());
-    let order = known.order(model, leaves, &from, &to);
+    let order = Order::new(model, leaves, &mut known.exclusions, &from, &to);
     let target = order.there[object]?;
     let is_out = grasp.is_some_and(|grasp| known.reach.is_out(grasp, target));
     if !order.waits(object) && !is_out {
