@@ -170,7 +170,7 @@ fn dense_boxes_are_sorted_within_few_steps() {
     let goals: Vec<_> = (0..15).map(|number| place(19 - number)).collect();
     let model = model(rearrange_boxes(1, (0.3, 0.3), &starts, &goals).unwrap());
     for seed in 1..=3 {
-        let (outcome, _) = search(&model, &Sequence, seeded(seed).with(|s| s.max_steps = 100), 1);
+        let (outcome, _) = search(&model, &Sequence, seeded(seed).with(|s| s.max_steps = 200), 1);
         assert_eq!(outcome, SearchOutcome::Solved, "seed {seed}");
     }
 }
