@@ -169,8 +169,11 @@ fn dense_boxes_are_sorted_within_few_steps() {
     let starts: Vec<_> = (0..15).map(place).collect();
     let goals: Vec<_> = (0..15).map(|number| place(19 - number)).collect();
     let model = model(rearrange_boxes(1, (0.3, 0.3), &starts, &goals).unwrap());
-    for seed in 1..=3 {
-        let (outcome, _) = search(&model, &Sequence, seeded(seed).with(|s| s.max_steps = 200), 1);
-        assert_eq!(outcome, SearchOutcome::Solved, "seed {seed}");
-    }
+    let steps = |seed: u64| {
+        let (outcome, search) = search(&model, &Sequence, seeded(seed).with(|s| s.max_steps = 150), 1);
+        (outcome == SearchOutcome::Solved).then_some(search.counter().step)
+    };
+    // Some take long to join what they have found.
+    let steps: Vec<Option<u64>> = (1..=6).map(steps).collect();
+    assert!(steps.iter().flatten().count() >= 4, "{steps:?}");
 }
