@@ -4,7 +4,7 @@
 
 mod common;
 
-use bevy_ecs::prelude::Schedule;
+use bevy_ecs::prelude::{Mut, Schedule};
 use common::{model, search, seeded};
 use foliate_components::graph::ConstraintKind;
 use foliate_components::graph::leaf::LeafIndex;
@@ -14,6 +14,8 @@ use foliate_components::roadmap::TreeId;
 use foliate_components::samples::rearrangements::rearrange_boxes;
 use foliate_schedulers::sequence::Sequence;
 use foliate_systems::exploration::reached_leaves::ReachedLeaves;
+use foliate_systems::exploration::roots::Roots;
+use foliate_systems::heuristic::blocking::MoveOrder;
 use foliate_systems::heuristic::grasp_distance::GraspDistance;
 use foliate_systems::heuristic::leaf_heuristic::LeafHeuristic;
 use foliate_systems::heuristic::systems::measure_leaves;
@@ -114,4 +116,64 @@ fn what_has_to_move_is_tried_as_often_as_all_else() {
         };
         assert!((share(true) - 1.0).abs() < 1e-9 && share(false) < 1.0 + 1e-9, "{} and {}", share(true), share(false));
     }
+}
+
+/// By box: how much likelier it is taken at the start, by what stands in its way and what it stands in the way of.
+fn likelihood_of_taking(model: &PlanningModel, boxes: usize) -> Vec<f64> {
+    let (_, mut search) = search(model, &Sequence, seeded(1).with(|s| s.max_steps = 2), 1);
+    let roots = search.world().resource::<Roots>().clone();
+    let [start, goal] = [roots.start.unwrap(), roots.goals[0]].map(|root| search.roadmap().node(root).leaf);
+    let graph = &model.graph;
+    let placed = |number: usize| {
+        let wanted = ConstraintKind::Placement { object: number as u32, on: None };
+        graph.constraints.iter().position(|c| c.kind == wanted).unwrap()
+    };
+    search.world_mut().resource_scope(|world, mut order: Mut<'_, MoveOrder>| {
+        let leaves = world.resource::<LeafIndex>();
+        let ends = (leaves.leaf(start), leaves.leaf(goal));
+        let leaving = || graph.leaving(ends.0.state);
+        let preferences = order.preferences(model, leaves, ends, leaving()).unwrap();
+        let taking = |number: usize| {
+            let takes = |state| !graph.state(state).foliation.iter().any(|c| c.at() == placed(number));
+            let mut found = leaving().zip(&preferences).filter(|((_, transition), _)| takes(transition.to));
+            *found.next().unwrap().1
+        };
+        (0..boxes).map(taking).collect()
+    })
+}
+
+#[test]
+fn what_waits_for_nothing_is_taken_first_and_one_of_a_circle_is_set_aside() {
+    let chain = likelihood_of_taking(&model(in_a_row(1, 6, false)), 6);
+    assert!(chain[..5].iter().all(|&weight| weight < 0.1) && chain[5] > 0.99, "{chain:?}");
+    let circle = likelihood_of_taking(&model(in_a_row(1, 6, true)), 6);
+    assert_eq!(circle.iter().filter(|&&weight| weight > 0.99).count(), 1, "{circle:?}");
+    assert_eq!(circle.iter().filter(|&&weight| weight < 0.1).count(), 5, "{circle:?}");
+}
+
+#[test]
+fn a_circle_of_boxes_takes_one_grasp_more_than_there_are_boxes() {
+    for seed in 1..=3 {
+        let (outcome, search) =
+            search(&model(in_a_row(1, 10, true)), &Sequence, seeded(seed).with(|s| s.max_steps = 100), 1);
+        assert_eq!(outcome, SearchOutcome::Solved, "seed {seed}");
+        let grasps = grasps(&search);
+        assert!((11..=13).contains(&grasps), "{grasps} grasps, seed {seed}");
+    }
+}
+
+#[test]
+fn dense_boxes_are_sorted_within_few_steps() {
+    // Fifteen boxes on twenty places, 12 mm apart; the goal turns the table round.
+    let place = |number: usize| (0.052 * (number % 5) as f64 - 0.104, 0.052 * (number / 5) as f64 - 0.08);
+    let starts: Vec<_> = (0..15).map(place).collect();
+    let goals: Vec<_> = (0..15).map(|number| place(19 - number)).collect();
+    let model = model(rearrange_boxes(1, (0.3, 0.3), &starts, &goals).unwrap());
+    let steps = |seed: u64| {
+        let (outcome, search) = search(&model, &Sequence, seeded(seed).with(|s| s.max_steps = 150), 1);
+        (outcome == SearchOutcome::Solved).then_some(search.counter().step)
+    };
+    // Some take long to join what they have found.
+    let steps: Vec<Option<u64>> = (1..=6).map(steps).collect();
+    assert!(steps.iter().flatten().count() >= 4, "{steps:?}");
 }

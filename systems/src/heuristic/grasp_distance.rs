@@ -6,8 +6,8 @@
 //! in these graphs: an estimate that forgets that hands are needed twice and that things are in each other's way, as the
 //! relaxed plans of task planners do. It costs nanoseconds and tells which of a thousand leaves are worth extending.
 //!
-//! The small graphs grow with the constraint graph: of a lazy one they hold what has come into being, and what leads nowhere
-//! yet is far.
+//! The small graphs grow with the constraint graph: of a lazy one they hold what has come into being, where each change may be
+//! taken back.
 
 use crate::heuristic::leaf_distance_table::{LeafDistanceTable, Row};
 use foliate_components::graph::leaf::Leaf;
@@ -94,6 +94,8 @@ impl GraspDistance {
             let (from, to) = (&self.situations[transition.from.at()], &self.situations[transition.to.at()]);
             for (number, (&a, &b)) in from.iter().zip(to).enumerate() {
                 has_grown[number] |= self.subjects[number].lead(a, b);
+                // What was never stood on has no transitions yet; what is taken can be set down again.
+                has_grown[number] |= graph.lazy && self.subjects[number].lead(b, a);
             }
         }
         self.transitions = graph.transitions.len();

@@ -5,7 +5,7 @@ use crate::exploration::reached_leaves::{LeafParameterColumns, ReachedLeaves};
 use crate::heuristic::grasp_distance::GraspDistance;
 use crate::heuristic::leaf_distance_table::{End, LeafDistanceTable};
 use crate::heuristic::pair_tables::PairTables;
-use crate::heuristic::weighted_leaves::{FOCUS, Weighted, WeightedLeaves};
+use crate::heuristic::weighted_leaves::{FOCUS, Weighted, WeightedLeaves, in_state};
 use crate::heuristic::weighted_sampling::{Reached, draw_weighted};
 use bevy_ecs::prelude::Resource;
 use foliate_components::graph::leaf::{Leaf, LeafId, LeafIndex};
@@ -31,10 +31,12 @@ pub struct LeafHeuristic {
     pub(crate) trees: Vec<Vec<WeightedLeaves>>,
     /// By leaf: candidates that started there.
     pub(crate) tries: Vec<u32>,
+    /// By leaf: changes of grasp that the way from there takes beyond its distance.
+    pub(crate) detours: Vec<u16>,
     /// Leaves on which the last step's candidates have started.
     touched: Vec<LeafId>,
     /// Leaves that no way leads to any more, by tree.
-    lost: BTreeSet<(TreeId, LeafId)>,
+    pub(crate) lost: BTreeSet<(TreeId, LeafId)>,
     /// [`ReachedLeaves::cleared`] of what is measured.
     cleared: u32,
 }
@@ -138,6 +140,11 @@ impl LeafHeuristic {
         }
     }
 
+    fn weighted(&self, leaf: LeafId, far: u16, tree: TreeId) -> Weighted {
+        let detours = self.detours.get(leaf.at()).copied().unwrap_or(0);
+        Weighted { leaf, far, detours, tries: self.tries[leaf.at()], lost: self.lost.contains(&(tree, leaf)) }
+    }
+
     /// The leaves that a tree has reached, with what is known of each.
     fn gather(&self, reached: &ReachedLeaves, roadmap: Roadmap<'_>, tree: TreeId) -> Vec<WeightedLeaves> {
         let mut states: Vec<(StateId, Vec<Weighted>)> = Vec::new();
@@ -148,7 +155,7 @@ impl LeafHeuristic {
                 let entry = |(index, &place): (usize, &u32)| {
                     let leaf = list[place as usize];
                     let far = nearest.to_others(roadmap, tree, index).unwrap_or(0);
-                    Weighted { leaf, far, tries: self.tries[leaf.at()], lost: self.lost.contains(&(tree, leaf)) }
+                    self.weighted(leaf, far, tree)
                 };
                 let new = columns.places[..nearest.known].iter().enumerate().map(entry);
                 let at = states.partition_point(|(state, _)| *state < columns.state);
@@ -215,7 +222,7 @@ impl LeafHeuristic {
         draw_weighted(level, &others, (&scratch.far, nearest), rng.random(), &mut scratch.sums)
     }
 
-    fn pair(&self, graph: &ConstraintGraph, from: StateId, to: StateId) -> Cow<'_, LeafDistanceTable> {
+    pub(crate) fn pair(&self, graph: &ConstraintGraph, from: StateId, to: StateId) -> Cow<'_, LeafDistanceTable> {
         match self.pairs.get(from, to) {
             Some(pair) => Cow::Borrowed(pair),
             None => Cow::Owned(self.distance.between_states(graph, from, to)),
@@ -368,7 +375,7 @@ impl LeafHeuristic {
             }
         }
         let far = far.iter().map(|&(_, far)| far).min().unwrap_or(0);
-        let new = Weighted { leaf: id, far, tries: self.tries[id.at()], lost: self.lost.contains(&(own, id)) };
+        let new = self.weighted(id, far, own);
         let states = &mut self.trees[own.at()];
         match in_state(states, state) {
             Some(leaves) => leaves.insert(new),
@@ -388,9 +395,4 @@ fn leaves_of<'a>(
 ) -> impl Iterator<Item = &'a Leaf> {
     let list = &explored.reached.by_born_tree[born.at()];
     columns.places.iter().map(|&place| explored.leaves.leaf(list[place as usize]))
-}
-
-fn in_state(states: &mut [WeightedLeaves], state: StateId) -> Option<&mut WeightedLeaves> {
-    let at = states.binary_search_by_key(&state, |s| s.state).ok()?;
-    Some(&mut states[at])
 }

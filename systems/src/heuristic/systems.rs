@@ -1,6 +1,7 @@
 //! The systems of set Select that use the leaf heuristic: measure new leaves, and choose leaves for guided candidates.
 
 use crate::exploration::explored::Explored;
+use crate::heuristic::blocking::MoveOrder;
 use crate::heuristic::leaf_heuristic::{HeuristicScratch, LeafHeuristic, Measured};
 use crate::planning_model::model::PlanningModel;
 use crate::runtime::parallel::LEAST_SHARED;
@@ -16,16 +17,20 @@ use rayon::prelude::*;
 
 /// Share of the guided candidates that start from the leaf of the largest weight where much is to be moved: with many objects near
 /// leaves are few among many.
-const GREEDY: f64 = 0.5;
+const GREEDY: f64 = 0.75;
 
-/// So many changes of grasp, two objects moved, are not much.
-const NEAR: u16 = 4;
+/// Where much is to be moved the probability that a candidate is guided is raised to this power: moves that are drawn blindly lead away.
+const MOSTLY: f64 = 0.15;
+
+/// So many of the likeliest leaves of each side are asked again in a step what stands in the way from there.
+const AGAIN: usize = 4;
 
 /// Measures the leaves that the last step has reached, each against all others.
 pub fn measure_leaves(
     model: Res<'_, PlanningModel>,
     settings: Res<'_, SearchSettings>,
     explored: Explored<'_, '_>,
+    mut order: ResMut<'_, MoveOrder>,
     mut heuristic: ResMut<'_, LeafHeuristic>,
 ) {
     let heuristic = &mut *heuristic;
@@ -45,6 +50,22 @@ pub fn measure_leaves(
         let list = &explored.reached.by_born_tree[born.at()];
         for &leaf in &list[heuristic.measured[born.at()].known..] {
             heuristic.measure(&model.graph, &explored, settings.level, (born, leaf));
+            heuristic.follow_order(
+                &model,
+                &explored,
+                settings.level,
+                &mut order,
+                (explored.roadmap().tree(born), leaf),
+            );
+        }
+    }
+    for side in explored.roadmap().sides() {
+        // What stands in the way changes with what the others reach.
+        for _ in 0..AGAIN {
+            let Some((_, leaf)) = heuristic.heaviest(side) else { break };
+            if !heuristic.follow_order(&model, &explored, settings.level, &mut order, (side, leaf)) {
+                break;
+            }
         }
     }
 }
@@ -56,6 +77,7 @@ pub fn choose_leaves(
     step: Res<'_, StepCounter>,
     explored: Explored<'_, '_>,
     heuristic: Res<'_, LeafHeuristic>,
+    order: Res<'_, MoveOrder>,
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
     if settings.selection != Selection::Guided {
@@ -64,14 +86,15 @@ pub fn choose_leaves(
     let weigh = |tree: TreeId| {
         let states = &heuristic.trees[tree.at()];
         let drawn = states.iter().map(|state| (state, state.weight())).collect::<Vec<_>>();
-        let far = heuristic.heaviest(tree).filter(|(far, _)| *far > NEAR);
-        (tree, far.map(|(_, leaf)| leaf), drawn)
+        let heaviest = heuristic.heaviest(tree).filter(|_| order.is_known());
+        (tree, heaviest.map(|(_, leaf)| leaf), drawn)
     };
     let trees: Vec<_> = explored.roadmap().sides().map(weigh).collect();
+    let guided = settings.guided_probability.powf(if order.is_known() { MOSTLY } else { 1.0 });
     let mut pool: Vec<_> = candidates.iter_mut().filter(|c| c.is_alive() && c.near.is_none()).collect();
     pool.par_iter_mut().with_min_len(LEAST_SHARED).for_each_init(HeuristicScratch::default, |scratch, candidate| {
         let mut rng = stream(settings.seed, Purpose::HEURISTIC, step.step, candidate.index);
-        if rng.random::<f64>() >= settings.guided_probability {
+        if rng.random::<f64>() >= guided {
             return;
         }
         let Some((tree, heaviest, states)) = trees.choose(&mut rng) else { return };

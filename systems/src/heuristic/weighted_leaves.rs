@@ -28,6 +28,8 @@ pub(crate) struct WeightedLeaves {
 pub(crate) struct Weighted {
     pub leaf: LeafId,
     pub far: u16,
+    /// What stands in the way adds so many changes of grasp.
+    pub detours: u16,
     pub tries: u32,
     /// Whether no way leads there any more: it is not chosen.
     pub lost: bool,
@@ -42,7 +44,12 @@ struct Block {
 
 impl Weighted {
     fn weight(&self) -> f64 {
-        if self.lost { 0.0 } else { FOCUS.powi(-i32::from(self.far)) / (1.0 + f64::from(self.tries) / LEAF_PATIENCE) }
+        if self.lost {
+            0.0
+        } else {
+            FOCUS.powi(-i32::from(self.far.saturating_add(self.detours).min(i16::MAX as u16) as i16))
+                / (1.0 + f64::from(self.tries) / LEAF_PATIENCE)
+        }
     }
 }
 
@@ -127,10 +134,16 @@ impl WeightedLeaves {
         let leaves = &self.leaves[range.clone()];
         Block {
             weight: self.weights[range].iter().sum(),
-            near: leaves.iter().filter(|w| !w.lost).map(|w| w.far).min().unwrap_or(u16::MAX),
+            near: leaves.iter().filter(|w| !w.lost).map(|w| w.far.saturating_add(w.detours)).min().unwrap_or(u16::MAX),
             tries: leaves.iter().map(|w| u64::from(w.tries)).sum(),
         }
     }
+}
+
+/// The leaves of one state, of states that are sorted.
+pub(crate) fn in_state(states: &mut [WeightedLeaves], state: StateId) -> Option<&mut WeightedLeaves> {
+    let at = states.binary_search_by_key(&state, |s| s.state).ok()?;
+    Some(&mut states[at])
 }
 
 #[cfg(test)]
@@ -143,6 +156,7 @@ mod tests {
         let entry = |leaf: u32| Weighted {
             leaf: LeafId(leaf),
             far: (leaf * 7 % 5) as u16,
+            detours: (leaf * 3 % 2) as u16,
             tries: leaf * 13 % 17,
             lost: leaf % 11 == 3,
         };

@@ -49,6 +49,7 @@ pub(crate) fn empty_world(
     world.init_resource::<Compiled>();
     world.init_resource::<ReachedLeaves>();
     world.init_resource::<crate::heuristic::leaf_heuristic::LeafHeuristic>();
+    world.init_resource::<crate::heuristic::blocking::MoveOrder>();
     world.init_resource::<TransitionWeights>();
     world.init_resource::<StepCounter>();
     world.init_resource::<Roots>();

@@ -10,6 +10,7 @@ use foliate_components::outcome::Rejection;
 use foliate_systems::exploration::entities::TransitionWeights;
 use foliate_systems::exploration::explored::Explored;
 use foliate_systems::exploration::roadmap_query::RoadmapQuery;
+use foliate_systems::heuristic::blocking::MoveOrder;
 use foliate_systems::heuristic::leaf_heuristic::LeafHeuristic;
 use foliate_systems::planning_model::model::PlanningModel;
 use foliate_systems::runtime::random::{Purpose, draw, stream};
@@ -100,6 +101,7 @@ pub fn choose_lazy_extensions(
     weights: Res<'_, TransitionWeights>,
     lazy_extensions: Res<'_, LazyExtensions>,
     mut heuristic: ResMut<'_, LeafHeuristic>,
+    mut order: ResMut<'_, MoveOrder>,
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
     for mut candidate in candidates.iter_mut().filter(|c| c.is_alive()) {
@@ -127,6 +129,9 @@ pub fn choose_lazy_extensions(
             let preferences =
                 heuristic.preferences(&model.graph, from, target_leaf, leaving().map(|(_, transition)| transition));
             choices.iter_mut().zip(preferences).for_each(|((_, weight), preference)| *weight *= preference);
+            let ordered = order.preferences(&model, &explored.leaves, (from, target_leaf), leaving());
+            let ordered = ordered.into_iter().flatten();
+            choices.iter_mut().zip(ordered).for_each(|((_, weight), preference)| *weight *= preference);
         }
         // Where there are only loops, the ordinary rule draws one.
         if let Some(id) = draw(&choices, rng.random()) {

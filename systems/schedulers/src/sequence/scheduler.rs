@@ -2,6 +2,7 @@
 
 use crate::sequence::{connect_iterations, lazy_extension};
 use foliate_systems::goals::systems::draw_more_goals;
+use foliate_systems::heuristic::blocking::systems::{aim_at_buffers, begin_order, learn_reach};
 use foliate_systems::heuristic::placements::systems::{aim_at_placements, learn_from_placements};
 use foliate_systems::heuristic::systems;
 use foliate_systems::search::scheduler::Scheduler;
@@ -48,7 +49,7 @@ pub fn insert_resources(world: &mut World) {
 #[must_use]
 pub fn step_systems() -> StepSystems {
     StepSystems::new()
-        .in_set(SearchSet::Sample, (sampling::reset_candidates, sampling::sample_configurations))
+        .in_set(SearchSet::Sample, (sampling::reset_candidates, sampling::sample_configurations, begin_order))
         .in_set(
             SearchSet::Select,
             (
@@ -62,10 +63,13 @@ pub fn step_systems() -> StepSystems {
                 selection::select_transitions,
             ),
         )
-        .in_set(SearchSet::Rendezvous, (rendezvous::draw_leaves, lazy_extension::stay_near))
+        .in_set(SearchSet::Rendezvous, (aim_at_buffers, rendezvous::draw_leaves, lazy_extension::stay_near))
         .in_set(SearchSet::Project, (project::project_waypoints, lazy::leave_out_first_legs))
         .in_set(SearchSet::Steer, (waypoints::check_waypoints, steering::steer_legs, lazy::drop_cut_short))
-        .in_set(SearchSet::Validate, (validation::certify_legs, lazy_extension::count_outcomes, learn_from_placements))
+        .in_set(
+            SearchSet::Validate,
+            (validation::certify_legs, lazy_extension::count_outcomes, learn_from_placements, learn_reach),
+        )
         .in_set(SearchSet::Commit, (commit::commit_extensions, draw_more_goals))
         .in_set(
             SearchSet::Connect,
