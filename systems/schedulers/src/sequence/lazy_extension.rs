@@ -123,6 +123,7 @@ pub fn choose_lazy_extensions(
                 heuristic.preferences(&model.graph, from, target_leaf, leaving().map(|(_, transition)| transition));
             choices.iter_mut().zip(preferences).for_each(|((_, weight), preference)| *weight *= preference);
         }
+        heuristic.stay_in_corridor(&model.graph, from, &mut choices);
         // Where there are only loops, the ordinary rule draws one.
         if let Some(id) = draw(&choices, rng.random()) {
             let transition = model.graph.transition(id);
