@@ -2,6 +2,7 @@
 
 use crate::exploration::explored::Explored;
 use crate::exploration::reached_leaves::{LeafParameterColumns, ReachedLeaves};
+use crate::heuristic::corridor::Corridor;
 use crate::heuristic::grasp_distance::GraspDistance;
 use crate::heuristic::leaf_distance_table::{End, LeafDistanceTable};
 use crate::heuristic::pair_tables::PairTables;
@@ -9,7 +10,7 @@ use crate::heuristic::weighted_leaves::{FOCUS, Weighted, WeightedLeaves};
 use crate::heuristic::weighted_sampling::{Reached, draw_weighted};
 use bevy_ecs::prelude::Resource;
 use foliate_components::graph::leaf::{Leaf, LeafId, LeafIndex};
-use foliate_components::graph::{ConstraintGraph, StateId, Transition, TransitionId};
+use foliate_components::graph::{ConstraintGraph, StateId, Transition};
 use foliate_components::roadmap::{Roadmap, TreeId};
 use foliate_kernels::lanes::Level;
 use rand::{Rng, RngExt};
@@ -39,14 +40,6 @@ pub struct LeafHeuristic {
     cleared: u32,
     /// Where there is one, no transition leaves it.
     pub(crate) corridor: Option<Corridor>,
-}
-
-/// The leaves on ways from one leaf to another with at most so many changes of grasp, by [`GraspDistance`].
-#[derive(Clone, Debug)]
-pub(crate) struct Corridor {
-    pub from: Leaf,
-    pub to: Leaf,
-    pub most: u16,
 }
 
 /// What is known of the leaves that a tree reached while it had its own id.
@@ -138,20 +131,6 @@ impl LeafHeuristic {
         far.iter().for_each(|&far| alike[usize::from(far - nearest)] += 1);
         let share = |&far: &u16| FOCUS.powi(-i32::from(far - nearest)) / f64::from(alike[usize::from(far - nearest)]);
         far.iter().map(share).collect()
-    }
-
-    /// Takes all weight from transitions that lead out of the corridor, where there is one.
-    pub fn stay_in_corridor(&self, graph: &ConstraintGraph, from: &Leaf, choices: &mut [(TransitionId, f64)]) {
-        let Some(corridor) = &self.corridor else { return };
-        let after = |end: &Leaf| {
-            self.distance.after_each(graph, from, end, choices.iter().map(|&(id, _)| graph.transition(id)))
-        };
-        let (back, ahead) = (after(&corridor.from), after(&corridor.to));
-        for ((_, weight), (back, ahead)) in choices.iter_mut().zip(back.into_iter().zip(ahead)) {
-            if back + ahead > corridor.most {
-                *weight = 0.0;
-            }
-        }
     }
 
     /// Remembers that a candidate has started on a leaf.

@@ -2,8 +2,9 @@
 //!
 //! `grasp_distance` estimates how many grasps lie between two leaves, by the tables of `leaf_distance_table`.
 //! `leaf_heuristic` keeps that distance for all leaves that were reached; it draws by `weighted_leaves` and
-//! `weighted_sampling`. `systems` runs it in a step. `placements` says where objects may be put down on the way.
+//! `weighted_sampling`. `systems` runs it in a step. A `corridor` keeps a search to few changes of grasp. `placements` says where objects may be put down on the way.
 
+pub(crate) mod corridor;
 pub mod grasp_distance;
 pub(crate) mod leaf_distance_table;
 pub mod leaf_heuristic;

@@ -9,6 +9,8 @@ use crate::schedule::StepCounter;
 use crate::settings::{SearchSettings, Selection};
 use bevy_ecs::prelude::{Query, Res, ResMut};
 use foliate_components::candidate::Candidate;
+use foliate_components::graph::leaf::Leaf;
+use foliate_components::graph::{ConstraintGraph, TransitionId};
 use foliate_components::roadmap::TreeId;
 use rand::RngExt;
 use rand::seq::IndexedRandom;
@@ -82,4 +84,13 @@ pub fn choose_leaves(
         candidate.target_leaf =
             heuristic.target_leaf(&model.graph, &explored, (leaf, *tree), settings.level, &mut rng, scratch);
     });
+}
+
+impl LeafHeuristic {
+    /// Takes all weight from transitions that lead from a leaf out of the corridor, where a search has one.
+    pub fn stay_in_corridor(&self, graph: &ConstraintGraph, from: &Leaf, choices: &mut [(TransitionId, f64)]) {
+        if let Some(corridor) = &self.corridor {
+            corridor.keep(graph, &self.distance, from, choices);
+        }
+    }
 }
