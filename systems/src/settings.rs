@@ -71,6 +71,9 @@ pub struct SearchSettings {
     /// Steps after which as many more configurations are looked for, since the first may be out of reach; then after twice as
     /// many, and so on. 0 for never.
     pub goal_interval: u64,
+    /// Steps in which stretches of a first path are planned again that seem to need fewer grasps, as a share of the steps of the
+    /// search; 0 for none. Schedulers that ask for it do so ([`PlanAgain`](crate::search::PlanAgain)).
+    pub regrasp_share: f64,
     /// Steps between two reports of feedback to the host; 0 for one at the end only.
     pub feedback_interval: u64,
 }
@@ -113,6 +116,7 @@ impl Default for SearchSettings {
             goal_samples: 8,
             goal_tries: 4096,
             goal_interval: 64,
+            regrasp_share: 0.5,
             feedback_interval: 64,
         }
     }

@@ -97,6 +97,12 @@ impl LeafIndex {
         }
     }
 
+    /// An index that knows the same parameters by the same ids, and no leaves.
+    #[must_use]
+    pub fn without_leaves(&self) -> Self {
+        Self { parameters: self.parameters.clone(), ..Self::default() }
+    }
+
     /// The id of a leaf, new if it was never met.
     pub fn intern(&mut self, leaf: Leaf) -> LeafId {
         if let Some(&id) = self.by_value.get(&leaf) {

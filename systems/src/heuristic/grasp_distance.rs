@@ -132,6 +132,18 @@ impl GraspDistance {
         self.sum(to, from.state, |c| graph.value(from, c) == graph.value(to, c))
     }
 
+    /// The subject that an object is, where any constraint is about it.
+    pub(crate) fn subject_of_object(&self, object: u32) -> Option<usize> {
+        self.numbers.get(&Of::Object(object)).copied()
+    }
+
+    /// [`Self::between`], subject by subject.
+    pub(crate) fn of_each_subject(&self, graph: &ConstraintGraph, from: &Leaf, to: &Leaf) -> impl Iterator<Item = u16> {
+        let ends = self.situations[from.state.at()].iter().zip(&self.situations[to.state.at()]);
+        let same = |c| graph.value(from, c) == graph.value(to, c);
+        self.subjects.iter().zip(ends).map(move |(subject, (&a, &b))| u16::from(subject.steps(a, b, same)))
+    }
+
     /// Changes of grasp from where a transition leads to a leaf, where a crossed one takes the values of that leaf as far
     /// as it has them.
     #[must_use]

@@ -2,7 +2,8 @@
 
 use crate::exploration::explored::Explored;
 use crate::heuristic::blocking::MoveOrder;
-use crate::heuristic::leaf_heuristic::{HeuristicScratch, LeafHeuristic, Measured};
+use crate::heuristic::leaf_heuristic::{HeuristicScratch, LeafHeuristic};
+use crate::heuristic::measured_leaves::Measured;
 use crate::planning_model::model::PlanningModel;
 use crate::runtime::parallel::LEAST_SHARED;
 use crate::runtime::random::{Purpose, draw, stream};
@@ -10,6 +11,8 @@ use crate::schedule::StepCounter;
 use crate::settings::{SearchSettings, Selection};
 use bevy_ecs::prelude::{Query, Res, ResMut};
 use foliate_components::candidate::Candidate;
+use foliate_components::graph::leaf::Leaf;
+use foliate_components::graph::{ConstraintGraph, TransitionId};
 use foliate_components::roadmap::TreeId;
 use rand::RngExt;
 use rand::seq::IndexedRandom;
@@ -105,4 +108,13 @@ pub fn choose_leaves(
         candidate.target_leaf =
             heuristic.target_leaf(&model.graph, &explored, (leaf, *tree), settings.level, &mut rng, scratch);
     });
+}
+
+impl LeafHeuristic {
+    /// Takes all weight from transitions that lead from a leaf out of the corridor, where a search has one.
+    pub fn stay_in_corridor(&self, graph: &ConstraintGraph, from: &Leaf, choices: &mut [(TransitionId, f64)]) {
+        if let Some(corridor) = &self.corridor {
+            corridor.keep(graph, &self.distance, from, choices);
+        }
+    }
 }

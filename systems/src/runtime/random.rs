@@ -30,6 +30,9 @@ impl Purpose {
     /// Choosing among such placements.
     pub const AIM: Self = Self(11);
 
+    /// Planning stretches of a first path again.
+    pub const REGRASP: Self = Self(12);
+
     /// Drawing changes of a path that is to become better.
     pub const IMPROVE: Self = Self(9);
 

@@ -14,7 +14,7 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::f64::consts::TAU;
 
-/// The shortest path (weighted length of its motions) from `start` to `goal`; ties by lowest node id. `None` where they
+/// The path from `start` to `goal` with the fewest changes from leaf to leaf, and of these the shortest (weighted length of its motions); ties by lowest node id. `None` where they
 /// are not connected.
 #[must_use]
 pub(crate) fn extract_path(
@@ -203,16 +203,18 @@ fn follow_sign(last: &[f64], knot: &mut [f64], i: usize) {
 
 #[derive(PartialEq)]
 struct Frontier {
-    cost: f64,
+    changes: u32,
+    length: f64,
     node: NodeId,
 }
 
 impl Eq for Frontier {}
 
 impl Ord for Frontier {
-    /// Smallest cost first, then lowest id: reversed for a max-heap.
+    /// Fewest changes first, then shortest, then lowest id: reversed for a max-heap.
     fn cmp(&self, other: &Self) -> Ordering {
-        other.cost.total_cmp(&self.cost).then(other.node.cmp(&self.node))
+        let changes = other.changes.cmp(&self.changes);
+        changes.then(other.length.total_cmp(&self.length)).then(other.node.cmp(&self.node))
     }
 }
 
@@ -233,27 +235,28 @@ pub(crate) fn route(model: &PlanningModel, roadmap: Roadmap<'_>, start: NodeId, 
     std::iter::once(start).chain(edges.into_iter().scan(start, beyond)).collect()
 }
 
-/// Dijkstra over the roadmap.
+/// Dijkstra over the roadmap: of the ways with the fewest changes from leaf to leaf the shortest.
 fn shortest_route(model: &PlanningModel, roadmap: Roadmap<'_>, start: NodeId, goal: NodeId) -> Option<Vec<EdgeId>> {
-    let mut best = vec![f64::INFINITY; roadmap.nodes().len()];
+    let mut best = vec![(u32::MAX, f64::INFINITY); roadmap.nodes().len()];
     let mut came_by: Vec<Option<EdgeId>> = vec![None; roadmap.nodes().len()];
-    let mut frontier = BinaryHeap::from([Frontier { cost: 0.0, node: start }]);
-    best[start.at()] = 0.0;
-    while let Some(Frontier { cost, node }) = frontier.pop() {
+    let mut frontier = BinaryHeap::from([Frontier { changes: 0, length: 0.0, node: start }]);
+    best[start.at()] = (0, 0.0);
+    while let Some(Frontier { changes, length, node }) = frontier.pop() {
         if node == goal {
             return Some(route_back(roadmap, &came_by, start, goal));
         }
-        if cost > best[node.at()] {
+        if (changes, length) > best[node.at()] {
             continue;
         }
         for edge in roadmap.edges_at(node) {
             let row = roadmap.edge(edge);
             let next = if row.from == node { row.to } else { row.from };
-            let cost = cost + roadmap.motions_of(edge).iter().map(|m| model.length(&m.knots)).sum::<f64>();
-            if cost < best[next.at()] {
-                best[next.at()] = cost;
+            let changes = changes + u32::from(roadmap.node(node).leaf != roadmap.node(next).leaf);
+            let length = length + roadmap.motions_of(edge).iter().map(|m| model.length(&m.knots)).sum::<f64>();
+            if (changes, length) < best[next.at()] {
+                best[next.at()] = (changes, length);
                 came_by[next.at()] = Some(edge);
-                frontier.push(Frontier { cost, node: next });
+                frontier.push(Frontier { changes, length, node: next });
             }
         }
     }

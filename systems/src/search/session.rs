@@ -8,10 +8,12 @@ use crate::goals::sampler::GoalSampler;
 use crate::goals::systems::add_start_and_goals;
 use crate::planning_model::model::PlanningModel;
 use crate::planning_model::state_classification::Feasible;
+use crate::runtime::random::{Purpose, stream};
 use crate::runtime::watch::Watch;
 use crate::schedule::StepCounter;
 use crate::search::excursions::leave_out_excursions;
 use crate::search::path_extraction::{extract_path, reached_backwards};
+use crate::search::regrasps;
 use crate::search::scheduler::Scheduler;
 use crate::search::world::{add_roots, empty_world, roots_in};
 use crate::settings::SearchSettings;
@@ -21,6 +23,13 @@ use foliate_components::graph::{StateId, TransitionId};
 use foliate_components::outcome::{GoalStatistics, SearchOutcome, StateStatistics, TransitionStatistics};
 use foliate_components::path::ManipulationPath;
 use foliate_components::roadmap::Roadmap;
+use rand::RngExt;
+use std::sync::Arc;
+
+/// Stretches are planned again in so many steps at least, where there are any, and in so many for each of their changes of grasp at
+/// most.
+const LEAST_STEPS: u64 = 2;
+const STEPS_OF_CHANGE: u64 = 4;
 
 /// A search under way. It owns its world; the model is shared, but for a lazy graph, of which every search has its own.
 pub struct Search {
@@ -93,6 +102,7 @@ impl Search {
             }
             if self.ending == Some(SearchOutcome::Solved) {
                 leave_out_excursions(&mut self.world);
+                self.leave_out_regrasps();
                 self.expand_backwards();
             }
         }
@@ -112,6 +122,48 @@ impl Search {
                 return outcome.clone();
             }
         }
+    }
+
+    /// Plans stretches of the path again that seem to need fewer grasps, where the scheduler asks for it, in as many steps as
+    /// [`SearchSettings::regrasp_share`] says.
+    fn leave_out_regrasps(&mut self) {
+        let Some(PlanAgain(scheduler)) = self.world.remove_resource() else { return };
+        let settings = self.world.resource::<SearchSettings>().clone();
+        let share = settings.regrasp_share * self.counter().step as f64;
+        let mut left = if share > 0.0 { (share as u64).max(LEAST_STEPS) } else { 0 };
+        let mut tried = Vec::new();
+        while left > 0 {
+            let stretches = regrasps::stretches(&mut self.world);
+            let Some(stretch) = stretches.into_iter().find(|stretch| !tried.contains(stretch)) else { return };
+            tried.push(stretch);
+            let mut settings = settings.clone();
+            settings.seed = stream(settings.seed, Purpose::REGRASP, tried.len() as u64, 0).random();
+            settings.max_steps = left.min(STEPS_OF_CHANGE * u64::from(stretch.changes));
+            let stop = self.world.resource::<StopSignal>().clone();
+            let mut world = empty_world(self.model(), settings, stop, EventSink::default());
+            regrasps::look_for_fewer(&self.world, stretch, &mut world);
+            let schedule = scheduler.schedule(&mut world);
+            let mut other = Self { world, schedule, ending: None }.without_planning_again();
+            let outcome = other.run();
+            let work = other.counter();
+            left = left.saturating_sub(work.step);
+            let mut counter = self.world.resource_mut::<StepCounter>();
+            *counter = [*counter, work].into_iter().sum();
+            if outcome == SearchOutcome::Solved {
+                regrasps::adopt(&mut self.world, stretch, other.world());
+                leave_out_excursions(&mut self.world);
+            }
+            self.ending = self.world.resource::<StopSignal>().outcome().or(self.ending.take());
+            if self.ending != Some(SearchOutcome::Solved) {
+                return;
+            }
+        }
+    }
+
+    /// Such that the first path is left as it is found.
+    pub(crate) fn without_planning_again(mut self) -> Self {
+        self.world.remove_resource::<PlanAgain>();
+        self
     }
 
     /// Makes the transitions come into being that the path travels backwards, so that it can name them.
@@ -211,3 +263,8 @@ impl Search {
 /// ended. For schedulers whose systems step searches of their own.
 #[derive(Resource)]
 pub struct AnswerIn(pub Box<World>);
+
+/// The scheduler by which stretches of the first path are planned again where they seem to need fewer grasps. A scheduler that wants
+/// this inserts it when it is asked for its schedule.
+#[derive(Clone, Resource)]
+pub struct PlanAgain(pub Arc<dyn Scheduler>);

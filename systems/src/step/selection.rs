@@ -120,6 +120,7 @@ pub fn select_transitions(
                 heuristic.preferences(&model.graph, from, target_leaf, leaving().map(|(_, transition)| transition));
             choices.iter_mut().zip(preferences).for_each(|((_, weight), preference)| *weight *= preference);
         }
+        heuristic.stay_in_corridor(&model.graph, from, &mut choices);
         match draw(&choices, rng.random()) {
             Some(transition) => candidate.transition = Some(transition),
             None => candidate.reject(Rejection::NoTransition),

@@ -1,5 +1,19 @@
 //! Which candidates are lazy extensions: waypoints and the short motions between them, without the long motion that leads to
 //! the first waypoint. The short motions become an unvalidated edge, which is certified when a sequence needs it.
+//!
+//! **Which transition is tried on a leaf** is a bandit's choice. Its arms are the transitions that leave the leaf, crossed ones once for each
+//! leaf that they aim at. An arm is drawn in proportion to its weight, and its weight falls as 1 / ((1 + successes) (1 + tries / 8)): what
+//! has been found need not be found again, and what fails makes room for what was tried less.
+//!
+//! **No arm is starved.** The weight of an arm depends on its own counts alone and is never zero; all weights are at most what they are in the
+//! beginning. So an arm that is not tried any more keeps a weight w while those of all others on its leaf sum up to at most W, and
+//! each candidate that starts there tries it with a probability of at least some c · w / W, where c > 0 is for what it aims at and whether it is
+//! kept. And candidates start on every leaf without end: half of them draw a side, a state and a leaf evenly, and leaves grow by no more than
+//! a number in each step, so that the sum of these probabilities diverges as that of 1 / step (lemma of Borel and Cantelli). Besides, every
+//! 64th candidate follows the rules of `mrrt`, which know no history.
+//!
+//! Releases onto new leaves are one arm however many leaves there are. Its weight has a floor that rises while nothing comes
+//! nearer: where what is known leads nowhere, new leaves are missing.
 
 use crate::sequence::candidate_roles::CandidateRole;
 use bevy_ecs::prelude::{Query, Res, ResMut, Resource};
@@ -22,8 +36,13 @@ use std::collections::BTreeMap;
 /// A transition loses half of its weight on a leaf in so many tries.
 const PATIENCE: f64 = 8.0;
 
-/// What is left at least of the weight of a transition that finds a new leaf each time.
+/// What is left at least of the weight of a transition that finds a new leaf each time, as long as there is progress.
 const FLOOR: f64 = 0.15;
+
+/// So many steps without a leaf that is nearer to another side say nothing; in so many more half of the weight that it lost
+/// comes back.
+const EARLY: u64 = 16;
+const LATE: f64 = 64.0;
 
 /// How often at least such a transition is extended lazily when it is drawn.
 const FLOOR_KEPT: f64 = 0.75;
@@ -42,6 +61,10 @@ pub(crate) type Attempt = (LeafId, TransitionId, Option<LeafId>);
 #[derive(Clone, Debug, Default, Resource)]
 pub struct LazyExtensions {
     counts: BTreeMap<Attempt, Count>,
+    /// The fewest changes of grasp that any leaf has been from another side, and the step in which that was found.
+    nearest: Option<(u16, u64)>,
+    /// [`Self::floor`] of this step.
+    floor: f64,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -57,7 +80,18 @@ impl LazyExtensions {
     fn freshness(&self, attempt: Attempt, finds_new_leaves: bool) -> f64 {
         let Count { tries, succeeded } = self.counts.get(&attempt).copied().unwrap_or_default();
         let left = 1.0 / ((1.0 + f64::from(succeeded)) * (1.0 + f64::from(tries) / PATIENCE));
-        if finds_new_leaves { left.max(FLOOR) } else { left }
+        if finds_new_leaves { left.max(self.floor) } else { left }
+    }
+
+    /// Sets the floor of this step from how far the leaf is that is nearest to another side: it rises from [`FLOOR`] towards the
+    /// weight of what was never tried while no leaf comes nearer, and falls back when one does.
+    fn look_at_progress(&mut self, far: u16, step: u64) {
+        if self.nearest.is_none_or(|(nearest, _)| far < nearest) {
+            self.nearest = Some((far, step));
+        }
+        let since = self.nearest.map_or(0, |(_, since)| step - since);
+        let late = since.saturating_sub(EARLY) as f64;
+        self.floor = FLOOR + (1.0 - FLOOR) * late / (late + LATE);
     }
 
     /// Takes a success back: the lazy extension leads nowhere.
@@ -99,11 +133,13 @@ pub fn choose_lazy_extensions(
     explored: Explored<'_, '_>,
     arena: Res<'_, CandidateArena>,
     weights: Res<'_, TransitionWeights>,
-    lazy_extensions: Res<'_, LazyExtensions>,
+    mut lazy_extensions: ResMut<'_, LazyExtensions>,
     mut heuristic: ResMut<'_, LeafHeuristic>,
     mut order: ResMut<'_, MoveOrder>,
     mut candidates: Query<'_, '_, &mut Candidate>,
 ) {
+    let far = explored.roadmap().sides().filter_map(|side| Some(heuristic.heaviest(side)?.0)).min();
+    lazy_extensions.look_at_progress(far.unwrap_or(u16::MAX), step.step);
     for mut candidate in candidates.iter_mut().filter(|c| c.is_alive()) {
         let Some(near) = candidate.near else { continue };
         if let Some(chosen) = candidate.transition {
@@ -133,6 +169,7 @@ pub fn choose_lazy_extensions(
             let ordered = ordered.into_iter().flatten();
             choices.iter_mut().zip(ordered).for_each(|((_, weight), preference)| *weight *= preference);
         }
+        heuristic.stay_in_corridor(&model.graph, from, &mut choices);
         // Where there are only loops, the ordinary rule draws one.
         if let Some(id) = draw(&choices, rng.random()) {
             let transition = model.graph.transition(id);
@@ -201,5 +238,56 @@ pub fn count_outcomes(
         let count = lazy_extensions.counts.entry(attempt).or_default();
         count.tries += 1;
         count.succeeded += u32::from(!arena.legs[candidate.index as usize].is_empty());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// On a leaf with `others` crossed arms that all fail: how many of `draws` tries the release onto a new leaf gets, which
+    /// always finds one, while no leaf comes nearer, or one in every step.
+    fn releases(others: u32, draws: u32, comes_nearer: bool) -> u32 {
+        let mut bandit = LazyExtensions::default();
+        let arm = |number: u32| (LeafId(0), TransitionId(number), (number > 0).then_some(LeafId(number)));
+        let mut rng = stream(1, Purpose::SELECT, 0, 0);
+        let mut drawn = 0;
+        for step in 0..draws {
+            let far = if comes_nearer { (draws - step) as u16 } else { 1 };
+            bandit.look_at_progress(far, u64::from(step));
+            let choices: Vec<_> =
+                (0..=others).map(|number| (number, bandit.freshness(arm(number), number == 0))).collect();
+            let number = draw(&choices, rng.random()).unwrap_or(0);
+            let count = bandit.counts.entry(arm(number)).or_default();
+            count.tries += 1;
+            count.succeeded += u32::from(number == 0);
+            drawn += u32::from(number == 0);
+        }
+        drawn
+    }
+
+    #[test]
+    fn new_leaves_are_looked_for_where_nothing_comes_nearer() {
+        let (early, late) = (releases(8, 2000, true), releases(8, 2000, false));
+        assert!(late > 2 * early, "{early} with progress, {late} without");
+    }
+
+    #[test]
+    fn no_arm_is_starved() {
+        // One that has succeeded often and one that has failed often are both drawn again.
+        let mut bandit = LazyExtensions::default();
+        let arm = |number: u32| (LeafId(0), TransitionId(number), None);
+        for (number, count) in [(0, Count { tries: 90, succeeded: 90 }), (1, Count { tries: 900, succeeded: 0 })] {
+            bandit.counts.insert(arm(number), count);
+        }
+        let mut rng = stream(2, Purpose::SELECT, 0, 0);
+        let mut tries = [0; 4];
+        for _ in 0..20_000 {
+            let choices: Vec<_> = (0..4).map(|number| (number, bandit.freshness(arm(number), false))).collect();
+            let number = draw(&choices, rng.random()).unwrap_or(0);
+            bandit.counts.entry(arm(number)).or_default().tries += 1;
+            tries[number as usize] += 1;
+        }
+        assert!(tries.iter().all(|&tries| tries > 20), "{tries:?}");
     }
 }

@@ -5,6 +5,7 @@ use foliate_systems::goals::systems::draw_more_goals;
 use foliate_systems::heuristic::blocking::systems::{aim_at_buffers, begin_order, learn_reach};
 use foliate_systems::heuristic::placements::systems::{aim_at_placements, learn_from_placements};
 use foliate_systems::heuristic::systems;
+use foliate_systems::search::PlanAgain;
 use foliate_systems::search::scheduler::Scheduler;
 use foliate_systems::step::projection::project;
 
@@ -15,6 +16,7 @@ use foliate_systems::planning_model::model::PlanningModel;
 use foliate_systems::schedule::{SearchSet, StepSystems};
 use foliate_systems::step::lazy_extension as lazy;
 use foliate_systems::step::{commit, conclusion, rendezvous, sampling, selection, steering, validation, waypoints};
+use std::sync::Arc;
 
 /// Trees are extended lazily, by short motions between leaves, where `mrrt` would first certify how to get there; only the long motions of
 /// sequences that reach from the start to a goal are certified, those estimated to be easiest first. Where these
@@ -43,6 +45,7 @@ pub fn insert_resources(world: &mut World) {
     world.init_resource::<joining::Tried>();
     world.init_resource::<foundations::Foundations>();
     world.init_resource::<connect_iterations::ConnectIterations>();
+    world.insert_resource(PlanAgain(Arc::new(Sequence)));
 }
 
 /// The systems of a step. [`insert_resources`] adds what they read.

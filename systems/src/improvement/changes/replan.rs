@@ -74,6 +74,7 @@ pub(crate) fn replan(
         let ends = (root(first, first.start(size)), vec![root(last, last.end(size))]);
         Search::between(context.model, how.scheduler, settings, how.stop.clone(), ends)
     };
+    search = search.without_planning_again();
     let outcome = search.run();
     let mut replanned = Replanned { motions: None, model: search.model().clone(), work: search.counter().work() };
     if outcome != SearchOutcome::Solved {
