@@ -99,7 +99,7 @@ impl Prior {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "ecs", derive(bevy_ecs::prelude::Component))]
 pub struct TransitionStatistics {
-    /// Candidates that chose the transition.
+    /// Candidates that chose the transition; of a loop also the motions that were tried when blocked ones were planned.
     pub attempts: u64,
     /// Candidates that reached the transition's target. A lazily extended one counts until its motions are known not to be free.
     pub reached: u64,

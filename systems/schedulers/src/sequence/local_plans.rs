@@ -7,11 +7,13 @@
 
 use crate::sequence::joining::Growing;
 use crate::sequence::leaf_graph::{Join, LeafGraph};
-use bevy_ecs::prelude::{Local, Res, ResMut, Resource};
+use bevy_ecs::prelude::{Local, Query, Res, ResMut, Resource};
 use foliate_components::graph::leaf::LeafIndex;
+use foliate_components::outcome::TransitionStatistics;
 use foliate_components::roadmap::Roadmap;
 use foliate_systems::events::StopSignal;
 use foliate_systems::exploration::edges::Connection;
+use foliate_systems::exploration::entities::EntityTable;
 use foliate_systems::exploration::roadmap_query::RoadmapQuery;
 use foliate_systems::planning_model::model::PlanningModel;
 use foliate_systems::runtime::parallel::each;
@@ -19,7 +21,7 @@ use foliate_systems::runtime::random::{Purpose, stream};
 use foliate_systems::runtime::scratch_pool::ScratchPool;
 use foliate_systems::schedule::StepCounter;
 use foliate_systems::settings::SearchSettings;
-use foliate_systems::step::local_planner::leaf_space::{LeafScratch, LeafSpace};
+use foliate_systems::step::local_planner::leaf_space::{LeafScratch, LeafSpace, Tried};
 use foliate_systems::step::local_planner::rrt_connect::{LocalPlan, Planned};
 use std::collections::BTreeMap;
 
@@ -77,6 +79,8 @@ pub fn plan_joins(
     growing: Res<'_, Growing>,
     mut graph: ResMut<'_, LeafGraph>,
     mut plans: ResMut<'_, LocalPlans>,
+    table: Res<'_, EntityTable>,
+    mut statistics: Query<'_, '_, &mut TransitionStatistics>,
     buffers: Local<'_, ScratchPool<LeafScratch>>,
 ) {
     let roadmap = roadmap.view();
@@ -98,12 +102,30 @@ pub fn plan_joins(
     );
     for Turn { join, plan, before, planned } in turns {
         step.connections += plan.work - before;
+        let along = model.graph.loop_of(roadmap.node(graph.ends(join).0).state);
+        if let Some(along) = along
+            && let Ok(mut statistics) = statistics.get_mut(table.transitions[along.at()])
+        {
+            plan.tried.iter().for_each(|tried| count(&mut statistics, tried));
+        }
         if let Some(Planned { from, to, motion }) = planned {
             plans.made.push(Connection { from, to, verdict: Some(Ok(vec![motion])) });
         } else {
             // A leaf on which nothing can be planned counts as if it had been tried.
             graph.count_failure(join, (plan.work - before).max(FIRST) as f64 / EFFORT);
             plans.plans.insert(join, plan);
+        }
+    }
+}
+
+/// Counts a motion of a plan as an extension along the loop of its state.
+fn count(statistics: &mut TransitionStatistics, tried: &Tried) {
+    statistics.attempts += 1;
+    match tried.rejected {
+        None => statistics.reached += 1,
+        Some(reason) => {
+            statistics.partial += u64::from(tried.is_kept);
+            statistics.count_rejection(reason, tried.blocked_by);
         }
     }
 }

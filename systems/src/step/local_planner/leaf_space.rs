@@ -8,6 +8,8 @@ use foliate_components::Pose;
 use foliate_components::candidate::{LegParameter, PlannedLeg};
 use foliate_components::graph::leaf::{LeafId, LeafIndex};
 use foliate_components::graph::{StateId, TransitionId};
+use foliate_components::outcome::Rejection;
+use foliate_components::robot::ShapeIndex;
 use foliate_kernels::collision::{CollisionScratch, Contact, PairId, PairSet, Verdicts};
 use foliate_kernels::constrained_motion::{
     MotionScratch, Scratch as NewtonScratch, Settings as NewtonSettings, project,
@@ -47,7 +49,20 @@ pub struct LeafScratch {
     found: Vec<Option<(usize, Contact)>>,
     /// Work that was done: straight motions, and as many knots as cost as much as one.
     pub(super) work: u64,
+    /// What became of the motions.
+    pub(super) tried: Vec<Tried>,
     pub(super) X_WJ: Vec<Pose>,
+}
+
+/// What became of a motion that was tried, for statistics.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tried {
+    /// Why it does not arrive.
+    pub rejected: Option<Rejection>,
+    /// Whether a part of it is certified.
+    pub is_kept: bool,
+    /// The pair of shapes that stopped it, if one did.
+    pub blocked_by: Option<(ShapeIndex, ShapeIndex)>,
 }
 
 /// A certified motion from a configuration towards another one.
@@ -71,6 +86,14 @@ impl Extension {
     pub fn end(&self, size: usize) -> &[f64] {
         &self.knots[self.knots.len() - size..]
     }
+}
+
+/// Why nothing of a motion is certified.
+enum Stopped {
+    /// It cannot be kept on the leaf.
+    Steering,
+    /// Something is in the way.
+    Blocked(Option<(ShapeIndex, ShapeIndex)>),
 }
 
 impl<'a> LeafSpace<'a> {
@@ -119,11 +142,24 @@ impl<'a> LeafSpace<'a> {
         scratch.work += 1;
         let motion =
             if self.along.is_empty() { self.straight(from, to, scratch) } else { self.projected(from, to, scratch) };
-        motion.filter(|motion| !self.model.object_out_of_bounds(motion.end(from.len())))
+        let is_out = |motion: &Extension| self.model.object_out_of_bounds(motion.end(from.len()));
+        let (rejected, blocked_by) = match &motion {
+            Ok(motion) if is_out(motion) => (Some(Rejection::OutOfBounds(0)), None),
+            Ok(Extension { arrives: true, .. }) => (None, None),
+            Ok(Extension { blocked_by: None, .. }) => (Some(Rejection::SteeringFailed(0)), None),
+            Ok(Extension { blocked_by: Some(pair), .. }) => {
+                (Some(Rejection::MotionBlocked(0)), Some(self.model.pair_shapes(*pair)))
+            }
+            Err(Stopped::Steering) => (Some(Rejection::SteeringFailed(0)), None),
+            Err(Stopped::Blocked(pair)) => (Some(Rejection::MotionBlocked(0)), *pair),
+        };
+        let motion = motion.ok().filter(|_| rejected != Some(Rejection::OutOfBounds(0)));
+        scratch.tried.push(Tried { rejected, is_kept: motion.is_some(), blocked_by });
+        motion
     }
 
     /// Where nothing is implicit: up to the last of some samples that is free, if that is certified.
-    fn straight(&self, from: &[f64], to: &[f64], scratch: &mut LeafScratch) -> Option<Extension> {
+    fn straight(&self, from: &[f64], to: &[f64], scratch: &mut LeafScratch) -> Result<Extension, Stopped> {
         let (size, space) = (from.len(), &self.model.problem.robot.space);
         scratch.samples.resize(SAMPLES * size, 0.0);
         for (number, q) in scratch.samples.chunks_exact_mut(size).enumerate() {
@@ -141,7 +177,7 @@ impl<'a> LeafSpace<'a> {
         let hit = scratch.found[0];
         let end = match hit {
             None => to.to_vec(),
-            Some((0, _)) => return None,
+            Some((0, contact)) => return Err(Stopped::Blocked(Some(self.model.pair_shapes(contact.pair)))),
             Some((place, _)) => {
                 let mut end = scratch.samples[(place - 1) * size..][..size].to_vec();
                 self.carry(&mut end, scratch);
@@ -157,16 +193,18 @@ impl<'a> LeafSpace<'a> {
             &knots,
             &mut scratch.collision,
         )
-        .ok()?;
+        .map_err(Stopped::Blocked)?;
         let blocked_by = hit.map(|(_, contact)| contact.pair);
-        Some(Extension { knots, clearance, residual: 0.0, arrives: hit.is_none(), blocked_by })
+        Ok(Extension { knots, clearance, residual: 0.0, arrives: hit.is_none(), blocked_by })
     }
 
     /// Where rows are implicit: a polyline on the leaf, up to where it leaves it or something is in the way.
-    fn projected(&self, from: &[f64], to: &[f64], scratch: &mut LeafScratch) -> Option<Extension> {
+    fn projected(&self, from: &[f64], to: &[f64], scratch: &mut LeafScratch) -> Result<Extension, Stopped> {
         let (model, settings, ends) = (self.model, self.settings, (from, to));
         let Steered { knots, residual, is_whole } =
-            steering::steer(model, settings, self.state, &self.along, ends, &mut scratch.motion)?;
+            steering::steer(model, settings, self.state, &self.along, ends, &mut scratch.motion)
+                .filter(|steered| steered.knots.len() > from.len())
+                .ok_or(Stopped::Steering)?;
         scratch.work += (knots.len() / from.len()) as u64 / KNOTS_PER_WORK;
         let mut leg = PlannedLeg { leg: 0, state: self.state, parameters: Vec::new(), knots, clearance: 0.0, residual };
         let blocked = validation::certified_prefix(
@@ -180,7 +218,10 @@ impl<'a> LeafSpace<'a> {
         let PlannedLeg { knots, clearance, residual, .. } = leg;
         let arrives = is_whole && blocked.is_none();
         let blocked_by = blocked.flatten().map(|contact| contact.pair);
-        (knots.len() > from.len()).then_some(Extension { knots, clearance, residual, arrives, blocked_by })
+        if knots.len() <= from.len() {
+            return Err(Stopped::Blocked(blocked_by.map(|pair| model.pair_shapes(pair))));
+        }
+        Ok(Extension { knots, clearance, residual, arrives, blocked_by })
     }
 
     /// Writes carried objects where their carriers take them; leaves the poses of the bodies in the scratch.

@@ -1,6 +1,6 @@
 //! Two trees on a leaf that grow from both ends of a motion and connect greedily.
 
-use crate::step::local_planner::leaf_space::{Extension, LeafScratch, LeafSpace};
+use crate::step::local_planner::leaf_space::{Extension, LeafScratch, LeafSpace, Tried};
 use crate::step::local_planner::sampling;
 use crate::step::local_planner::tree::Tree;
 use foliate_components::roadmap::{Motion, NodeId};
@@ -23,6 +23,8 @@ pub struct LocalPlan {
     trees: [Tree; 2],
     /// Work that was done: motions that were tried, long ones on implicit rows several times.
     pub work: u64,
+    /// What became of the motions that the last growth tried.
+    pub tried: Vec<Tried>,
 }
 
 /// How far a tree has been extended.
@@ -52,7 +54,7 @@ impl LocalPlan {
             tree.add_node(node, q);
             tree
         });
-        Self { trees, work: 0 }
+        Self { trees, work: 0, tried: Vec::new() }
     }
 
     /// Lets the trees grow until about so much work is done. `ends` are the configurations between which the motion is wanted.
@@ -65,6 +67,7 @@ impl LocalPlan {
         scratch: &mut LeafScratch,
     ) -> Option<Planned> {
         scratch.work = 0;
+        scratch.tried.clear();
         let step = STEP.max(leaf.distance(ends.0, ends.1) * SHARE);
         let mut meeting = None;
         while meeting.is_none() && scratch.work < budget {
@@ -76,6 +79,7 @@ impl LocalPlan {
             meeting = drawn.and_then(|q| self.grow_towards(leaf, (growing, step), &q, scratch));
         }
         self.work += scratch.work;
+        self.tried.clone_from(&scratch.tried);
         self.planned(leaf, meeting?)
     }
 
