@@ -110,7 +110,8 @@ pub(crate) fn check(file: &PathFile, world: &World, report: &mut CheckReport) {
             None => from_the_scene(name, model, report),
             Some(known) => {
                 same_link(name, &entry.link, &part, &known.link, report);
-                same_surface(name, entry, known, report);
+                // By the rule of centres documents are taken as they are.
+                same_surface(name, entry, known, file.rests.is_some(), report);
             }
         }
     }
@@ -155,13 +156,13 @@ fn same_pose(name: &str, row: &PoseRow, known: &Pose, report: &mut CheckReport) 
     }
 }
 
-fn same_surface(name: &str, entry: &SurfaceEntry, known: &SurfaceModel, report: &mut CheckReport) {
+fn same_surface(name: &str, entry: &SurfaceEntry, known: &SurfaceModel, may_be_joined: bool, report: &mut CheckReport) {
     let ours: Vec<_> = entry.polygons.iter().map(|p| corners(entry, p)).collect();
     let points = |p: &Vec<u32>| p.iter().filter_map(|&i| known.points.get(i as usize).copied()).collect::<Vec<_>>();
     let theirs: Vec<_> = known.polygons.iter().map(points).collect();
     let same_shape = ours.len() == theirs.len() && ours.iter().zip(&theirs).all(|(a, b)| a.len() == b.len());
     let apart = ours.iter().flatten().zip(theirs.iter().flatten()).map(|(a, b)| (*a - *b).abs().max_element());
-    if !same_shape && are_joined(&ours, &theirs) {
+    if may_be_joined && !same_shape && are_joined(&ours, &theirs) {
         return;
     }
     let difference = if same_shape { apart.fold(0.0, f64::max) } else { f64::INFINITY };

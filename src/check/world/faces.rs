@@ -1,4 +1,5 @@
-//! Whether polygons of a file are those of a document, or whole faces that the document cuts into pieces.
+//! Whether polygons of a file are those of a document, or whole faces that the document cuts into pieces. The reader of scenes joins such
+//! pieces with code of its own: the check does not share it.
 
 use crate::check::world::models::normal;
 use glam::DVec3;
@@ -9,13 +10,12 @@ const SLACK: f64 = 2e-5;
 /// Whether each of the document's polygons `pieces` is in one of the file's polygons `wholes`, these are convex and in a plane with what is
 /// in them, and nothing is in them besides. Corners are metres in one frame.
 pub(super) fn are_joined(wholes: &[Vec<DVec3>], pieces: &[Vec<DVec3>]) -> bool {
-    let mut used = 0;
     let made = |whole: &Vec<DVec3>| {
         let inside: Vec<_> = pieces.iter().filter(|piece| is_in(whole, piece)).collect();
-        used += inside.len();
         is_convex(whole) && is_made_of(whole, &inside)
     };
-    wholes.iter().all(made) && used == pieces.len()
+    let is_in_one = |piece: &Vec<DVec3>| wholes.iter().filter(|whole| is_in(whole, piece)).count() == 1;
+    wholes.iter().all(made) && pieces.iter().all(is_in_one)
 }
 
 /// Pieces that do not overlap fill a polygon in which they are.

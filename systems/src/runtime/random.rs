@@ -20,7 +20,7 @@ impl Purpose {
     pub const GOAL: Self = Self(5);
     /// Choosing leaves to extend and to aim at.
     pub const HEURISTIC: Self = Self(6);
-    /// Where trees grow that are to be joined on a leaf.
+    /// Configurations towards which the trees of a blocked motion grow.
     pub const JOIN: Self = Self(7);
     /// How far from the near node the search for the waypoints of a lazy extension starts.
     pub const LAZY_EXTENSION: Self = Self(8);

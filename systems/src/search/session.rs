@@ -138,6 +138,7 @@ impl Search {
             tried.push(stretch);
             let mut settings = settings.clone();
             settings.seed = stream(settings.seed, Purpose::REGRASP, tried.len() as u64, 0).random();
+            settings.max_bytes = settings.max_bytes.saturating_sub(self.bytes()).max(1);
             settings.max_steps = left.min(STEPS_OF_CHANGE * u64::from(stretch.changes));
             let stop = self.world.resource::<StopSignal>().clone();
             let mut world = empty_world(self.model(), settings, stop, EventSink::default());

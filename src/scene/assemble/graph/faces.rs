@@ -39,17 +39,26 @@ pub(in crate::scene::assemble) fn join(surface: &mut Surface) {
 }
 
 fn join_pairs(points: &[DVec3], pieces: &mut Vec<Piece>) {
-    let mut first = 0;
-    while first + 1 < pieces.len() {
-        let union = |other: usize| Some((other, union(points, &[&pieces[first], &pieces[other]])?));
-        match (first + 1..pieces.len()).find_map(union) {
-            // What has grown may fit to what it did not before.
-            Some((other, whole)) => {
-                pieces[first] = whole;
-                pieces.remove(other);
-                first = 0;
+    // What has grown may fit to what it did not before. So passes follow one another until one joins nothing.
+    loop {
+        let before = pieces.len();
+        let mut first = 0;
+        while first + 1 < pieces.len() {
+            let union = |other: usize| {
+                let pair = [&pieces[first], &pieces[other]];
+                let whole = pair[0].touches(pair[1]).then(|| union(points, &pair)).flatten()?;
+                Some((other, whole))
+            };
+            match (first + 1..pieces.len()).find_map(union) {
+                Some((other, whole)) => {
+                    pieces[first] = whole;
+                    pieces.remove(other);
+                }
+                None => first += 1,
             }
-            None => first += 1,
+        }
+        if pieces.len() == before {
+            return;
         }
     }
 }

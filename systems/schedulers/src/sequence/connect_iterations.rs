@@ -1,6 +1,7 @@
 //! Rounds of joining in one step: a motion that fails may leave another sequence whose motions are all untried.
 
 use crate::sequence::leaf_graph::LeafGraph;
+use crate::sequence::local_plans::LocalPlans;
 use crate::sequence::{foundations, joining};
 use bevy_ecs::error::Result;
 use bevy_ecs::prelude::{Mut, Res, ResMut, Resource, World};
@@ -30,9 +31,9 @@ impl Default for ConnectIterations {
     }
 }
 
-/// Tells how much memory the leaf graph takes.
-pub fn count_memory(graph: Res<'_, LeafGraph>, mut bytes: ResMut<'_, SchedulerBytes>) {
-    bytes.0 = graph.bytes();
+/// Tells how much memory the leaf graph and the trees of blocked joins take.
+pub fn count_memory(graph: Res<'_, LeafGraph>, plans: Res<'_, LocalPlans>, mut bytes: ResMut<'_, SchedulerBytes>) {
+    bytes.0 = graph.bytes() + plans.bytes();
 }
 
 /// Proposes, certifies and commits joins, round after round until nothing is left to propose.

@@ -19,7 +19,7 @@ const NEIGHBOURS: usize = 3;
 
 /// The joins that a straight motion could not make, of the sequence that is worked on.
 #[derive(Clone, Debug, Default, Resource)]
-pub struct Growing(pub Vec<Join>);
+pub struct BlockedJoins(pub Vec<Join>);
 
 /// The joins of this round, in the order of the proposals; `None` for what was planned or grew.
 #[derive(Clone, Debug, Default, Resource)]
@@ -50,7 +50,7 @@ pub fn propose_joins(
     roots: Res<'_, Roots>,
     unvalidated_edges: UnvalidatedEdges<'_, '_>,
     mut new: ResMut<'_, NewNodes>,
-    mut growing: ResMut<'_, Growing>,
+    mut blocked: ResMut<'_, BlockedJoins>,
     mut graph: ResMut<'_, LeafGraph>,
     mut plans: ResMut<'_, LocalPlans>,
     mut tried: ResMut<'_, Tried>,
@@ -74,7 +74,7 @@ pub fn propose_joins(
     }
     for node in std::mem::take(&mut new.0) {
         let (leaf, tree) = (roadmap.node(node).leaf, roadmap.tree_of(node));
-        for &join in growing.0.iter().filter(|&&join| graph.leaf(join) == leaf) {
+        for &join in blocked.0.iter().filter(|&&join| graph.leaf(join) == leaf) {
             let (a, b) = graph.ends(join);
             let (a, b) = (roadmap.tree_of(a), roadmap.tree_of(b));
             let other = if a == tree { b } else { a };
@@ -90,7 +90,7 @@ pub fn propose_joins(
     }
     let (failed, untried): (Vec<_>, Vec<_>) =
         graph.cheapest(roadmap, &roots).unwrap_or_default().into_iter().partition(|&join| graph.effort(join) > 0.0);
-    growing.0 = failed;
+    blocked.0 = failed;
     let (unvalidated_edges, mut long): (Vec<_>, Vec<_>) =
         untried.into_iter().partition(|&join| graph.is_unvalidated(join));
     // What is most likely to fail comes first: then the rest need not be tried. Unvalidated edges hardly ever do.
@@ -121,7 +121,8 @@ pub fn learn_from_joins(
         {
             lazy_extensions.take_back((roadmap.node(from).leaf, unvalidated_edge.transition, unvalidated_edge.drawn));
         }
-        if let &Some(join) = join {
+        // Likewise nothing about the join.
+        if let (&Some(join), Some(_)) = (join, &connection.verdict) {
             graph.count_tried(join, connection.is_certified());
         }
     }

@@ -1,18 +1,18 @@
 //! Which candidates are lazy extensions: waypoints and the short motions between them, without the long motion that leads to
 //! the first waypoint. The short motions become an unvalidated edge, which is certified when a sequence needs it.
 //!
-//! **Which transition is tried on a leaf** is a bandit's choice. Its arms are the transitions that leave the leaf, crossed ones once for each
-//! leaf that they aim at. An arm is drawn in proportion to its weight, and its weight falls as 1 / ((1 + successes) (1 + tries / 8)): what
+//! **Which transition is tried on a leaf** is a bandit's choice. Its choices are the transitions that leave the leaf, crossed ones once for each
+//! leaf that they aim at. One is drawn in proportion to its weight, and its weight falls as 1 / ((1 + successes) (1 + tries / 8)): what
 //! has been found need not be found again, and what fails makes room for what was tried less.
 //!
-//! **No arm is starved.** The weight of an arm depends on its own counts alone and is never zero; all weights are at most what they are in the
-//! beginning. So an arm that is not tried any more keeps a weight w while those of all others on its leaf sum up to at most W, and
-//! each candidate that starts there tries it with a probability of at least some c · w / W, where c > 0 is for what it aims at and whether it is
-//! kept. And candidates start on every leaf without end: half of them draw a side, a state and a leaf evenly, and leaves grow by no more than
-//! a number in each step, so that the sum of these probabilities diverges as that of 1 / step (lemma of Borel and Cantelli). Besides, every
-//! 64th candidate follows the rules of `mrrt`, which know no history.
+//! **No transition of a leaf is starved**, outside of corridors and as far as probabilities go: its weight depends on its own counts, is never zero, and is changed
+//! by preferences for what leads ahead by bounded factors alone. So a transition that is not tried any more keeps a share of at least some
+//! c > 0 of its leaf, and each candidate that starts there tries it with that probability. Candidates start on every leaf without end: at least a tenth of
+//! them draw a side, a state and a leaf evenly, and leaves grow by no more than a number in each step. So the conditional probabilities, given all that went
+//! before, sum up as those of 1 / step, to infinity (Lévy's form of the lemma of Borel and Cantelli). This does not hold for each leaf that a crossed transition may aim at: there
+//! are as many as there are leaves. Besides, every 64th candidate follows the rules of `mrrt`, which know no history.
 //!
-//! Releases onto new leaves are one arm however many leaves there are. Its weight has a floor that rises while nothing comes
+//! Releases onto new leaves are one choice however many leaves there are. Its weight has a floor that rises while nothing comes
 //! nearer: where what is known leads nowhere, new leaves are missing.
 
 use crate::sequence::candidate_roles::CandidateRole;
@@ -61,7 +61,7 @@ pub(crate) type Attempt = (LeafId, TransitionId, Option<LeafId>);
 #[derive(Clone, Debug, Default, Resource)]
 pub struct LazyExtensions {
     counts: BTreeMap<Attempt, Count>,
-    /// The fewest changes of grasp that any leaf has been from another side, and the step in which that was found.
+    /// The fewest changes of grasp that the likeliest leaf of a side has been from another side, and the step in which that was found.
     nearest: Option<(u16, u64)>,
     /// [`Self::floor`] of this step.
     floor: f64,

@@ -167,7 +167,7 @@ impl LeafGraph {
         self.anchors[join.0 as usize].leaf
     }
 
-    /// Failed efforts of a join; one is a straight motion, or as many candidates as a block of lanes takes.
+    /// Failed efforts of a join; one is a straight motion, or work on a plan ([`crate::sequence::local_plans`]).
     #[must_use]
     pub fn effort(&self, join: Join) -> f64 {
         self.efforts.get(&join).copied().unwrap_or(0.0)
@@ -203,7 +203,7 @@ impl LeafGraph {
     }
 
     /// What a join is estimated to cost, in motions. Before anything was tried the rate at which straight motions join in its
-    /// state counts, so that where hardly any does the trees of one join are grown instead of trying all others.
+    /// state counts, so that where hardly any does one join is planned instead of trying all others.
     #[must_use]
     pub fn cost(&self, join: Join) -> f64 {
         if self.is_unvalidated(join) {

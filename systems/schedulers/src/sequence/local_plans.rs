@@ -2,10 +2,10 @@
 //!
 //! Of the joins that the cheapest sequence needs a few are planned in each step, by turns. What has grown is kept until the join is made,
 //! so that a hard one gets more and more work, and its estimated cost rises with the work: then another sequence is the cheapest, and its
-//! joins have their turn. None is given up. Its cost grows by a bounded amount in a step in which it is planned, and where all
-//! others have become dearer it is planned again.
+//! joins have their turn. None is given up: its cost stays finite, and where those of all other sequences have become dearer it
+//! is planned again.
 
-use crate::sequence::joining::Growing;
+use crate::sequence::joining::BlockedJoins;
 use crate::sequence::leaf_graph::{Join, LeafGraph};
 use bevy_ecs::prelude::{Local, Query, Res, ResMut, Resource};
 use foliate_components::graph::leaf::LeafIndex;
@@ -21,8 +21,8 @@ use foliate_systems::runtime::random::{Purpose, stream};
 use foliate_systems::runtime::scratch_pool::ScratchPool;
 use foliate_systems::schedule::StepCounter;
 use foliate_systems::settings::SearchSettings;
-use foliate_systems::step::local_planner::leaf_space::{LeafScratch, LeafSpace, Tried};
-use foliate_systems::step::local_planner::rrt_connect::{LocalPlan, Planned};
+use foliate_systems::step::local_planner::leaf_space::{LeafScratch, LeafSpace, MotionAttempt};
+use foliate_systems::step::local_planner::rrt_connect::{LocalPlan, PlannedMotion};
 use std::collections::BTreeMap;
 
 /// Work on a join in one step: the first time, and at most. It is as much as was done before, so that a join that cannot be made costs
@@ -36,8 +36,8 @@ const AT_ONCE: usize = 4;
 /// Work that makes up one effort.
 const EFFORT: f64 = 16.0;
 
-/// Work after which the trees of a join begin anew, so that their memory is bounded.
-const ANEW: u64 = 8192;
+/// Work after which the trees of a join begin anew for the first time; each time it is twice as much.
+const RESTART_WORK: u64 = 8192;
 
 /// Memory of all trees from which on those of joins that have no turn are dropped, bytes.
 const MOST_BYTES: u64 = 64 << 20;
@@ -46,6 +46,8 @@ const MOST_BYTES: u64 = 64 << 20;
 #[derive(Clone, Debug, Default, Resource)]
 pub struct LocalPlans {
     plans: BTreeMap<Join, LocalPlan>,
+    /// Joins whose trees have begun anew, and after how much work they will again.
+    restarts: BTreeMap<Join, u64>,
     /// Connections that have been planned in this step.
     pub(crate) made: Vec<Connection>,
 }
@@ -64,7 +66,7 @@ struct Turn {
     plan: LocalPlan,
     /// Work that had been done before.
     before: u64,
-    planned: Option<Planned>,
+    planned: Option<PlannedMotion>,
 }
 
 /// Lets the trees of joins grow that the cheapest sequence needs.
@@ -76,7 +78,7 @@ pub fn plan_joins(
     mut step: ResMut<'_, StepCounter>,
     leaves: Res<'_, LeafIndex>,
     roadmap: RoadmapQuery<'_, '_>,
-    growing: Res<'_, Growing>,
+    blocked: Res<'_, BlockedJoins>,
     mut graph: ResMut<'_, LeafGraph>,
     mut plans: ResMut<'_, LocalPlans>,
     table: Res<'_, EntityTable>,
@@ -84,7 +86,7 @@ pub fn plan_joins(
     buffers: Local<'_, ScratchPool<LeafScratch>>,
 ) {
     let roadmap = roadmap.view();
-    let mut turns = plans.take_turns(roadmap, &graph, &growing.0, step.step);
+    let mut turns = plans.take_turns(roadmap, &graph, &blocked.0, step.step);
     let (buffers, number) = (&*buffers, step.step);
     each(
         &mut turns,
@@ -96,19 +98,20 @@ pub fn plan_joins(
             let Some(leaf) = LeafSpace::new(&model, &settings, &leaves, graph.leaf(*join)) else { return };
             let (a, b) = graph.ends(*join);
             let ends = (roadmap.configuration(a), roadmap.configuration(b));
-            let mut rng = stream(settings.seed, Purpose::JOIN, number, join.0);
+            let mut rng = stream(settings.seed, Purpose::JOIN, number, join.0.rotate_left(16) ^ join.1);
             *planned = plan.grow(&leaf, ends, plan.work.clamp(FIRST, MOST), &mut rng, scratch);
         },
     );
-    for Turn { join, plan, before, planned } in turns {
+    for Turn { join, mut plan, before, planned } in turns {
         step.connections += plan.work - before;
+        let attempts = std::mem::take(&mut plan.attempts);
         let along = model.graph.loop_of(roadmap.node(graph.ends(join).0).state);
         if let Some(along) = along
             && let Ok(mut statistics) = statistics.get_mut(table.transitions[along.at()])
         {
-            plan.tried.iter().for_each(|tried| count(&mut statistics, tried));
+            attempts.iter().for_each(|attempt| count(&mut statistics, attempt));
         }
-        if let Some(Planned { from, to, motion }) = planned {
+        if let Some(PlannedMotion { from, to, motion }) = planned {
             plans.made.push(Connection { from, to, verdict: Some(Ok(vec![motion])) });
         } else {
             // A leaf on which nothing can be planned counts as if it had been tried.
@@ -119,13 +122,13 @@ pub fn plan_joins(
 }
 
 /// Counts a motion of a plan as an extension along the loop of its state.
-fn count(statistics: &mut TransitionStatistics, tried: &Tried) {
+fn count(statistics: &mut TransitionStatistics, attempt: &MotionAttempt) {
     statistics.attempts += 1;
-    match tried.rejected {
+    match attempt.rejected {
         None => statistics.reached += 1,
         Some(reason) => {
-            statistics.partial += u64::from(tried.is_kept);
-            statistics.count_rejection(reason, tried.blocked_by);
+            statistics.partial += u64::from(attempt.is_kept);
+            statistics.count_rejection(reason, attempt.blocked_by);
         }
     }
 }
@@ -144,7 +147,12 @@ impl LocalPlans {
         needed.truncate(AT_ONCE);
         let turns = needed.into_iter().map(|join| {
             let (a, b) = graph.ends(join);
-            let begun = self.plans.remove(&join).filter(|plan| plan.work < ANEW);
+            let most = self.restarts.get(&join).copied().unwrap_or(RESTART_WORK);
+            let begun = self.plans.remove(&join);
+            if begun.as_ref().is_some_and(|plan| plan.work >= most) {
+                self.restarts.insert(join, 2 * most);
+            }
+            let begun = begun.filter(|plan| plan.work < most);
             let begin = || LocalPlan::between([a, b].map(|node| (node, roadmap.configuration(node))));
             let plan = begun.unwrap_or_else(begin);
             Turn { join, before: plan.work, plan, planned: None }

@@ -20,7 +20,7 @@ use std::sync::Arc;
 
 /// Trees are extended lazily, by short motions between leaves, where `mrrt` would first certify how to get there; only the long motions of
 /// sequences that reach from the start to a goal are certified, those estimated to be easiest first. Where these
-/// are not free, they are planned as problems of their own. A problem whose only transitions are loops is such a motion and nothing else.
+/// are not free, they are planned as problems of their own. A problem whose only transitions are loops reduces to one such motion.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sequence;
 
@@ -40,7 +40,7 @@ impl Scheduler for Sequence {
 pub fn insert_resources(world: &mut World) {
     world.init_resource::<leaf_graph::LeafGraph>();
     world.init_resource::<lazy_extension::LazyExtensions>();
-    world.init_resource::<joining::Growing>();
+    world.init_resource::<joining::BlockedJoins>();
     world.init_resource::<local_plans::LocalPlans>();
     world.init_resource::<joining::Tried>();
     world.init_resource::<foundations::Foundations>();

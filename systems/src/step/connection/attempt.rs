@@ -22,13 +22,13 @@ pub(crate) struct Attempts<'a> {
 }
 
 impl Attempts<'_> {
-    /// The certified motions between two nodes, whole or not at all. `None` where there is no unvalidated edge, nor any motion
-    /// within the leaf.
-    pub(crate) fn certify(&self, from: NodeId, to: NodeId, scratch: &mut ConnectionScratch) -> Option<Verdict> {
+    /// The certified motions between two nodes, whole or not at all. Where there is no unvalidated edge, nor any motion
+    /// within the leaf, they are blocked.
+    pub(crate) fn certify(&self, from: NodeId, to: NodeId, scratch: &mut ConnectionScratch) -> Verdict {
         scratch.0.set_level(self.settings.level);
         match self.unvalidated_edges.between(from, to) {
-            Some(edge) => Some(self.certify_unvalidated(edge, &mut scratch.0)),
-            None => self.certify_straight(from, to, scratch),
+            Some(edge) => self.certify_unvalidated(edge, &mut scratch.0),
+            None => self.certify_straight(from, to, scratch).unwrap_or(Err(Obstacle { leg: 0, blocked_by: None })),
         }
     }
 

@@ -62,7 +62,7 @@ pub fn certify_connections(
         |scratch, (index, connection)| {
             if !stop.is_raised() && !bridges.is_needless(*index) {
                 if connection.verdict.is_none() {
-                    connection.verdict = attempts.certify(connection.from, connection.to, scratch);
+                    connection.verdict = Some(attempts.certify(connection.from, connection.to, scratch));
                 }
                 if connection.is_certified() {
                     bridges.build(*index);

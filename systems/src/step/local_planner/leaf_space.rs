@@ -16,8 +16,8 @@ use foliate_kernels::constrained_motion::{
 };
 use foliate_kernels::kinematics::RigidAttachment;
 
-/// Configurations of a straight motion that are tested before it is certified. They stop most of what is blocked for a tenth of the
-/// price at which a certificate finds the place.
+/// Configurations of a straight motion that are tested before it is certified. They find most collisions at about a tenth of the
+/// cost of locating one by a certificate.
 const SAMPLES: usize = 16;
 
 /// So many projected knots cost as much as a straight motion.
@@ -50,13 +50,13 @@ pub struct LeafScratch {
     /// Work that was done: straight motions, and as many knots as cost as much as one.
     pub(super) work: u64,
     /// What became of the motions.
-    pub(super) tried: Vec<Tried>,
+    pub(super) attempts: Vec<MotionAttempt>,
     pub(super) X_WJ: Vec<Pose>,
 }
 
 /// What became of a motion that was tried, for statistics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Tried {
+pub struct MotionAttempt {
     /// Why it does not arrive.
     pub rejected: Option<Rejection>,
     /// Whether a part of it is certified.
@@ -154,7 +154,7 @@ impl<'a> LeafSpace<'a> {
             Err(Stopped::Blocked(pair)) => (Some(Rejection::MotionBlocked(0)), *pair),
         };
         let motion = motion.ok().filter(|_| rejected != Some(Rejection::OutOfBounds(0)));
-        scratch.tried.push(Tried { rejected, is_kept: motion.is_some(), blocked_by });
+        scratch.attempts.push(MotionAttempt { rejected, is_kept: motion.is_some(), blocked_by });
         motion
     }
 

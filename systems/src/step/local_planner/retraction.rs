@@ -20,8 +20,10 @@ const FLAT: f64 = 1e-9;
 impl LeafSpace<'_> {
     /// From `q`, where a motion to `target` is blocked by a pair of shapes: the configuration to turn to. `None` where the pair does not
     /// depend on what moves, the motion does not bring it closer, or nothing on the leaf is near.
-    pub fn aside(&self, q: &[f64], target: &[f64], pair: PairId, scratch: &mut LeafScratch) -> Option<Vec<f64>> {
+    pub fn retract(&self, q: &[f64], target: &[f64], pair: PairId, scratch: &mut LeafScratch) -> Option<Vec<f64>> {
         let (space, weights) = (&self.model.problem.robot.space, &self.model.robot_weights);
+        // About as much as a motion: an exact distance for each joint.
+        scratch.work += 1;
         let mut motion = vec![0.0; space.dimension()];
         space.difference(q, target, &mut motion);
         let gradient = self.gradient(q, &motion, pair, scratch);

@@ -1,6 +1,6 @@
 //! Two trees on a leaf that grow from both ends of a motion and connect greedily.
 
-use crate::step::local_planner::leaf_space::{Extension, LeafScratch, LeafSpace, Tried};
+use crate::step::local_planner::leaf_space::{Extension, LeafScratch, LeafSpace, MotionAttempt};
 use crate::step::local_planner::sampling;
 use crate::step::local_planner::tree::Tree;
 use foliate_components::roadmap::{Motion, NodeId};
@@ -9,13 +9,13 @@ use rand::Rng;
 /// A tree grows towards a random configuration by at most so much, weighted metres, and this share of the distance between the ends: about
 /// as far as a hand moves when one joint of an arm turns by a radian, or farther where a base has to drive.
 const STEP: f64 = 1.0;
-const SHARE: f64 = 0.75;
+const STEP_SHARE: f64 = 0.75;
 
 /// So often a blocked motion is turned aside.
-const ASIDE: usize = 3;
+const MAX_RETRACTIONS: usize = 3;
 
 /// What is turned aside has to come so far, weighted metres.
-const LEAST: f64 = 0.02;
+const MIN_PROGRESS: f64 = 0.02;
 
 /// What has grown so far between two configurations of a leaf.
 #[derive(Clone, Debug, Default)]
@@ -24,7 +24,7 @@ pub struct LocalPlan {
     /// Work that was done: motions that were tried, long ones on implicit rows several times.
     pub work: u64,
     /// What became of the motions that the last growth tried.
-    pub tried: Vec<Tried>,
+    pub attempts: Vec<MotionAttempt>,
 }
 
 /// How far a tree has been extended.
@@ -36,7 +36,7 @@ struct Reached {
 
 /// A certified motion between two nodes of the roadmap on one leaf.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Planned {
+pub struct PlannedMotion {
     /// Where it begins.
     pub from: NodeId,
     /// Where it ends.
@@ -54,7 +54,7 @@ impl LocalPlan {
             tree.add_node(node, q);
             tree
         });
-        Self { trees, work: 0, tried: Vec::new() }
+        Self { trees, work: 0, attempts: Vec::new() }
     }
 
     /// Lets the trees grow until about so much work is done. `ends` are the configurations between which the motion is wanted.
@@ -65,21 +65,21 @@ impl LocalPlan {
         budget: u64,
         rng: &mut impl Rng,
         scratch: &mut LeafScratch,
-    ) -> Option<Planned> {
+    ) -> Option<PlannedMotion> {
         scratch.work = 0;
-        scratch.tried.clear();
-        let step = STEP.max(leaf.distance(ends.0, ends.1) * SHARE);
+        scratch.attempts.clear();
+        let step = STEP.max(leaf.distance(ends.0, ends.1) * STEP_SHARE);
         let mut meeting = None;
         while meeting.is_none() && scratch.work < budget {
             // The smaller tree grows, the other one connects.
             let growing = usize::from(self.trees[1].len() < self.trees[0].len());
             // A draw that cannot be projected is work, too.
             scratch.work += 1;
-            let drawn = sampling::draw(leaf, ends, rng, scratch);
+            let drawn = sampling::draw(leaf, ends, self.work + scratch.work, rng, scratch);
             meeting = drawn.and_then(|q| self.grow_towards(leaf, (growing, step), &q, scratch));
         }
         self.work += scratch.work;
-        self.tried.clone_from(&scratch.tried);
+        self.attempts.clone_from(&scratch.attempts);
         self.planned(leaf, meeting?)
     }
 
@@ -122,12 +122,12 @@ impl LocalPlan {
         let motion = leaf.extend(from, &target, scratch)?;
         let (arrives, mut blocked_by) = (motion.arrives, motion.blocked_by);
         let mut vertex = tree.add(near, motion, size);
-        for _ in 0..ASIDE {
+        for _ in 0..MAX_RETRACTIONS {
             let Some(pair) = blocked_by else { break };
             let here = tree.configuration(vertex, size);
-            let Some(aside) = leaf.aside(here, &target, pair, scratch) else { break };
+            let Some(aside) = leaf.retract(here, &target, pair, scratch) else { break };
             let Some(motion) = leaf.extend(here, &aside, scratch) else { break };
-            if leaf.distance(here, motion.end(size)) < LEAST {
+            if leaf.distance(here, motion.end(size)) < MIN_PROGRESS {
                 break;
             }
             blocked_by = motion.blocked_by;
@@ -137,9 +137,9 @@ impl LocalPlan {
     }
 
     /// The motion through the vertices at which the trees meet.
-    fn planned(&self, leaf: &LeafSpace<'_>, meeting: [u32; 2]) -> Option<Planned> {
+    fn planned(&self, leaf: &LeafSpace<'_>, meeting: [u32; 2]) -> Option<PlannedMotion> {
         let size = leaf.model.problem.robot.space.size();
-        let [(from, out), (to, back)] = [0, 1].map(|tree| self.trees[tree].way_to(meeting[tree]));
+        let [(from, out), (to, back)] = [0, 1].map(|tree| self.trees[tree].path_to(meeting[tree]));
         let mut knots: Vec<f64> = Vec::new();
         let mut append = |more: &[f64]| {
             let start = if knots.is_empty() { 0 } else { size };
@@ -160,7 +160,7 @@ impl LocalPlan {
             clearance: least(|motion| motion.clearance),
             residual: all().map(|motion| motion.residual).fold(0.0, f64::max),
         };
-        Some(Planned { from: from?, to: to?, motion })
+        Some(PlannedMotion { from: from?, to: to?, motion })
     }
 
     /// About how much memory it takes, bytes.

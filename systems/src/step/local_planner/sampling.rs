@@ -1,6 +1,8 @@
 //! Which configurations the trees of a local plan grow towards.
 
 use crate::step::local_planner::leaf_space::{LeafScratch, LeafSpace};
+use crate::step::projection::project::UNINVOLVED_STILL;
+use foliate_components::robot::configuration::{ConfigurationSpace, Group};
 use rand::{Rng, RngExt};
 
 /// Share of the draws that lie around the straight motion between both ends. The others are anywhere.
@@ -9,10 +11,15 @@ const BETWEEN: f64 = 0.4;
 /// Share of the draws that keep still what both ends have in common.
 const STILL: f64 = 0.75;
 
-/// Draws a configuration of the leaf. `None` where the draw cannot be projected onto it.
+/// Joints on which nothing depends may be in the way all the same: after so much work they move in half of the draws.
+const EASY: u64 = 64;
+const HARD_STILL: f64 = 0.5;
+
+/// Draws a configuration of the leaf, after so much `work` on the plan. `None` where the draw cannot be projected onto it.
 pub fn draw(
     leaf: &LeafSpace<'_>,
     (a, b): (&[f64], &[f64]),
+    work: u64,
     rng: &mut impl Rng,
     scratch: &mut LeafScratch,
 ) -> Option<Vec<f64>> {
@@ -20,7 +27,7 @@ pub fn draw(
     let space = &model.problem.robot.space;
     let mut q = vec![0.0; a.len()];
     space.random(rng, &mut q);
-    let [kind, along, away, still]: [f64; 4] = [(); 4].map(|()| rng.random());
+    let [kind, along, away, still, uninvolved]: [f64; 5] = [(); 5].map(|()| rng.random());
     if kind < BETWEEN {
         let mut middle = vec![0.0; q.len()];
         space.interpolate(a, b, along, &mut middle);
@@ -28,11 +35,26 @@ pub fn draw(
         space.interpolate(&middle, &far, away, &mut q);
     }
     if still < STILL {
-        for (index, x) in q.iter_mut().enumerate().filter(|&(index, _)| a[index] == b[index]) {
-            *x = a[index];
-        }
+        keep_common(space, (a, b), &mut q);
     }
-    model.uninvolved.iter().for_each(|&index| q[index] = a[index]);
+    if uninvolved < if work < EASY { UNINVOLVED_STILL } else { HARD_STILL } {
+        model.uninvolved.iter().for_each(|&index| q[index] = a[index]);
+    }
     model.lock(&mut q);
     leaf.project(&mut q, scratch).then_some(q)
+}
+
+/// Copies what both ends have in common: a rotation as a whole, for a quaternion of numbers from two others is none.
+fn keep_common(space: &ConfigurationSpace, (a, b): (&[f64], &[f64]), q: &mut [f64]) {
+    for factor in &space.factors {
+        let (numbers, rotation) = match factor.group {
+            Group::FreeFlyer => (factor.q..factor.q + 3, factor.q + 3..factor.q + 7),
+            Group::Plane => (factor.q..factor.q + 3, 0..0),
+            Group::Real | Group::Circle => (factor.q..factor.q + 1, 0..0),
+        };
+        numbers.filter(|&index| a[index] == b[index]).for_each(|index| q[index] = a[index]);
+        if a[rotation.clone()] == b[rotation.clone()] {
+            q[rotation.clone()].copy_from_slice(&a[rotation]);
+        }
+    }
 }

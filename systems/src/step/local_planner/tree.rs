@@ -62,7 +62,7 @@ impl Tree {
 
     /// The node from which a vertex was reached, and the motions from there, in order.
     #[must_use]
-    pub fn way_to(&self, mut vertex: u32) -> (Option<NodeId>, Vec<&Extension>) {
+    pub fn path_to(&self, mut vertex: u32) -> (Option<NodeId>, Vec<&Extension>) {
         let mut motions = Vec::new();
         loop {
             match &self.origins[vertex as usize] {

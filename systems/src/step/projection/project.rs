@@ -25,7 +25,7 @@ use std::cmp::Reverse;
 const DAMPING: f64 = 1e-2;
 
 /// Probability that joints which nothing depends on stay where they are. They move at times, because they may be in the way.
-const UNINVOLVED_STILL: f64 = 0.984_375;
+pub(crate) const UNINVOLVED_STILL: f64 = 0.984_375;
 
 /// What a system reads of the world.
 pub(crate) struct Context<'a> {
