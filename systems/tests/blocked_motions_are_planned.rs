@@ -32,12 +32,17 @@ const GOAL: [f64; 2] = [1.2, 0.0];
 
 /// Two links of a metre, stretched out, and a post between start and goal that they pass only when bent.
 fn past_a_post() -> PlanningModel {
+    with_posts_at(1.6)
+}
+
+/// The same with posts at a distance from the shoulder, before it and behind it.
+fn with_posts_at(far: f64) -> PlanningModel {
     let (arm, post) = (two_joint_arm(), block(DVec3::new(0.1, 0.1, 1.0)));
     let at = |x| Pose::from_translation(DVec3::X * x);
     let parts = [
         (&arm, fixed_robot("arm", Pose::identity())),
-        (&post, environment("post", at(1.6))),
-        (&post, environment("back", at(-1.6))),
+        (&post, environment("post", at(far))),
+        (&post, environment("back", at(-far))),
     ];
     let robot = Robot::compose(&parts).unwrap();
     let ignored_pairs =
@@ -74,6 +79,21 @@ fn the_answer_is_free_and_the_same_on_any_number_of_threads() {
         assert_eq!((&knots[0][..], &knots[knots.len() - 1][..]), (&START[..], &GOAL[..]));
         assert!(is_free(&model, &knots.into_iter().flatten().copied().collect::<Vec<_>>()), "seed {seed}");
     }
+}
+
+#[test]
+fn what_cannot_be_planned_ends_when_its_memory_is_spent() {
+    // However it is bent, the arm is as long as the posts are far.
+    let model = with_posts_at(1.15);
+    let bounded = |threads| {
+        let settings = seeded(1).with(|settings| settings.max_bytes = 400_000);
+        let (outcome, mut search) = search(&model, &Sequence, settings, threads);
+        assert_eq!(outcome, SearchOutcome::MemoryLimit);
+        let tried: u64 = search.statistics().iter().map(|(_, statistics)| statistics.attempts).sum();
+        assert!(tried > 100, "{tried}");
+        (search.counter(), tried)
+    };
+    assert_eq!(bounded(1), bounded(2));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use crate::sequence::lazy_extension::LazyExtensions;
 use crate::sequence::leaf_graph::{Join, LeafGraph};
-use crate::sequence::local_plans::LocalPlans;
+use crate::sequence::local_plans::{BlockedJoins, LocalPlans};
 use bevy_ecs::prelude::{Res, ResMut, Resource};
 use foliate_components::roadmap::{NodeId, Roadmap, TreeId};
 use foliate_systems::exploration::edges::{Connection, Connections, UnvalidatedEdges};
@@ -16,10 +16,6 @@ const AT_ONCE: usize = 2;
 
 /// A node that has grown for a join is tried against so many nodes of the other side.
 const NEIGHBOURS: usize = 3;
-
-/// The joins that a straight motion could not make, of the sequence that is worked on.
-#[derive(Clone, Debug, Default, Resource)]
-pub struct BlockedJoins(pub Vec<Join>);
 
 /// The joins of this round, in the order of the proposals; `None` for what was planned or grew.
 #[derive(Clone, Debug, Default, Resource)]

@@ -5,7 +5,6 @@
 //! joins have their turn. None is given up: its cost stays finite, and where those of all other sequences have become dearer it
 //! is planned again.
 
-use crate::sequence::joining::BlockedJoins;
 use crate::sequence::leaf_graph::{Join, LeafGraph};
 use bevy_ecs::prelude::{Local, Query, Res, ResMut, Resource};
 use foliate_components::graph::leaf::LeafIndex;
@@ -41,6 +40,10 @@ const RESTART_WORK: u64 = 8192;
 
 /// Memory of all trees from which on those of joins that have no turn are dropped, bytes.
 const MOST_BYTES: u64 = 64 << 20;
+
+/// The joins that a straight motion could not make, of the sequence that is worked on.
+#[derive(Clone, Debug, Default, Resource)]
+pub struct BlockedJoins(pub Vec<Join>);
 
 /// What has grown for joins that are not made yet.
 #[derive(Clone, Debug, Default, Resource)]

@@ -40,7 +40,7 @@ impl Scheduler for Sequence {
 pub fn insert_resources(world: &mut World) {
     world.init_resource::<leaf_graph::LeafGraph>();
     world.init_resource::<lazy_extension::LazyExtensions>();
-    world.init_resource::<joining::BlockedJoins>();
+    world.init_resource::<local_plans::BlockedJoins>();
     world.init_resource::<local_plans::LocalPlans>();
     world.init_resource::<joining::Tried>();
     world.init_resource::<foundations::Foundations>();

@@ -33,8 +33,10 @@ pub struct LeafSpace<'a> {
     state: StateId,
     /// Right-hand sides of projections.
     arguments: Vec<Pose>,
-    /// Right-hand sides of motions; empty where no implicit rows are left.
+    /// Right-hand sides of motions.
     along: Vec<Pose>,
+    /// Whether implicit rows keep motions on the leaf.
+    is_implicit: bool,
     rigid_attachments: Vec<RigidAttachment>,
     pairs: &'a PairSet,
 }
@@ -112,9 +114,10 @@ impl<'a> LeafSpace<'a> {
         let program = model.leg_program(transition, 0).ok()?;
         let arguments = program.arguments(model, leaves, state, &parameters, None);
         let along = steering::arguments_on(model, of_leaf, leaves)?;
+        let is_implicit = model.interior_program(state).ok()?.program.rows() > 0;
         let rigid_attachments = model.attachments_of_leaf(of_leaf, leaves);
         let pairs = model.pairs(transition, state, &rigid_attachments);
-        Some(Self { model, settings, transition, leaf, state, arguments, along, rigid_attachments, pairs })
+        Some(Self { model, settings, transition, leaf, state, arguments, along, is_implicit, rigid_attachments, pairs })
     }
 
     /// Moves a configuration onto the leaf. Whether it could.
@@ -141,7 +144,7 @@ impl<'a> LeafSpace<'a> {
         scratch.collision.set_level(self.settings.level);
         scratch.work += 1;
         let motion =
-            if self.along.is_empty() { self.straight(from, to, scratch) } else { self.projected(from, to, scratch) };
+            if self.is_implicit { self.projected(from, to, scratch) } else { self.straight(from, to, scratch) };
         let is_out = |motion: &Extension| self.model.object_out_of_bounds(motion.end(from.len()));
         let (rejected, blocked_by) = match &motion {
             Ok(motion) if is_out(motion) => (Some(Rejection::OutOfBounds(0)), None),
