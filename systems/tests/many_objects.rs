@@ -143,16 +143,16 @@ fn likelihood_of_taking(model: &PlanningModel, boxes: usize) -> Vec<f64> {
 }
 
 #[test]
-fn what_waits_for_nothing_is_taken_first_and_one_of_a_circle_is_set_aside() {
+fn what_waits_for_nothing_is_taken_first_and_one_of_a_cycle_is_set_aside() {
     let chain = likelihood_of_taking(&model(in_a_row(1, 6, false)), 6);
     assert!(chain[..5].iter().all(|&weight| weight < 0.1) && chain[5] > 0.99, "{chain:?}");
-    let circle = likelihood_of_taking(&model(in_a_row(1, 6, true)), 6);
-    assert_eq!(circle.iter().filter(|&&weight| weight > 0.99).count(), 1, "{circle:?}");
-    assert_eq!(circle.iter().filter(|&&weight| weight < 0.1).count(), 5, "{circle:?}");
+    let cycle = likelihood_of_taking(&model(in_a_row(1, 6, true)), 6);
+    assert_eq!(cycle.iter().filter(|&&weight| weight > 0.99).count(), 1, "{cycle:?}");
+    assert_eq!(cycle.iter().filter(|&&weight| weight < 0.1).count(), 5, "{cycle:?}");
 }
 
 #[test]
-fn a_circle_of_boxes_takes_one_grasp_more_than_there_are_boxes() {
+fn a_cycle_of_boxes_takes_one_grasp_more_than_there_are_boxes() {
     for seed in 1..=3 {
         let (outcome, search) =
             search(&model(in_a_row(1, 10, true)), &Sequence, seeded(seed).with(|s| s.max_steps = 100), 1);
@@ -170,10 +170,9 @@ fn dense_boxes_are_sorted_within_few_steps() {
     let goals: Vec<_> = (0..15).map(|number| place(19 - number)).collect();
     let model = model(rearrange_boxes(1, (0.3, 0.3), &starts, &goals).unwrap());
     let steps = |seed: u64| {
-        let (outcome, search) = search(&model, &Sequence, seeded(seed).with(|s| s.max_steps = 150), 1);
+        let (outcome, search) = search(&model, &Sequence, seeded(seed).with(|s| s.max_steps = 100), 1);
         (outcome == SearchOutcome::Solved).then_some(search.counter().step)
     };
-    // Some take long to join what they have found.
     let steps: Vec<Option<u64>> = (1..=6).map(steps).collect();
-    assert!(steps.iter().flatten().count() >= 4, "{steps:?}");
+    assert!(steps.iter().flatten().count() >= 5, "{steps:?}");
 }

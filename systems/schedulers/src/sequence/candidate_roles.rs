@@ -32,10 +32,4 @@ impl CandidateRole {
     pub fn rests(self) -> bool {
         self.0 < FIRST && self.0 % 2 == 1
     }
-
-    /// The number itself.
-    #[must_use]
-    pub fn number(self) -> u64 {
-        self.0
-    }
 }

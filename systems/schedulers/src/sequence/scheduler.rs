@@ -51,49 +51,45 @@ pub fn insert_resources(world: &mut World) {
 /// The systems of a step. [`insert_resources`] adds what they read.
 #[must_use]
 pub fn step_systems() -> StepSystems {
-    StepSystems::new()
-        .in_set(SearchSet::Sample, (sampling::reset_candidates, sampling::sample_configurations, begin_order))
-        .in_set(
-            SearchSet::Select,
-            (
-                lazy_extension::rest,
-                selection::gather_weights,
-                systems::measure_leaves,
-                systems::choose_leaves,
-                aim_at_placements,
-                selection::select_nodes,
-                lazy_extension::choose_lazy_extensions,
-                selection::select_transitions,
-            ),
-        )
-        .in_set(SearchSet::Rendezvous, (aim_at_buffers, rendezvous::draw_leaves, lazy_extension::stay_near))
-        .in_set(SearchSet::Project, (project::project_waypoints, lazy::leave_out_first_legs))
-        .in_set(SearchSet::Steer, (waypoints::check_waypoints, steering::steer_legs, lazy::drop_cut_short))
-        .in_set(
-            SearchSet::Validate,
-            (validation::certify_legs, lazy_extension::count_outcomes, learn_from_placements, learn_reach),
-        )
-        .in_set(SearchSet::Commit, (commit::commit_extensions, draw_more_goals))
-        .in_set(
-            SearchSet::Connect,
-            (local_plans::plan_joins, connect_iterations::join_iteratively, connect_iterations::count_memory),
-        )
-        .in_set(
-            SearchSet::Conclude,
-            (
-                conclusion::conclude,
-                conclusion::report_progress,
-                conclusion::report_feedback,
-                conclusion::report_solution,
-            ),
-        )
+    joined_and_concluded(
+        StepSystems::new()
+            .in_set(SearchSet::Sample, (sampling::reset_candidates, sampling::sample_configurations, begin_order))
+            .in_set(
+                SearchSet::Select,
+                (
+                    lazy_extension::rest,
+                    selection::gather_weights,
+                    systems::measure_leaves,
+                    systems::choose_leaves,
+                    aim_at_placements,
+                    selection::select_nodes,
+                    lazy_extension::choose_lazy_extensions,
+                    selection::select_transitions,
+                ),
+            )
+            .in_set(SearchSet::Rendezvous, (aim_at_buffers, rendezvous::draw_leaves, lazy_extension::stay_near))
+            .in_set(SearchSet::Project, (project::project_waypoints, lazy::leave_out_first_legs))
+            .in_set(SearchSet::Steer, (waypoints::check_waypoints, steering::steer_legs, lazy::drop_cut_short))
+            .in_set(
+                SearchSet::Validate,
+                (validation::certify_legs, lazy_extension::count_outcomes, learn_from_placements, learn_reach),
+            )
+            .in_set(SearchSet::Commit, (commit::commit_extensions, draw_more_goals)),
+    )
 }
 
 /// The systems of a step where there is one leaf alone: nothing is extended, the trees of start and goals are joined.
 fn plain_systems() -> StepSystems {
-    StepSystems::new()
-        .in_set(SearchSet::Sample, (sampling::reset_candidates, lazy_extension::rest_all))
-        .in_set(SearchSet::Commit, (commit::commit_extensions, draw_more_goals))
+    joined_and_concluded(
+        StepSystems::new()
+            .in_set(SearchSet::Sample, (sampling::reset_candidates, lazy_extension::rest_all))
+            .in_set(SearchSet::Commit, (commit::commit_extensions, draw_more_goals)),
+    )
+}
+
+/// Adds what both kinds of steps end with.
+fn joined_and_concluded(systems: StepSystems) -> StepSystems {
+    systems
         .in_set(
             SearchSet::Connect,
             (local_plans::plan_joins, connect_iterations::join_iteratively, connect_iterations::count_memory),

@@ -17,7 +17,7 @@ const DRAWN: usize = 32;
 const LOOKED_AT: usize = 24;
 
 /// A placement that leaves one object more to set aside is so many times less likely.
-const CIRCLE: f64 = 16.0;
+const CYCLE: f64 = 16.0;
 
 /// A placement is chosen half as often after so many tries.
 const PATIENCE: f64 = 2.0;
@@ -35,7 +35,7 @@ struct Buffer {
 }
 
 impl Buffers {
-    /// Chooses a placement for an object that is free in the order's first leaf; the fewer objects then wait in circles, the likelier.
+    /// Chooses a placement for an object that is free in the order's first leaf; the fewer objects then are on cycles, the likelier.
     pub(crate) fn choose(
         &mut self,
         model: &Model,
@@ -59,8 +59,8 @@ impl Buffers {
                 continue;
             }
             let waiting = exclusions.excluded(model, leaves, (object, parameter), &targets);
-            let circles = order.dependencies.moved(object, &waiting).to_set_aside().len();
-            let weight = reach(parameter) * CIRCLE.powi(-(circles as i32)) / (1.0 + waiting.len() as f64);
+            let cycles = order.dependencies.moved(object, &waiting).to_set_aside().len();
+            let weight = reach(parameter) * CYCLE.powi(-(cycles as i32)) / (1.0 + waiting.len() as f64);
             choices.push((number, weight / (1.0 + f64::from(tries) / PATIENCE)));
         }
         let number = draw(&choices, rng.random())?;

@@ -28,8 +28,8 @@ impl Dependencies {
         Self { waits_for }
     }
 
-    /// Objects to set aside, sorted, so that no object waits in a circle: a small set, not always the smallest, which is NP-hard to
-    /// find. Of the objects that wait in circles the one for which most of them wait is taken, of equals the first, until no circle is left.
+    /// Objects to set aside, sorted, so that no object is on a cycle: a small set, not always the smallest, which is NP-hard to
+    /// find. Of the objects that are on cycles the one for which most of them wait is taken, of equals the first, until no cycle is left.
     pub(crate) fn to_set_aside(&self) -> Vec<usize> {
         let mut is_left = vec![true; self.waits_for.len()];
         let mut aside = Vec::new();
@@ -49,7 +49,7 @@ impl Dependencies {
         aside
     }
 
-    /// Takes out what is in no circle: what waits for nothing that is left, and what nothing that is left waits for.
+    /// Takes out what is in no cycle: what waits for nothing that is left, and what nothing that is left waits for.
     fn leave_out_free(&self, is_left: &mut [bool]) {
         let mut has_changed = true;
         while std::mem::take(&mut has_changed) {
@@ -80,8 +80,8 @@ mod tests {
     }
 
     #[test]
-    fn one_object_of_each_circle_is_set_aside() {
-        // A chain; two circles; two circles that share an object, with a chain behind them.
+    fn one_object_of_each_cycle_is_set_aside() {
+        // A chain; two cycles; two cycles that share an object, with a chain behind them.
         assert_eq!(aside(&[&[1], &[2], &[]]), [0usize; 0]);
         assert_eq!(aside(&[&[1], &[0], &[3], &[4], &[2]]), [0, 2]);
         assert_eq!(aside(&[&[1], &[2], &[0, 3], &[2], &[0]]), [2]);

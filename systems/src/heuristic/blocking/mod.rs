@@ -1,7 +1,7 @@
 //! What stands in the way of what: where many objects change places, this orders the moves.
 //!
 //! Object a waits for object b where a's target placement and b's present one exclude each other. What waits for nothing can go at
-//! once; of what waits in a circle something has to be set aside. (Dependency graphs of object rearrangement: Han et al., *Complexity results
+//! once; of what is on a cycle something has to be set aside. (Dependency graphs of object rearrangement: Han et al., *Complexity results
 //! and fast methods for optimal tabletop rearrangement with overhand grasps*, IJRR 2018; Krontiris and Bekris, *Dealing with difficult
 //! instances of object rearrangement*, RSS 2015.)
 //!

@@ -57,7 +57,7 @@ impl MoveOrder {
         self.known.is_some()
     }
 
-    /// Changes of grasp that the way from one leaf to another takes beyond one by one: objects that wait in circles are moved twice.
+    /// Changes of grasp that the way from one leaf to another takes beyond one by one: objects that are on cycles are moved twice.
     pub(crate) fn detours(&mut self, model: &Model, leaves: &LeafIndex, from: &Leaf, to: &Leaf) -> u16 {
         let Some(known) = &mut self.known else { return 0 };
         let order = Order::new(model, leaves, &mut known.exclusions, from, to);

@@ -18,18 +18,22 @@ enum Origin {
 pub struct Tree {
     configurations: Vec<f64>,
     origins: Vec<Origin>,
+    bytes: u64,
 }
 
 impl Tree {
     /// Adds a node of the roadmap.
     pub fn add_node(&mut self, node: NodeId, q: &[f64]) {
+        self.bytes += (size_of_val(q) + size_of::<Origin>()) as u64;
         self.configurations.extend_from_slice(q);
         self.origins.push(Origin::Node(node));
     }
 
     /// Adds where a motion from a vertex leads; returns the new vertex.
     pub fn add(&mut self, from: u32, motion: Extension, size: usize) -> u32 {
-        self.configurations.extend_from_slice(&motion.knots[motion.knots.len() - size..]);
+        let q = motion.end(size);
+        self.bytes += (size_of_val(q) + size_of::<Origin>() + size_of_val(&*motion.knots)) as u64;
+        self.configurations.extend_from_slice(q);
         self.origins.push(Origin::Motion(from, motion));
         self.origins.len() as u32 - 1
     }
@@ -81,11 +85,6 @@ impl Tree {
     /// About how much memory it takes, bytes.
     #[must_use]
     pub fn bytes(&self) -> u64 {
-        let knots = |origin: &Origin| match origin {
-            Origin::Node(_) => 0,
-            Origin::Motion(_, motion) => size_of_val(&*motion.knots),
-        };
-        let motions: usize = self.origins.iter().map(knots).sum();
-        (motions + size_of_val(&*self.configurations) + size_of_val(&*self.origins)) as u64
+        self.bytes
     }
 }
