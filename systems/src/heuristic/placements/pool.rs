@@ -152,7 +152,9 @@ impl ObjectPlacements {
         let bridges = Vec::new();
         let mut new = Self { object, resting, hands, members, bridges, approaches, draws: 0, is_drawn: false };
         new.suggest(model, &mut scratch);
-        new.is_drawn = new.members.iter().all(|members| !members.is_empty()) && !new.can_be_carried_at_once(model);
+        // Nothing but another grasp makes a bridge.
+        let has_choice = new.hands.grasps.len() > 1 && new.members.iter().all(|members| !members.is_empty());
+        new.is_drawn = has_choice && !new.can_be_carried_at_once(model);
         (new.is_drawn || !new.bridges.is_empty()).then_some(new)
     }
 

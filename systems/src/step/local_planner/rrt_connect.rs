@@ -6,8 +6,8 @@ use crate::step::local_planner::tree::Tree;
 use foliate_components::roadmap::{Motion, NodeId};
 use rand::Rng;
 
-/// A tree grows towards a random configuration by at most so much, weighted metres, and this share of the distance between the ends: about
-/// as far as a hand moves when one joint of an arm turns by a radian, or farther where a base has to drive.
+/// A tree grows towards a local draw by at most so much, weighted metres, or by this share of the distance between the ends if that is more:
+/// about as far as a hand moves when one joint of an arm turns by a radian, or farther where a base has to drive.
 const STEP: f64 = 1.0;
 const STEP_SHARE: f64 = 0.75;
 
@@ -76,7 +76,10 @@ impl LocalPlan {
             // A draw that cannot be projected is work, too.
             scratch.work += 1;
             let drawn = sampling::draw(leaf, ends, self.work + scratch.work, rng, scratch);
-            meeting = drawn.and_then(|q| self.grow_towards(leaf, (growing, step), &q, scratch));
+            meeting = drawn.and_then(|draw| {
+                let step = if draw.is_local { step } else { f64::INFINITY };
+                self.grow_towards(leaf, (growing, step), &draw.q, scratch)
+            });
         }
         self.work += scratch.work;
         self.attempts.clone_from(&scratch.attempts);
