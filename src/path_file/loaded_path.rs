@@ -165,6 +165,28 @@ impl LoadedPath {
     }
 }
 
+#[cfg(feature = "visuals")]
+impl crate::scene::visuals::Visuals {
+    /// The visual elements of the models that a path file names. A link of which one cannot be read, and a link without any, shows its
+    /// collision shapes.
+    ///
+    /// # Errors
+    /// A model cannot be read.
+    pub fn read(path: &LoadedPath, packages: &PackagePath) -> Result<Self, SceneError> {
+        let models = path.models.iter().map(|model| (model.urdf.as_str(), model.up_axis));
+        Self::with_shapes(&path.robot, models, packages)
+    }
+
+    /// As [`Self::read`], but a link without visual elements shows nothing.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn of_path(path: &LoadedPath, packages: &PackagePath) -> Result<Self, SceneError> {
+        let models = path.models.iter().map(|model| (model.urdf.as_str(), model.up_axis));
+        Self::of_names(&path.robot, models, packages)
+    }
+}
+
 /// The pairs of links that the file leaves untested, those that the models have.
 fn ignored_pairs(file: &PathFile, robot: &Robot) -> Vec<DisabledPair> {
     let pair = |[first, second, reason]: &[String; 3]| {

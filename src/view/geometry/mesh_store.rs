@@ -16,7 +16,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Most triangles of a page, where nothing else is asked.
-pub const TRIANGLES: usize = 150_000;
+pub const TRIANGLES: usize = 200_000;
 /// A mesh of fewer triangles stays as it is.
 const SMALL: usize = 200;
 /// The first cost of contractions that is allowed, m²: 0.02 mm squared. Then twice as much, until there are few enough.

@@ -1,8 +1,8 @@
 //! What every page has: parts, links, joints, meshes, documents.
 
-use crate::path_file::visuals::Visuals;
 use crate::scene::assemble::names::configuration::coordinate_names;
 use crate::scene::reading::error::SceneError;
+use crate::scene::visuals::Visuals;
 use crate::view::document::page::{Document, FORMAT, PageKind};
 use crate::view::geometry::blob::Blob;
 use crate::view::geometry::mesh_store::{MeshStore, TRIANGLES};

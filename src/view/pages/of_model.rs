@@ -1,11 +1,11 @@
 //! The page of one model.
 
 use crate::inspection::inspect_pairs;
-use crate::path_file::visuals::Visuals;
 use crate::scene::load::ReadModel;
 use crate::scene::mesh::formats::triangles::UpAxis;
 use crate::scene::reading::error::SceneError;
 use crate::scene::sources::package::PackagePath;
+use crate::scene::visuals::Visuals;
 use crate::view::document::finding::WhereEntry;
 use crate::view::document::page::{MOST_PAIRS, PageKind};
 use crate::view::html::page::Page;

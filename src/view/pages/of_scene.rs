@@ -1,9 +1,9 @@
 //! The page of a scene before any search.
 
 use crate::inspection::words::ShortNames;
-use crate::path_file::visuals::Visuals;
 use crate::scene::assemble::scene::Scene;
 use crate::scene::reading::error::SceneError;
+use crate::scene::visuals::Visuals;
 use crate::view::document::finding::WhereEntry;
 use crate::view::document::page::PageKind;
 use crate::view::document::search::SearchEntry;
