@@ -67,7 +67,7 @@ pub struct Document {
     pub graph: Option<GraphEntry>,
     /// The motion.
     pub path: Option<PathEntry>,
-    /// Pairs of links that may not collide, of a model: at most [`MOST_PAIRS`].
+    /// Pairs of links that may not collide, of a model; none where there are more than 20 000.
     pub pairs: Option<Vec<[usize; 2]>>,
     /// Shapes that collide at a configuration.
     pub collisions: Vec<CollisionEntry>,
