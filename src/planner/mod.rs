@@ -1,12 +1,15 @@
-//! The facade: a problem in, a certified path or a reason out. `trajectory` answers what a robot program asks of the path.
+//! The facade: a problem in, a certified path or a reason out. `trajectory` answers what a robot program asks of the path. `error` is one error
+//! for all that a host asks.
 
 pub(crate) mod answer;
+pub(crate) mod error;
 pub(crate) mod refinement;
 pub(crate) mod report;
 pub(crate) mod solving;
 pub mod trajectory;
 
 pub use crate::planner::answer::{NoSolution, NoSolutionReason, Solution, outcome_name};
+pub use crate::planner::error::Error;
 pub use crate::planner::refinement::{BetterPath, CostRow, ImprovementReport, KeptPath};
 pub use crate::planner::report::{FunnelRow, GoalReport, Report, StateRow};
 pub use crate::planner::solving::Planner;

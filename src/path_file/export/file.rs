@@ -2,7 +2,6 @@
 
 use crate::path_file::export::csv::{csv, csv_of_knots};
 use crate::path_file::export::gltf::scene::glb;
-use crate::path_file::export::gltf::visuals::Visuals;
 use crate::path_file::export::mcap::mcap;
 use crate::path_file::export::npz::npz;
 use crate::path_file::export::options::{ExportError, ExportOptions, Format};
@@ -11,6 +10,7 @@ use crate::path_file::loaded_path::LoadedPath;
 use crate::planner::trajectory::error::TrajectoryError;
 use crate::scene::reading::error::SceneError;
 use crate::scene::sources::package::PackagePath;
+use crate::scene::visuals::Visuals;
 
 /// What is to be written.
 #[derive(Clone, Debug)]

@@ -5,6 +5,7 @@ use crate::cli::commands::solve::arguments::SearchArguments;
 use crate::cli::commands::solve::coverage::LeftOut;
 use crate::cli::commands::solve::summary::Loaded;
 use crate::cli::commands::solve::{summary, summary_json};
+use crate::cli::commands::view::answered::ViewArguments;
 use crate::cli::console::loading;
 use crate::cli::console::print::{Ending, Refusal, print, print_json, say};
 use foliate::path_file::{PathContext, save, write_path};
@@ -26,6 +27,8 @@ pub(crate) struct Arguments {
     /// Write the path to this file
     #[arg(long, value_name = "PATH.json")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    view: ViewArguments,
     /// Print between which shapes the least clearance is, and where on the path
     #[arg(long)]
     clearance: bool,
@@ -42,6 +45,7 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     if let Some(out) = &arguments.out {
         writable(out)?;
     }
+    arguments.view.check()?;
     let limit = arguments.search.deadline()?;
     let (scene, tables) = match loading::scene(&arguments.scene, packages, limit)? {
         Ok(loaded) => loaded,
@@ -73,6 +77,9 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     } else {
         print(&summary::text(&loaded, &answer));
     }
+    // What a program reads is one object.
+    let tell = if arguments.json { say } else { print };
+    arguments.view.write(&scene, &planner, &answer, (packages, tell))?;
     ending(&answer)
 }
 
