@@ -4,9 +4,10 @@ import type { Mark, Model } from "../app/model";
 import type { Collision, Violation, Where } from "../data/document";
 import { length, pairName, seconds } from "../data/names";
 
-export function problemCount(model: Model): number {
-    const { view } = model;
-    return (view.collisions?.length ?? 0) + (view.violations?.length ?? 0) + (view.path?.refused?.length ?? 0) + (view.warnings?.length ?? 0);
+/** Failures, and warnings of the models. */
+export function problemCounts({ view }: Model): { failures: number; warnings: number } {
+    const failures = (view.collisions?.length ?? 0) + (view.violations?.length ?? 0) + (view.path?.refused?.length ?? 0);
+    return { failures, warnings: view.warnings?.length ?? 0 };
 }
 
 export function problemsPane(model: Model): HTMLElement {
@@ -30,7 +31,6 @@ export function problemsPane(model: Model): HTMLElement {
         section("Collisions", collisions),
         section("Violated constraints and limits", violations),
         warnings.length > 0 ? h("section", {}, h("h3", {}, "Warnings"), h("ul", {}, ...warnings)) : null,
-        problemCount(model) === 0 ? h("p", { class: "quiet" }, "Nothing is wrong.") : null,
     );
 }
 

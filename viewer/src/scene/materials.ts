@@ -13,8 +13,8 @@ export class Materials {
     });
     readonly collisionEdges = new LineBasicMaterial({ color: "#a85a00", transparent: true, opacity: 0.75 });
     readonly missing = new MeshLambertMaterial({ color: "#8a8f98", transparent: true, opacity: 0.45, side: DoubleSide });
-    readonly highlight = new MeshLambertMaterial({ color: FAILURE, emissive: FAILURE, emissiveIntensity: 0.35, side: DoubleSide });
-    readonly highlightThrough = new MeshBasicMaterial({ color: FAILURE, transparent: true, opacity: 0.18, depthTest: false, depthWrite: false });
+    readonly highlight = new MeshLambertMaterial({ color: FAILURE, emissive: FAILURE, emissiveIntensity: 0.12, side: DoubleSide });
+    readonly highlightThrough = new MeshBasicMaterial({ color: FAILURE, transparent: true, opacity: 0.13, depthTest: false, depthWrite: false });
     readonly start = ghost("#2f6fb5");
     readonly goal = ghost("#d9861a");
 

@@ -47,7 +47,7 @@ export class View3d {
         scene.add(this.picking.measurement.root);
         if (view.search && view.search.count > 0) {
             this.roadmap = new Roadmap(view, view.search, model.arrays);
-            this.cloud = new Cloud(this.roadmap, scale * 0.009);
+            this.cloud = new Cloud(this.roadmap, scale * 0.013);
             scene.add(this.cloud.root);
             this.takeNodes(model, this.roadmap, this.cloud);
         }
