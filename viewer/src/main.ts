@@ -1,6 +1,6 @@
 /** Reads the page's data, builds the page, draws the first frame, says that it is ready. */
 import { h } from "./app/dom";
-import { hooks, keepErrors } from "./app/hooks";
+import { hooks, keepErrors } from "./hooks";
 import { startKeys, type Actions } from "./app/keys";
 import { Model, type SwitchName } from "./app/model";
 import { startPlayer } from "./app/player";
@@ -54,7 +54,7 @@ async function main(root: HTMLElement): Promise<void> {
     const page = buildPage(root, model);
     startPlayer(model);
     startKeys(actions(model, page));
-    page.scene.stage.draw();
+    page.scene.stage.drawWhole();
     Object.assign(window, { foliate: hooks(model, page, begun) });
     document.documentElement.dataset["ready"] = "true";
 }

@@ -45,34 +45,49 @@ async function assertMoves(page, view) {
     assert.equal(pictures.size, 5, "five times of the path give five pictures");
 }
 
-/** At the middle of each segment the graph lights its state and its transition, and the caption names it. */
+/** At the middle of each segment the graph lights its state and its transition, and the timeline names it. */
 async function assertGraphFollows(page, view) {
-    for (const segment of view.path.segments) {
-        const t = (segment.from + segment.to) / 2;
-        const lit = await page.evaluate((at) => {
-            window.foliate.setTime(at);
-            const ids = (kind) => [...document.querySelectorAll(`.${kind}.active`)].map((e) => e.getAttribute(`data-${kind}`));
+    const middles = view.path.segments.map((segment) => (segment.from + segment.to) / 2);
+    const lit = await page.evaluate((times) => {
+        const ids = (kind) => [...document.querySelectorAll(`.${kind}.active`)].map((e) => e.getAttribute(`data-${kind}`));
+        return times.map((t) => {
+            window.foliate.setTime(t);
             return { states: ids("state"), transitions: ids("transition"), words: document.querySelector(".now-words").textContent };
-        }, t);
-        assert.deepEqual(lit.states, [String(view.graph.states[segment.state].id)], `the state lit at ${t}`);
+        });
+    }, middles);
+    view.path.segments.forEach((segment, i) => {
+        const state = view.graph.states[segment.state ?? -1];
+        assert.deepEqual(lit[i].states, state ? [String(state.id)] : [], `the state lit at ${middles[i]}`);
         const transition = view.graph.transitions[segment.transition ?? -1];
-        assert.deepEqual(lit.transitions, transition ? [String(transition.id)] : [], `the transition lit at ${t}`);
-        assert.equal(lit.words, segment.words);
-    }
+        assert.deepEqual(lit[i].transitions, transition ? [String(transition.id)] : [], `the transition lit at ${middles[i]}`);
+        assert.equal(lit[i].words, segment.words);
+    });
 }
 
 /** A click on the box of a state goes to its next visit. */
 async function assertStatesJump(page, view) {
-    const visited = [...new Set(view.path.segments.map((s) => s.state))];
-    for (const state of visited) {
-        await page.evaluate(() => window.foliate.setTime(0));
-        const { id } = view.graph.states[state];
-        await page.click(`[data-state="${id}"] rect`).catch(() => page.evaluate((s) => window.foliate.clickState(s), id));
-        const [time, active] = await page.evaluate(() => [window.foliate.time(), window.foliate.activeState()]);
-        const expected = view.path.segments.find((s) => s.state === state && s.from > 0) ?? view.path.segments.find((s) => s.state === state);
-        assert.ok(Math.abs(time - expected.from) < 1e-6, `state ${id}: at ${time}, not ${expected.from}`);
-        assert.equal(active, id);
-    }
+    const { segments } = view.path;
+    const visited = [...new Set(segments.map((s) => s.state))].filter((state) => view.graph.states[state ?? -1]);
+    assert.ok(visited.length > 0, "the graph shows a state of the path");
+    const ids = visited.map((state) => view.graph.states[state].id);
+    const reached = await page.evaluate((clicked) => {
+        return clicked.map((id) => {
+            window.foliate.setTime(0);
+            window.foliate.clickState(id);
+            return [window.foliate.time(), window.foliate.activeState()];
+        });
+    }, ids);
+    visited.forEach((state, i) => {
+        const expected = segments.find((s) => s.state === state && s.from > 0) ?? segments.find((s) => s.state === state);
+        assert.ok(Math.abs(reached[i][0] - expected.from) < 1e-6, `state ${ids[i]}: at ${reached[i][0]}, not ${expected.from}`);
+        assert.equal(reached[i][1], ids[i]);
+    });
+    // And once with the mouse: nothing lies over the box.
+    const shown = segments.filter((s) => visited.includes(s.state));
+    const { state, from } = shown[Math.floor(shown.length / 2)];
+    await page.evaluate((t) => window.foliate.setTime(t), Math.max(from - 1e-3, 0));
+    await page.click(`[data-state="${view.graph.states[state].id}"] rect`);
+    assert.equal(await page.evaluate(() => window.foliate.activeState()), view.graph.states[state].id);
 }
 
 /** No pane is wider than the screen, and what can be clicked is on it. */

@@ -146,7 +146,7 @@ test("two clicks measure", async () => {
 test("a finding of the start or goal is shown with its number", async () => {
     const { page } = await open(browser, written("scene"));
     const findings = await page.$$eval(".finding", (all) => all.map((one) => one.textContent));
-    assert.deepEqual(findings, ["At the goalbox/body and room/ball collide3.20 mm deep", "At the startbox lies on the table0.0123, allowed 0.0001"]);
+    assert.deepEqual(findings, ["At the goalbox/body and room/ball collide, 3.20 mm deep", "At the startbox lies on the table: off by 0.0123, allowed 0.0001"]);
     await page.click(".finding");
     assert.equal(await page.$eval(".label-failure", (e) => e.textContent), "3.20 mm deep");
     assert.deepEqual(await page.evaluate(() => window.foliate.configuration()), sample("scene").view.goal);

@@ -3,8 +3,7 @@ import { h } from "../app/dom";
 import type { Model } from "../app/model";
 import { length, pairName } from "../data/names";
 import { sizeOf, velocitySizeOf } from "../motion/kinematics";
-import { indexAt, type Path } from "../motion/path";
-import { nearest } from "../scene/marks";
+import { indexAt, nearest, type Path } from "../motion/path";
 import { chart, type Chart, type Series } from "./chart";
 
 type Kind = "position" | "velocity";

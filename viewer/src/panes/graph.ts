@@ -13,7 +13,7 @@ const UNREADABLE = 2.6;
 export function graphPane(model: Model, graph: Graph): HTMLElement {
     const edges = graph.transitions.map((transition) => edge(transition, graph));
     const states = graph.states.map((state) => box(state));
-    const drawing = svg("svg", { class: "graph", role: "group", "aria-label": "Constraint graph" }, markers(), ...edges.map((e) => e.root), ...states);
+    const drawing = svg("svg", { class: "graph", role: "group", "aria-label": "Constraint graph" }, markers(), ...edges.map((e) => e.root), ...marksOf(graph), ...states);
     const view = panZoom(drawing, graph.width, graph.height, (scale) => drawing.classList.toggle("small", scale > UNREADABLE));
     states.forEach((element, s) => {
         const visited = model.path?.data.segments.some((segment) => segment.state === s) ?? false;
@@ -37,8 +37,9 @@ export function graphPane(model: Model, graph: Graph): HTMLElement {
     theme.watch((value) => edges.forEach((e) => e.paint((rate) => rateColour(rate, value))));
     const told = h("div", { class: "graph-told", role: "status" });
     const tried = graph.transitions.some((t) => (t.tried ?? 0) > 0);
-    tellHover(drawing, graph, told, tried ? legend() : "Click a state to go to its next visit.");
-    return h("div", { class: "graph-pane" }, drawing, view.buttons, told);
+    tellHover(drawing, graph, told, tried ? legend() : model.path ? "Click a state to go to its next visit." : "");
+    const leftOut = graph.left_out ? h("p", { class: "graph-left-out" }, graph.left_out) : null;
+    return h("div", { class: "graph-pane" }, drawing, view.buttons, leftOut, told);
 }
 
 function box(state: GraphState): SVGGElement {
@@ -55,6 +56,17 @@ function box(state: GraphState): SVGGElement {
         },
         svg("rect", { x: state.x, y: state.y, width: state.w, height: state.h, rx: state.passed_through ? state.h / 2 : 8 }),
         ...lines.map((line, i) => svg("text", { x: state.x + state.w / 2, y: middle + i * 15, "dominant-baseline": "central" }, line)),
+    );
+}
+
+function marksOf(graph: Graph): SVGGElement[] {
+    return (graph.marks ?? []).map(({ words, x, y, w, h: height }) =>
+        svg(
+            "g",
+            { class: w > 0 ? "mark-box" : "mark-words" },
+            w > 0 ? svg("rect", { x: x - w / 2, y: y - height / 2, width: w, height, rx: height / 2 }) : null,
+            svg("text", { x, y, "dominant-baseline": "central" }, words),
+        ),
     );
 }
 

@@ -78,7 +78,7 @@ function placeGraph(graph: HTMLElement, pinned: HTMLElement, tabs: Tabs): void {
 }
 
 function header(model: Model, help: HTMLDialogElement): HTMLElement {
-    const kinds = { path: "path", scene: "scene", model: "model", search: "search" };
+    const verdict = model.path?.data.verdict ?? "";
     const dark = iconButton("moon", "Light or dark (T)", () => chooseTheme(theme.value === "dark" ? "light" : "dark"));
     theme.watch((value) => dark.replaceChildren(icon(value === "dark" ? "sun" : "moon")));
     return h(
@@ -86,7 +86,8 @@ function header(model: Model, help: HTMLDialogElement): HTMLElement {
         { class: "header" },
         h("span", { class: "brand", "aria-hidden": "true" }, "Foliate"),
         h("h1", {}, model.view.title),
-        h("span", { class: "kind" }, kinds[model.view.kind]),
+        h("span", { class: "kind" }, model.view.kind),
+        verdict ? h("span", { class: `kind verdict-${verdict}`, title: `foliate check: ${verdict}` }, verdict) : null,
         h("span", { class: "spring" }),
         dark,
         iconButton("help", "Help (?)", () => help.showModal()),

@@ -4,7 +4,7 @@ import { partColour } from "../app/colours";
 import type { Model } from "../app/model";
 import type { Link, Shape, Pose } from "../data/document";
 import { matrixOf } from "../motion/kinematics";
-import type { Geometries } from "./geometries";
+import type { Geometries } from "../shape/geometries";
 import type { Materials } from "./materials";
 
 /** A shape as it is drawn. */
@@ -62,9 +62,8 @@ export class Bodies {
         });
         if (present.length === link.visual.length) return drawn;
         if (link.collision.length > 0) return [...drawn, ...byCollision(this.materials.missing)];
-        const placeholder: Shape = { box: [0.04, 0.04, 0.04] };
         const absent = link.visual.filter((v) => v.missing);
-        return [...drawn, ...absent.map((v) => ({ shape: placeholder, pose: v.pose, material: this.materials.missing }))];
+        return [...drawn, ...absent.map(({ shape, pose }) => ({ shape, pose, material: this.materials.missing }))];
     }
 
     /** The link that an object of the scene belongs to. */

@@ -3,7 +3,7 @@ import { Group, Mesh, type Material, type Matrix4 } from "three";
 import type { Model } from "../app/model";
 import { Kinematics, matrixOf } from "../motion/kinematics";
 import type { Bodies } from "./bodies";
-import type { Geometries } from "./geometries";
+import type { Geometries } from "../shape/geometries";
 
 /** Metres, and parts of a turn, below which two pictures of a link in one place would flicker. */
 const SAME = 2e-3;

@@ -6,7 +6,7 @@ import { stateWords } from "../data/names";
 import { Bodies } from "./bodies";
 import { Cloud } from "./cloud";
 import { FeaturesLayer } from "./features";
-import { Geometries } from "./geometries";
+import { Geometries } from "../shape/geometries";
 import { Ghost } from "./ghosts";
 import { Labels } from "./labels";
 import { closestPair, markPoints } from "./marks";
@@ -25,7 +25,8 @@ export class View3d {
 
     constructor(element: HTMLElement, model: Model) {
         const { view } = model;
-        this.stage = new Stage(element);
+        const triangles = view.meshes.reduce((sum, mesh) => sum + mesh.triangles, 0);
+        this.stage = new Stage(element, triangles);
         const { scene } = this.stage;
         this.geometries = new Geometries(view, model.arrays);
         const materials = new Materials();

@@ -1,9 +1,9 @@
 /** `window.foliate`: what tests and other programs ask of the page. */
-import { linkName } from "../data/names";
-import { poseOf } from "../motion/kinematics";
-import type { Page } from "../panes/layout";
-import type { Model, SwitchName } from "./model";
-import { chooseTheme, type Theme } from "./theme";
+import { linkName } from "./data/names";
+import { poseOf } from "./motion/kinematics";
+import type { Page } from "./panes/layout";
+import type { Model, SwitchName } from "./app/model";
+import { chooseTheme, type Theme } from "./app/theme";
 
 const errors: string[] = [];
 
@@ -47,7 +47,8 @@ export function hooks(model: Model, page: Page, begun: number): object {
         selectPane: (name: string) => page.tabs.select(name),
         look: (name: string) => page.scene.views.look(name as never, false),
         /** Draws at once. */
-        frame: () => stage.draw(),
+        frame: () => stage.drawWhole(),
+        shadows: (on: boolean) => stage.setShadows(on),
         /** The picture as bytes of RGBA, drawn now. */
         pixels: () => {
             stage.draw();
