@@ -14,7 +14,11 @@ export function graphPane(model: Model, graph: Graph): HTMLElement {
     const edges = graph.transitions.map((transition) => edge(transition, graph));
     const states = graph.states.map((state) => box(state));
     const drawing = svg("svg", { class: "graph", role: "group", "aria-label": "Constraint graph" }, markers(), ...edges.map((e) => e.root), ...marksOf(graph), ...states);
-    const view = panZoom(drawing, graph.width, graph.height, (scale) => drawing.classList.toggle("small", scale > UNREADABLE));
+    const focus = (): [number, number] => {
+        const state = graph.states[model.path?.segment(model.segment.value)?.state ?? 0]!;
+        return [state.x + state.w / 2, state.y + state.h / 2];
+    };
+    const view = panZoom(drawing, graph.width, graph.height, (scale) => drawing.classList.toggle("small", scale > UNREADABLE), focus);
     states.forEach((element, s) => {
         const visited = model.path?.data.segments.some((segment) => segment.state === s) ?? false;
         element.classList.toggle("visited", visited);
@@ -32,7 +36,7 @@ export function graphPane(model: Model, graph: Graph): HTMLElement {
         states.forEach((element, s) => element.classList.toggle("active", s === segment?.state));
         edges.forEach(({ root }, e) => root.classList.toggle("active", e === segment?.transition));
         const state = graph.states[segment?.state ?? -1];
-        if (state && model.playing.value) view.reveal(state.x, state.y, state.w, state.h);
+        if (state) view.reveal(state.x, state.y, state.w, state.h);
     });
     theme.watch((value) => edges.forEach((e) => e.paint((rate) => rateColour(rate, value))));
     const told = h("div", { class: "graph-told", role: "status" });

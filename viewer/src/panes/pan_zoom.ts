@@ -9,7 +9,18 @@ export interface PanZoom {
     buttons: HTMLElement;
 }
 
-export function panZoom(drawing: SVGSVGElement, width: number, height: number, zoomed: (unitsPerPixel: number) => void): PanZoom {
+/** Units a pixel: a small drawing is not blown up, and of a large one a readable part is shown first. */
+const LEAST = 0.75;
+const READABLE = 1.7;
+
+/** `focus` is the middle of what is shown first where all of it would be too small to read. */
+export function panZoom(
+    drawing: SVGSVGElement,
+    width: number,
+    height: number,
+    zoomed: (unitsPerPixel: number) => void,
+    focus: () => [number, number],
+): PanZoom {
     let box = { x: 0, y: 0, w: width, h: height };
     const scale = (): number => Math.max(box.w / Math.max(drawing.clientWidth, 1), box.h / Math.max(drawing.clientHeight, 1));
     const apply = (): void => {
@@ -35,7 +46,13 @@ export function panZoom(drawing: SVGSVGElement, width: number, height: number, z
         const margin = 12;
         box = { x: -margin, y: -margin, w: width + 2 * margin, h: height + 2 * margin };
         square();
+        if (scale() < LEAST) resize(LEAST, width / 2, height / 2);
         apply();
+    };
+    /** So many units a pixel, with a place in the middle. */
+    const resize = (s: number, x: number, y: number): void => {
+        const [w, h] = [s * drawing.clientWidth, s * drawing.clientHeight];
+        box = { x: x - w / 2, y: y - h / 2, w, h };
     };
     drawing.addEventListener(
         "wheel",
@@ -58,7 +75,13 @@ export function panZoom(drawing: SVGSVGElement, width: number, height: number, z
         if (fitted) {
             square();
             apply();
-        } else fit();
+        } else {
+            fit();
+            if (scale() > READABLE) {
+                resize(READABLE * 0.9, ...focus());
+                apply();
+            }
+        }
         fitted = true;
     }).observe(drawing);
     const middle = (factor: number) => (): void => zoom(factor, drawing.clientWidth / 2, drawing.clientHeight / 2);

@@ -87,7 +87,9 @@ export class Stage {
     setBounds(bounds: Box3): void {
         const size = bounds.isEmpty() ? 1 : bounds.getSize(new Vector3()).length();
         const centre = bounds.isEmpty() ? new Vector3() : bounds.getCenter(new Vector3());
-        const ground = !bounds.isEmpty() && (bounds.min.z < -0.05 || bounds.min.z > 0.5) ? bounds.min.z : 0;
+        const lowest = bounds.isEmpty() ? 0 : bounds.min.z;
+        // What hangs a little above the ground stands over z = 0.
+        const ground = lowest > 0 && lowest < 0.5 ? 0 : lowest;
         this.camera.near = size / 400;
         this.camera.far = size * 60;
         this.controls.maxDistance = size * 20;
