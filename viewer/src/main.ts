@@ -46,16 +46,19 @@ function failed(root: HTMLElement, error: unknown): void {
 }
 
 async function main(root: HTMLElement): Promise<void> {
-    const begun = performance.now();
+    const times = { begun: performance.now(), read: 0, built: 0, drawn: 0 };
     keepErrors();
     startTheme();
     const { view, arrays } = await readPage();
+    times.read = performance.now();
     const model = new Model(view, arrays);
     const page = buildPage(root, model);
     startPlayer(model);
     startKeys(actions(model, page));
+    times.built = performance.now();
     page.scene.stage.drawWhole();
-    Object.assign(window, { foliate: hooks(model, page, begun) });
+    times.drawn = performance.now();
+    Object.assign(window, { foliate: hooks(model, page, times) });
     document.documentElement.dataset["ready"] = "true";
 }
 

@@ -137,9 +137,14 @@ test("a model tells which of its links collide as its sliders move", async () =>
 test("two clicks measure", async () => {
     const { page } = await open(browser, written("scene"));
     await page.keyboard.press("m");
-    await page.mouse.click(430, 560);
-    await page.mouse.click(560, 500);
-    assert.match(await page.$eval(".caption-picked", (e) => e.textContent), /^\d+ mm \(x .*, y .*, z .*\)/);
+    for (const y of [-0.5, -0.2]) {
+        const [px, py] = await page.evaluate((at) => window.foliate.project([0.5, at, 0.4]), y);
+        await page.mouse.click(px, py);
+    }
+    const told = await page.$eval(".caption-picked", (e) => e.textContent);
+    const [, distance, along] = /^(\d+) mm \(x .*, y (-?\d+) mm, z .*\)/.exec(told) ?? assert.fail(told);
+    // A pixel of the picture is some millimetres of the table.
+    assert.ok(Math.abs(distance - 300) < 8 && Math.abs(along - 300) < 8, told);
     await page.close();
 });
 

@@ -15,7 +15,7 @@ export function aboutPane(model: Model): HTMLElement {
         ["links", count(view.links.length)],
         ["joints that move", count(view.joints.length)],
         ["numbers of a configuration", count(view.coordinates.length)],
-        ["triangles of meshes", view.triangles && view.triangles[0] > triangles ? `${count(triangles)} of ${count(view.triangles[0])}` : count(triangles)],
+        ["triangles of meshes", triangles === 0 ? "" : view.triangles && view.triangles[0] > triangles ? `${count(triangles)} of ${count(view.triangles[0])}` : count(triangles)],
         ["shown meshes are off by", view.deviation ? `at most ${length(view.deviation)}` : ""],
         ["verdict of the check", view.path?.verdict ?? ""],
     ];

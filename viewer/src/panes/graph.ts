@@ -11,7 +11,8 @@ import { panZoom } from "./pan_zoom";
 const UNREADABLE = 2.6;
 
 export function graphPane(model: Model, graph: Graph): HTMLElement {
-    const edges = graph.transitions.map((transition) => edge(transition, graph));
+    const most = graph.transitions.reduce((found, t) => Math.max(found, t.tried ?? 0), 1);
+    const edges = graph.transitions.map((transition) => edge(transition, most));
     const states = graph.states.map((state) => box(state));
     const drawing = svg("svg", { class: "graph", role: "group", "aria-label": "Constraint graph" }, markers(), ...edges.map((e) => e.root), ...marksOf(graph), ...states);
     const focus = (): [number, number] => {
@@ -79,8 +80,8 @@ interface Edge {
     paint(colourOf: (rate: number) => string): void;
 }
 
-function edge(transition: GraphTransition, graph: Graph): Edge {
-    const most = Math.max(...graph.transitions.map((t) => t.tried ?? 0), 1);
+/** `most` is how often the transition that was tried most was tried. */
+function edge(transition: GraphTransition, most: number): Edge {
     const tried = transition.tried ?? 0;
     const width = tried > 0 ? 1.4 + (5 * Math.log1p(tried)) / Math.log1p(most) : 1.4;
     const d = route(transition);

@@ -44,14 +44,15 @@ export function buildPage(root: HTMLElement, model: Model): Page {
         if (content) tabs.push({ name, label, content, badge });
     };
     const problems = (): void => add("problems", failures > 0 ? "Problems" : "Warnings", problemsPane(model), failures || warnings);
-    // Failures of a scene come first; those of a path are on its timeline too.
-    if (failures > 0 && !model.path) problems();
+    // Failures of a scene come first. Those of a path are on its timeline too, those of a model are told by its sliders.
+    const first = failures > 0 && !model.path && view.kind !== "model";
+    if (first) problems();
     if (model.path) add("steps", "Steps", stepsPane(model));
     if (view.search) add("search", "Search", searchPane(model, scene, view.search));
     if (view.kind === "model") add("joints", "Joints", jointsPane(model, contacts));
     if (graph) add("graph", "Graph", h("div", {}));
     if (model.path) add("curves", "Curves", curvesPane(model));
-    if (failures > 0 && model.path) problems();
+    if (failures > 0 && !first) problems();
     if (view.kind !== "model") add("joints", "Joints", jointsPane(model, contacts));
     if (failures === 0 && warnings > 0) problems();
     add("about", "About", aboutPane(model));

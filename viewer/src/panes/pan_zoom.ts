@@ -9,9 +9,12 @@ export interface PanZoom {
     buttons: HTMLElement;
 }
 
+/** Units around the drawing. */
+const MARGIN = 12;
 /** Units a pixel: a small drawing is not blown up, and of a large one a readable part is shown first. */
 const LEAST = 0.75;
-const READABLE = 1.7;
+const READABLE = 2.2;
+const COMFORTABLE = 1.5;
 
 /** `focus` is the middle of what is shown first where all of it would be too small to read. */
 export function panZoom(
@@ -43,8 +46,7 @@ export function panZoom(
         apply();
     };
     const fit = (): void => {
-        const margin = 12;
-        box = { x: -margin, y: -margin, w: width + 2 * margin, h: height + 2 * margin };
+        box = { x: -MARGIN, y: -MARGIN, w: width + 2 * MARGIN, h: height + 2 * MARGIN };
         square();
         if (scale() < LEAST) resize(LEAST, width / 2, height / 2);
         apply();
@@ -53,6 +55,13 @@ export function panZoom(
     const resize = (s: number, x: number, y: number): void => {
         const [w, h] = [s * drawing.clientWidth, s * drawing.clientHeight];
         box = { x: x - w / 2, y: y - h / 2, w, h };
+    };
+    /** No empty space beside the drawing where there is more of it on the other side. */
+    const keepInside = (): void => {
+        const inside = (at: number, size: number, whole: number): number =>
+            size >= whole ? (whole - size) / 2 : Math.min(Math.max(at, -MARGIN), whole - size + MARGIN);
+        box.x = inside(box.x, box.w, width);
+        box.y = inside(box.y, box.h, height);
     };
     drawing.addEventListener(
         "wheel",
@@ -78,7 +87,8 @@ export function panZoom(
         } else {
             fit();
             if (scale() > READABLE) {
-                resize(READABLE * 0.9, ...focus());
+                resize(COMFORTABLE, ...focus());
+                keepInside();
                 apply();
             }
         }
@@ -95,6 +105,7 @@ export function panZoom(
     const reveal = (x: number, y: number, w: number, hh: number): void => {
         if (x >= box.x && y >= box.y && x + w <= box.x + box.w && y + hh <= box.y + box.h) return;
         box = { ...box, x: x + w / 2 - box.w / 2, y: y + hh / 2 - box.h / 2 };
+        keepInside();
         apply();
     };
     return { fit, reveal, buttons };

@@ -101,10 +101,17 @@ function track(model: Model): HTMLElement {
         head,
         ...refused,
     );
-    model.time.watch((t) => {
-        head.style.left = percent(t);
+    const say = (): void => {
+        const t = model.time.value;
         slider.setAttribute("aria-valuenow", t.toFixed(2));
         slider.setAttribute("aria-valuetext", `${seconds(t)}, ${path.segment(path.segmentAt(t))?.words ?? ""}`);
+    };
+    // Screen readers need not hear of every frame.
+    model.segment.watch(say);
+    model.playing.watch(say);
+    model.time.watch((t) => {
+        head.style.left = percent(t);
+        if (!model.playing.value) say();
     });
     scrub(slider, bar, model);
     return slider;

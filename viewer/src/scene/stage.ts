@@ -83,13 +83,12 @@ export class Stage {
         this.lastFrameMs = performance.now() - before;
     }
 
-    /** Ground, shadows and clipping planes for a scene of this size. */
-    setBounds(bounds: Box3): void {
+    /** Ground, shadows and clipping planes for a scene of this size whose lowest point is at a height. */
+    setBounds(bounds: Box3, lowest: number): void {
         const size = bounds.isEmpty() ? 1 : bounds.getSize(new Vector3()).length();
         const centre = bounds.isEmpty() ? new Vector3() : bounds.getCenter(new Vector3());
-        const lowest = bounds.isEmpty() ? 0 : bounds.min.z;
         // What hangs a little above the ground stands over z = 0.
-        const ground = lowest > 0 && lowest < 0.5 ? 0 : lowest;
+        const ground = !Number.isFinite(lowest) || (lowest > 0 && lowest < 0.5) ? 0 : lowest;
         this.camera.near = size / 400;
         this.camera.far = size * 60;
         this.controls.maxDistance = size * 20;
