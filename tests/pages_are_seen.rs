@@ -10,6 +10,7 @@ use common::skip::{chromium, node_with};
 use foliate::scene::shipped_scenes;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::{Mutex, PoisonError};
 
 /// Megabytes that a page may have.
 const SIZES: [(&str, u64); 2] = [("baxter-", 3), ("romeo-", 6)];
@@ -63,10 +64,14 @@ fn look(folder: &Path, pages: &[PathBuf], node: (&Path, &Path), chromium: &Path)
     println!("{told}");
 }
 
+/// One at a time: pages that are drawn in software side by side would all be late.
+static LOOKING: Mutex<()> = Mutex::new(());
+
 /// Writes pages and looks at them, where there are node and Chromium to look with.
 fn seen(test: &str, write: impl Fn(&Path) -> Vec<PathBuf>) {
     let Some((node, modules)) = node_with("puppeteer-core", test) else { return };
     let Some(chromium) = chromium(test) else { return };
+    let _alone = LOOKING.lock().unwrap_or_else(PoisonError::into_inner);
     let folder = folder(test);
     look(&folder, &write(&folder), (&node, &modules), &chromium);
 }

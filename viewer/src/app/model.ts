@@ -24,7 +24,7 @@ export const SWITCHES = {
     grippers: "Grippers",
     handles: "Handles",
     surfaces: "Contact surfaces",
-    frames: "Frames",
+    frames: "Frames of links",
     names: "Names of features",
     roadmap: "Roadmap of the search",
     ground: "Ground grid",

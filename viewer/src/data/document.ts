@@ -89,7 +89,6 @@ interface Feature {
     name: string;
     link: number;
     pose: Pose;
-    words?: string | null;
 }
 
 export interface Features {
