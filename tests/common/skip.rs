@@ -14,6 +14,8 @@ pub enum Needs {
     Python,
     /// Packages of Node.js.
     Node,
+    /// Chromium, without a window.
+    Browser,
     /// Something that this system does not have or allow: mounting, devices.
     System,
 }
@@ -52,6 +54,17 @@ pub fn node_with(package: &str, test: &str) -> Option<(PathBuf, PathBuf)> {
     let why = format!("there is no node with {package} in {} (npm install {package})", folder.display());
     skipped(Needs::Node, test, &why);
     None
+}
+
+/// The program of Chromium: `FOLIATE_CHROMIUM`, or where Debian installs it. Without it the function says that the test is skipped.
+pub fn chromium(test: &str) -> Option<PathBuf> {
+    let named = std::env::var_os("FOLIATE_CHROMIUM").map(PathBuf::from);
+    let usual = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].map(PathBuf::from);
+    let found = named.into_iter().chain(usual).find(|program| program.is_file());
+    if found.is_none() {
+        skipped(Needs::Browser, test, "there is no chromium (apt install chromium, or FOLIATE_CHROMIUM)");
+    }
+    found
 }
 
 fn imports(python: &Path, modules: &str) -> bool {

@@ -1,6 +1,6 @@
 /** Reads the page's data, builds the page, draws the first frame, says that it is ready. */
 import { h } from "./app/dom";
-import { hooks, keepErrors } from "./app/hooks";
+import { hooks, keepErrors } from "./hooks";
 import { startKeys, type Actions } from "./app/keys";
 import { Model, type SwitchName } from "./app/model";
 import { startPlayer } from "./app/player";
@@ -46,16 +46,19 @@ function failed(root: HTMLElement, error: unknown): void {
 }
 
 async function main(root: HTMLElement): Promise<void> {
-    const begun = performance.now();
+    const times = { begun: performance.now(), read: 0, built: 0, drawn: 0 };
     keepErrors();
     startTheme();
     const { view, arrays } = await readPage();
+    times.read = performance.now();
     const model = new Model(view, arrays);
     const page = buildPage(root, model);
     startPlayer(model);
     startKeys(actions(model, page));
-    page.scene.stage.draw();
-    Object.assign(window, { foliate: hooks(model, page, begun) });
+    times.built = performance.now();
+    page.scene.stage.drawWhole();
+    times.drawn = performance.now();
+    Object.assign(window, { foliate: hooks(model, page, times) });
     document.documentElement.dataset["ready"] = "true";
 }
 

@@ -82,13 +82,14 @@ function samplePath(blob, refused) {
             points: blob.add(Float32Array.from(points)),
         },
         velocities: blob.add(Float32Array.from(velocities)),
-        refused: refused ? [{ time: t * 0.55, words: "box/body and room/ball are 3.2 mm apart; the margin is 5 mm", links: [7, 9] }] : [],
+        verdict: refused ? "refused" : "proved",
+        refused: refused ? [{ time: null, words: "the file names another model", links: null }, { time: t * 0.55, words: "box/body and room/ball are 3.2 mm apart; the margin is 5 mm", links: [7, 9] }] : [],
     };
 }
 
 const DOCUMENTS = {
     grippers: [{ name: "arm/hand", link: 4, pose: [0, 0, -0.045, 0, Math.SQRT1_2, 0, Math.SQRT1_2] }],
-    handles: [{ name: "box/top", link: 7, pose: [0, 0, 0, 0, Math.SQRT1_2, 0, Math.SQRT1_2], approach: [0, 0, -1], mask: [true, true, true, true, true, true] }],
+    handles: [{ name: "box/top", link: 7, pose: [0, 0, 0, 0, Math.SQRT1_2, 0, Math.SQRT1_2], approach: [1, 0, 0], mask: [true, true, true, true, true, true] }],
     surfaces: [
         { name: "box/bottom", link: 7, pose: [0, 0, 0, 0, 0, 0, 1], kind: "contact", polygon: [[-0.03, -0.03, -0.045], [0.03, -0.03, -0.045], [0.03, 0.03, -0.045], [-0.03, 0.03, -0.045]] },
         { name: "room/top", link: 8, pose: [0, 0, 0, 0, 0, 0, 1], kind: "support", polygon: [[0.37, -0.62, TABLE], [0.83, -0.62, TABLE], [0.83, 0.62, TABLE], [0.37, 0.62, TABLE]] },
@@ -121,8 +122,8 @@ export function sample(kind = "path") {
         goal: kind === "model" ? null : goal,
         graph: kind === "model" ? null : sampleGraph(hasPath),
         path: isPath ? samplePath(blob, kind === "refused") : null,
-        collisions: kind === "scene" ? [{ configuration: "goal", links: [7, 9], depth: 0.0032, point: [0.7, 0.1, 0.45], points: [[0.7, 0.1, 0.45], [0.68, 0.12, 0.45]], words: "box/body and room/ball collide" }] : [],
-        violations: kind === "scene" ? [{ configuration: "start", words: "box lies on the table", value: 0.0123, limit: 0.0001, links: [7], points: [[0.55, -0.42, 0.41], [0.55, -0.42, 0.4]] }] : [],
+        collisions: kind === "scene" ? [{ configuration: "goal", links: [7, 9], depth: 0.0032, point: [0.7, 0.1, 0.45], points: [[0.7, 0.1, 0.45], [0.68, 0.12, 0.45]], words: "box/body and room/ball collide, 3.20 mm deep" }] : [],
+        violations: kind === "scene" ? [{ configuration: "start", words: "box lies on the table: off by 0.0123, allowed 0.0001", value: 0.0123, limit: 0.0001, links: [7], points: [[0.55, -0.42, 0.41], [0.55, -0.42, 0.4]] }] : [],
         search: hasPath ? sampleSearch(blob, corners().map((corner) => corner.q)) : null,
     };
     return { view, binary: blob.bytes() };

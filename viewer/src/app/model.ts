@@ -24,7 +24,7 @@ export const SWITCHES = {
     grippers: "Grippers",
     handles: "Handles",
     surfaces: "Contact surfaces",
-    frames: "Frames",
+    frames: "Frames of links",
     names: "Names of features",
     roadmap: "Roadmap of the search",
     ground: "Ground grid",
@@ -54,7 +54,7 @@ export class Model {
     ) {
         this.kinematics = new Kinematics(view);
         this.path = view.path && view.path.samples > 0 ? new Path(view, view.path, arrays) : null;
-        const first = view.start ?? neutral(view);
+        const first = view.start ?? view.neutral ?? neutral(view);
         this.configuration = new Signal<Float64Array>(Float64Array.from(first));
         const isScene = view.kind === "scene";
         const on: SwitchName[] = ["visual", "ground", ...(this.path ? [] : (["grippers", "handles"] as const))];
@@ -102,7 +102,7 @@ export class Model {
         this.measuring.set(false);
         if (this.path) this.setTime(this.time.value);
         else if (this.posed.value) {
-            this.pose(this.view.start ?? neutral(this.view), "");
+            this.pose(this.view.start ?? this.view.neutral ?? neutral(this.view), "");
         }
     }
 

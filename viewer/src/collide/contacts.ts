@@ -2,7 +2,7 @@
 import { Matrix4, Vector3, type BufferGeometry } from "three";
 import type { LinkPair, ViewDocument } from "../data/document";
 import { matrixOf, type Kinematics } from "../motion/kinematics";
-import type { Geometries } from "../scene/geometries";
+import type { Geometries } from "../shape/geometries";
 import { TriangleTree, treesTouch } from "./triangle_tree";
 
 interface Part {

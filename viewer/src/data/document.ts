@@ -16,6 +16,11 @@ export interface ViewDocument {
     title: string;
     kind: "path" | "scene" | "model" | "search";
     warnings?: string[] | null;
+    /** How far shown meshes are from those of the files at most; triangles of the files, and shown. */
+    deviation?: number | null;
+    triangles?: [number, number] | null;
+    /** What is shown where there is no start. */
+    neutral?: number[] | null;
     facts?: [string, string][] | null;
     meshes: MeshData[];
     parts: { name: string; kind: "robot" | "object" | "environment" }[];
@@ -84,7 +89,6 @@ interface Feature {
     name: string;
     link: number;
     pose: Pose;
-    words?: string | null;
 }
 
 export interface Features {
@@ -125,16 +129,20 @@ export interface Graph {
     height: number;
     states: GraphState[];
     transitions: GraphTransition[];
+    /** Words beside lines, and boxes of waypoints (`w` is 0 where there is no box), by their middle. */
+    marks?: { words: string; x: number; y: number; w: number; h: number }[] | null;
+    left_out?: string | null;
 }
 
 export interface Segment {
     from: number;
     to: number;
-    state: number;
+    state: number | null;
     transition?: number | null;
     words: string;
     colour: number;
-    waypoint?: string | null;
+    /** Who holds what: gripper and handle. */
+    held?: [string, string][] | null;
 }
 
 export interface PathEvent {
@@ -162,13 +170,17 @@ export interface PathData {
         points: Offset;
     } | null;
     velocities?: Offset | null;
-    refused?: { time: number; words: string; links?: LinkPair | null }[] | null;
+    /** Of a check: proved, refused, relative, undecided. */
+    verdict?: string | null;
+    refused?: { time?: number | null; words: string; links?: LinkPair | null }[] | null;
 }
 
 export interface Collision {
     configuration: Where;
     links: LinkPair;
     depth?: number | null;
+    /** Where they are apart, and too close. */
+    distance?: number | null;
     point?: Vec3 | null;
     points?: [Vec3, Vec3] | null;
     words: string;
@@ -191,7 +203,7 @@ export interface FunnelPair {
 }
 
 export interface FunnelRow {
-    transition: number;
+    transition?: number | null;
     words?: string | null;
     tried: number;
     projected: number;

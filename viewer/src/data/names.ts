@@ -9,14 +9,15 @@ export function pairName(view: ViewDocument, [a, b]: LinkPair): string {
     return `${linkName(view, a)} and ${linkName(view, b)}`;
 }
 
-export function stateWords(view: ViewDocument, state: number): string {
-    const found = view.graph?.states[state];
-    return found ? found.words || found.name : `state ${state}`;
+/** Empty where the graph does not show the state. */
+export function stateWords(view: ViewDocument, state: number | null): string {
+    const found = view.graph?.states[state ?? -1];
+    return found ? found.words || found.name : "";
 }
 
-export function transitionWords(view: ViewDocument, transition: number): string {
-    const found = view.graph?.transitions[transition];
-    return found ? found.words || found.name : `transition ${transition}`;
+export function transitionWords(view: ViewDocument, transition: number | null | undefined): string {
+    const found = view.graph?.transitions[transition ?? -1];
+    return found ? found.words || found.name : "a transition that is not shown";
 }
 
 /** Metres, in the unit that keeps three or four digits. */

@@ -16,6 +16,12 @@ export function indexAt(times: ArrayLike<number>, t: number): number {
     return low;
 }
 
+/** The index whose value is nearest to `t`. */
+export function nearest(times: ArrayLike<number>, t: number): number {
+    const k = indexAt(times, t);
+    return k + 1 < times.length && times[k + 1]! - t < t - times[k]! ? k + 1 : k;
+}
+
 export interface Clearance {
     times: Float32Array;
     values: Float32Array;

@@ -1,7 +1,7 @@
 /** Facts about what is shown: names, sizes, how it was planned. */
 import { h } from "../app/dom";
 import type { Model } from "../app/model";
-import { count } from "../data/names";
+import { count, length } from "../data/names";
 
 export function aboutPane(model: Model): HTMLElement {
     const { view } = model;
@@ -15,7 +15,9 @@ export function aboutPane(model: Model): HTMLElement {
         ["links", count(view.links.length)],
         ["joints that move", count(view.joints.length)],
         ["numbers of a configuration", count(view.coordinates.length)],
-        ["triangles of meshes", count(triangles)],
+        ["triangles of meshes", triangles === 0 ? "" : view.triangles && view.triangles[0] > triangles ? `${count(triangles)} of ${count(view.triangles[0])}` : count(triangles)],
+        ["shown meshes are off by", view.deviation ? `at most ${length(view.deviation)}` : ""],
+        ["verdict of the check", view.path?.verdict ?? ""],
     ];
     if (view.graph) facts.push(["states and transitions", `${count(view.graph.states.length)} and ${count(view.graph.transitions.length)}`]);
     const shown = facts.filter(([, value]) => value);

@@ -3,11 +3,17 @@ import { h } from "../app/dom";
 import type { Model } from "../app/model";
 import { length, pairName } from "../data/names";
 import { sizeOf, velocitySizeOf } from "../motion/kinematics";
-import { indexAt, type Path } from "../motion/path";
-import { nearest } from "../scene/marks";
+import { indexAt, nearest, type Path } from "../motion/path";
 import { chart, type Chart, type Series } from "./chart";
 
 type Kind = "position" | "velocity";
+
+/** A curve, and its chart once it was wanted. */
+interface Drawable {
+    series: Series;
+    moves: boolean;
+    chart: Chart | null;
+}
 
 export function curvesPane(model: Model): HTMLElement {
     const path = model.path!;
@@ -17,6 +23,16 @@ export function curvesPane(model: Model): HTMLElement {
     const filter = h("input", { type: "search", placeholder: "Filter by name", "aria-label": "Filter by name" });
     let charts: Chart[] = [];
     let made = false;
+    const all = new Map<Kind, Drawable[]>();
+    const drawables = (of: Kind): Drawable[] => {
+        let found = all.get(of);
+        if (!found) {
+            const series = of === "velocity" ? velocities(model, path) : positions(model, path);
+            found = series.map((one) => ({ series: one, moves: moves(one), chart: null }));
+            all.set(of, found);
+        }
+        return found;
+    };
     const move = (): void => {
         if (list.offsetParent === null) return;
         const k = indexAt(path.times, model.time.value);
@@ -24,9 +40,9 @@ export function curvesPane(model: Model): HTMLElement {
     };
     const make = (): void => {
         made = true;
-        const all = kind.value === "velocity" ? velocities(model, path) : positions(model, path);
-        const wanted = all.filter((s) => s.name.toLowerCase().includes(filter.value.toLowerCase()) && (!moving.checked || moves(s)));
-        charts = wanted.map((series) => chart(series, (t) => model.setTime(t)));
+        const name = filter.value.toLowerCase();
+        const wanted = drawables(kind.value as Kind).filter((one) => one.series.name.toLowerCase().includes(name) && (!moving.checked || one.moves));
+        charts = wanted.map((one) => (one.chart ??= chart(one.series, (t) => model.setTime(t))));
         list.replaceChildren(...charts.map((one) => one.root), charts.length === 0 ? h("p", { class: "quiet" }, "Nothing to draw.") : "");
         move();
     };

@@ -9,7 +9,7 @@ const STAGES = ["tried", "projected", "free", "reached"] as const;
 const FIRST = 40;
 
 export function funnel(model: Model, rows: FunnelRow[]): HTMLElement {
-    const sorted = [...rows].sort((a, b) => b.tried - a.tried || a.transition - b.transition);
+    const sorted = [...rows].sort((a, b) => b.tried - a.tried);
     const most = Math.max(...sorted.map((row) => row.tried), 1);
     const list = h("div", { class: "funnel" });
     const add = (from: number, to: number): void => list.append(...sorted.slice(from, to).map((row) => rowElement(model, row, most)));

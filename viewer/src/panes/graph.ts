@@ -11,10 +11,15 @@ import { panZoom } from "./pan_zoom";
 const UNREADABLE = 2.6;
 
 export function graphPane(model: Model, graph: Graph): HTMLElement {
-    const edges = graph.transitions.map((transition) => edge(transition, graph));
+    const most = graph.transitions.reduce((found, t) => Math.max(found, t.tried ?? 0), 1);
+    const edges = graph.transitions.map((transition) => edge(transition, most));
     const states = graph.states.map((state) => box(state));
-    const drawing = svg("svg", { class: "graph", role: "group", "aria-label": "Constraint graph" }, markers(), ...edges.map((e) => e.root), ...states);
-    const view = panZoom(drawing, graph.width, graph.height, (scale) => drawing.classList.toggle("small", scale > UNREADABLE));
+    const drawing = svg("svg", { class: "graph", role: "group", "aria-label": "Constraint graph" }, markers(), ...edges.map((e) => e.root), ...marksOf(graph), ...states);
+    const focus = (): [number, number] => {
+        const state = graph.states[model.path?.segment(model.segment.value)?.state ?? 0]!;
+        return [state.x + state.w / 2, state.y + state.h / 2];
+    };
+    const view = panZoom(drawing, graph.width, graph.height, (scale) => drawing.classList.toggle("small", scale > UNREADABLE), focus);
     states.forEach((element, s) => {
         const visited = model.path?.data.segments.some((segment) => segment.state === s) ?? false;
         element.classList.toggle("visited", visited);
@@ -32,13 +37,14 @@ export function graphPane(model: Model, graph: Graph): HTMLElement {
         states.forEach((element, s) => element.classList.toggle("active", s === segment?.state));
         edges.forEach(({ root }, e) => root.classList.toggle("active", e === segment?.transition));
         const state = graph.states[segment?.state ?? -1];
-        if (state && model.playing.value) view.reveal(state.x, state.y, state.w, state.h);
+        if (state) view.reveal(state.x, state.y, state.w, state.h);
     });
     theme.watch((value) => edges.forEach((e) => e.paint((rate) => rateColour(rate, value))));
     const told = h("div", { class: "graph-told", role: "status" });
     const tried = graph.transitions.some((t) => (t.tried ?? 0) > 0);
-    tellHover(drawing, graph, told, tried ? legend() : "Click a state to go to its next visit.");
-    return h("div", { class: "graph-pane" }, drawing, view.buttons, told);
+    tellHover(drawing, graph, told, tried ? legend() : model.path ? "Click a state to go to its next visit." : "");
+    const leftOut = graph.left_out ? h("p", { class: "graph-left-out" }, graph.left_out) : null;
+    return h("div", { class: "graph-pane" }, drawing, view.buttons, leftOut, told);
 }
 
 function box(state: GraphState): SVGGElement {
@@ -58,13 +64,24 @@ function box(state: GraphState): SVGGElement {
     );
 }
 
+function marksOf(graph: Graph): SVGGElement[] {
+    return (graph.marks ?? []).map(({ words, x, y, w, h: height }) =>
+        svg(
+            "g",
+            { class: w > 0 ? "mark-box" : "mark-words" },
+            w > 0 ? svg("rect", { x: x - w / 2, y: y - height / 2, width: w, height, rx: height / 2 }) : null,
+            svg("text", { x, y, "dominant-baseline": "central" }, words),
+        ),
+    );
+}
+
 interface Edge {
     root: SVGGElement;
     paint(colourOf: (rate: number) => string): void;
 }
 
-function edge(transition: GraphTransition, graph: Graph): Edge {
-    const most = Math.max(...graph.transitions.map((t) => t.tried ?? 0), 1);
+/** `most` is how often the transition that was tried most was tried. */
+function edge(transition: GraphTransition, most: number): Edge {
     const tried = transition.tried ?? 0;
     const width = tried > 0 ? 1.4 + (5 * Math.log1p(tried)) / Math.log1p(most) : 1.4;
     const d = route(transition);

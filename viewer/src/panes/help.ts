@@ -12,15 +12,16 @@ const GESTURES: [string, string][] = [
 ];
 
 export function helpDialog(): HTMLDialogElement {
-    const rows = (list: [string, string][]): HTMLElement[] => list.flatMap(([key, words]) => [h("dt", {}, h("kbd", {}, key)), h("dd", {}, words)]);
+    const keys = KEYS.flatMap((key) => [h("dt", {}, h("kbd", {}, key.shown)), h("dd", {}, key.words)]);
+    const gestures = GESTURES.map(([gesture, words]) => h("li", {}, h("b", {}, gesture), `: ${words}`));
     const dialog = h("dialog", { class: "help", "aria-label": "Help" });
     dialog.append(
         h("header", {}, h("h2", {}, "Help"), iconButton("close", "Close", () => dialog.close())),
         h(
             "div",
             { class: "help-columns" },
-            h("section", {}, h("h3", {}, "Keys"), h("dl", {}, ...rows(KEYS.map((key) => [key.shown, key.words])))),
-            h("section", {}, h("h3", {}, "Mouse and touch"), h("dl", {}, ...rows(GESTURES)), h("h3", {}, "Timeline"), legend()),
+            h("section", {}, h("h3", {}, "Keys"), h("dl", {}, ...keys)),
+            h("section", {}, h("h3", {}, "Mouse and touch"), h("ul", {}, ...gestures), h("h3", {}, "Timeline"), legend()),
         ),
     );
     dialog.addEventListener("click", (event) => event.target === dialog && dialog.close());

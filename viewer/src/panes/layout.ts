@@ -10,7 +10,7 @@ import { curvesPane } from "./curves";
 import { graphPane } from "./graph";
 import { helpDialog } from "./help";
 import { jointsPane } from "./joints";
-import { problemCount, problemsPane } from "./problems";
+import { problemCounts, problemsPane } from "./problems";
 import { searchPane } from "./search";
 import { stepsPane } from "./steps";
 import { Tabs, type Tab } from "./tabs";
@@ -38,19 +38,23 @@ export function buildPage(root: HTMLElement, model: Model): Page {
     viewport.append(toolbar(model, scene), captions(model, scene));
     const contacts = new Contacts(view, model.kinematics, scene.geometries);
     const graph = view.graph && view.graph.states.length > 0 ? graphPane(model, view.graph) : null;
-    const problems = problemCount(model);
+    const { failures, warnings } = problemCounts(model);
     const tabs: Tab[] = [];
     const add = (name: string, label: string, content: HTMLElement | null, badge = 0): void => {
         if (content) tabs.push({ name, label, content, badge });
     };
-    if (problems > 0 && !model.path) add("problems", "Problems", problemsPane(model), problems);
+    const problems = (): void => add("problems", failures > 0 ? "Problems" : "Warnings", problemsPane(model), failures || warnings);
+    // Failures of a scene come first. Those of a path are on its timeline too, those of a model are told by its sliders.
+    const first = failures > 0 && !model.path && view.kind !== "model";
+    if (first) problems();
     if (model.path) add("steps", "Steps", stepsPane(model));
     if (view.search) add("search", "Search", searchPane(model, scene, view.search));
     if (view.kind === "model") add("joints", "Joints", jointsPane(model, contacts));
     if (graph) add("graph", "Graph", h("div", {}));
     if (model.path) add("curves", "Curves", curvesPane(model));
-    if (problems > 0 && model.path) add("problems", "Problems", problemsPane(model), problems);
+    if (failures > 0 && !first) problems();
     if (view.kind !== "model") add("joints", "Joints", jointsPane(model, contacts));
+    if (failures === 0 && warnings > 0) problems();
     add("about", "About", aboutPane(model));
     const shown = new Tabs(tabs);
     if (model.path?.data.refused?.length) shown.select("problems");
@@ -75,7 +79,7 @@ function placeGraph(graph: HTMLElement, pinned: HTMLElement, tabs: Tabs): void {
 }
 
 function header(model: Model, help: HTMLDialogElement): HTMLElement {
-    const kinds = { path: "path", scene: "scene", model: "model", search: "search" };
+    const verdict = model.path?.data.verdict ?? "";
     const dark = iconButton("moon", "Light or dark (T)", () => chooseTheme(theme.value === "dark" ? "light" : "dark"));
     theme.watch((value) => dark.replaceChildren(icon(value === "dark" ? "sun" : "moon")));
     return h(
@@ -83,7 +87,8 @@ function header(model: Model, help: HTMLDialogElement): HTMLElement {
         { class: "header" },
         h("span", { class: "brand", "aria-hidden": "true" }, "Foliate"),
         h("h1", {}, model.view.title),
-        h("span", { class: "kind" }, kinds[model.view.kind]),
+        h("span", { class: "kind" }, model.view.kind),
+        verdict ? h("span", { class: `kind verdict-${verdict}`, title: `foliate check: ${verdict}` }, verdict) : null,
         h("span", { class: "spring" }),
         dark,
         iconButton("help", "Help (?)", () => help.showModal()),

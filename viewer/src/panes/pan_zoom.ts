@@ -9,7 +9,21 @@ export interface PanZoom {
     buttons: HTMLElement;
 }
 
-export function panZoom(drawing: SVGSVGElement, width: number, height: number, zoomed: (unitsPerPixel: number) => void): PanZoom {
+/** Units around the drawing. */
+const MARGIN = 12;
+/** Units a pixel: a small drawing is not blown up, and of a large one a readable part is shown first. */
+const LEAST = 0.75;
+const READABLE = 2.2;
+const COMFORTABLE = 1.5;
+
+/** `focus` is the middle of what is shown first where all of it would be too small to read. */
+export function panZoom(
+    drawing: SVGSVGElement,
+    width: number,
+    height: number,
+    zoomed: (unitsPerPixel: number) => void,
+    focus: () => [number, number],
+): PanZoom {
     let box = { x: 0, y: 0, w: width, h: height };
     const scale = (): number => Math.max(box.w / Math.max(drawing.clientWidth, 1), box.h / Math.max(drawing.clientHeight, 1));
     const apply = (): void => {
@@ -32,10 +46,22 @@ export function panZoom(drawing: SVGSVGElement, width: number, height: number, z
         apply();
     };
     const fit = (): void => {
-        const margin = 12;
-        box = { x: -margin, y: -margin, w: width + 2 * margin, h: height + 2 * margin };
+        box = { x: -MARGIN, y: -MARGIN, w: width + 2 * MARGIN, h: height + 2 * MARGIN };
         square();
+        if (scale() < LEAST) resize(LEAST, width / 2, height / 2);
         apply();
+    };
+    /** So many units a pixel, with a place in the middle. */
+    const resize = (s: number, x: number, y: number): void => {
+        const [w, h] = [s * drawing.clientWidth, s * drawing.clientHeight];
+        box = { x: x - w / 2, y: y - h / 2, w, h };
+    };
+    /** No empty space beside the drawing where there is more of it on the other side. */
+    const keepInside = (): void => {
+        const inside = (at: number, size: number, whole: number): number =>
+            size >= whole ? (whole - size) / 2 : Math.min(Math.max(at, -MARGIN), whole - size + MARGIN);
+        box.x = inside(box.x, box.w, width);
+        box.y = inside(box.y, box.h, height);
     };
     drawing.addEventListener(
         "wheel",
@@ -58,7 +84,14 @@ export function panZoom(drawing: SVGSVGElement, width: number, height: number, z
         if (fitted) {
             square();
             apply();
-        } else fit();
+        } else {
+            fit();
+            if (scale() > READABLE) {
+                resize(COMFORTABLE, ...focus());
+                keepInside();
+                apply();
+            }
+        }
         fitted = true;
     }).observe(drawing);
     const middle = (factor: number) => (): void => zoom(factor, drawing.clientWidth / 2, drawing.clientHeight / 2);
@@ -72,6 +105,7 @@ export function panZoom(drawing: SVGSVGElement, width: number, height: number, z
     const reveal = (x: number, y: number, w: number, hh: number): void => {
         if (x >= box.x && y >= box.y && x + w <= box.x + box.w && y + hh <= box.y + box.h) return;
         box = { ...box, x: x + w / 2 - box.w / 2, y: y + hh / 2 - box.h / 2 };
+        keepInside();
         apply();
     };
     return { fit, reveal, buttons };

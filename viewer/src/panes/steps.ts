@@ -22,7 +22,7 @@ export function stepsPane(model: Model): HTMLElement {
                 "button",
                 { type: "button", class: "step", onclick: () => model.setTime(segment.from) },
                 chip,
-                h("span", { class: "step-words" }, segment.words, h("span", { class: "step-state" }, segment.waypoint || stateWords(model.view, segment.state))),
+                h("span", { class: "step-words" }, segment.words, h("span", { class: "step-state" }, stateWords(model.view, segment.state))),
                 h("span", { class: "step-time" }, seconds(segment.from)),
             ),
             ...within.map((event) => h("div", { class: `step-event event-text-${event.kind}` }, event.words)),

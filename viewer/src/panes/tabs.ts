@@ -17,7 +17,7 @@ export class Tabs {
 
     constructor(private readonly tabs: Tab[]) {
         this.buttons = tabs.map((tab, i) => {
-            const badge = tab.badge ? h("span", { class: "badge" }, String(tab.badge)) : null;
+            const badge = tab.badge ? h("span", { class: `badge badge-${tab.label.toLowerCase()}` }, String(tab.badge)) : null;
             return h("button", { type: "button", role: "tab", id: `tab-${tab.name}`, "aria-controls": `pane-${tab.name}`, onclick: () => this.select(tab.name), onkeydown: (event: KeyboardEvent) => this.arrow(event, i) }, tab.label, badge);
         });
         this.panes = tabs.map((tab) => h("div", { class: `pane pane-${tab.name}`, role: "tabpanel", id: `pane-${tab.name}`, "aria-labelledby": `tab-${tab.name}`, tabindex: -1 }, tab.content));

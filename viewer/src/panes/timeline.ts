@@ -58,7 +58,7 @@ function track(model: Model): HTMLElement {
     const percent = (t: number): string => `${((100 * t) / duration).toFixed(3)}%`;
     const segments = path.data.segments.map((segment, i) => {
         const state = stateWords(model.view, segment.state);
-        const element = h("div", { class: "segment", title: `${i + 1}. ${segment.words}\n${state}, ${seconds(segment.from)} to ${seconds(segment.to)}` });
+        const element = h("div", { class: "segment", title: `${i + 1}. ${segment.words}\n${state ? `${state}, ` : ""}${seconds(segment.from)} to ${seconds(segment.to)}` });
         element.style.left = percent(segment.from);
         element.style.width = percent(segment.to - segment.from);
         return element;
@@ -67,19 +67,22 @@ function track(model: Model): HTMLElement {
         segments.forEach((element, i) => (element.style.background = groupColour(path.data.segments[i]!.colour, value)));
     });
     model.segment.watch((at) => segments.forEach((element, i) => element.classList.toggle("active", i === at)));
-    const refused = (path.data.refused ?? []).map((place) => {
+    const refused = (path.data.refused ?? []).flatMap((place) => {
+        const { time } = place;
+        // What is wrong with the file as a whole has no place here.
+        if (time === null || time === undefined) return [];
         const element = h("button", {
             type: "button",
             class: "refused",
             title: place.words,
-            "aria-label": `Refused at ${seconds(place.time)}: ${place.words}`,
+            "aria-label": `Refused at ${seconds(time)}: ${place.words}`,
             onclick: () => {
-                model.setTime(place.time);
+                model.setTime(time);
                 model.mark.set({ links: place.links ?? [], points: [], number: "", words: place.words });
             },
         });
-        element.style.left = percent(place.time);
-        return element;
+        element.style.left = percent(time);
+        return [element];
     });
     const head = h("div", { class: "playhead" });
     const bar = h("div", { class: "bar" }, ...segments);
@@ -98,10 +101,17 @@ function track(model: Model): HTMLElement {
         head,
         ...refused,
     );
-    model.time.watch((t) => {
-        head.style.left = percent(t);
+    const say = (): void => {
+        const t = model.time.value;
         slider.setAttribute("aria-valuenow", t.toFixed(2));
         slider.setAttribute("aria-valuetext", `${seconds(t)}, ${path.segment(path.segmentAt(t))?.words ?? ""}`);
+    };
+    // Screen readers need not hear of every frame.
+    model.segment.watch(say);
+    model.playing.watch(say);
+    model.time.watch((t) => {
+        head.style.left = percent(t);
+        if (!model.playing.value) say();
     });
     scrub(slider, bar, model);
     return slider;

@@ -31,10 +31,9 @@ function switches(model: Model): HTMLElement[] {
         grippers: !!features.grippers?.length,
         handles: !!features.handles?.length,
         surfaces: !!features.surfaces?.length,
-        frames: !!features.frames?.length,
         roadmap: !!view.search?.count,
     };
-    has.names = !!(has.grippers || has.handles || has.surfaces || has.frames);
+    has.names = !!(has.grippers || has.handles || has.surfaces || features.frames?.length);
     return (Object.entries(SWITCHES) as [SwitchName, string][])
         .filter(([name]) => has[name] ?? true)
         .map(([name, words]) => {

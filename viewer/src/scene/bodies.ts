@@ -2,9 +2,9 @@
 import { Color, Group, LineSegments, Mesh, type Material, type Object3D } from "three";
 import { partColour } from "../app/colours";
 import type { Model } from "../app/model";
-import type { Link, Shape, Pose } from "../data/document";
+import type { Link, Shape, Pose, ViewDocument } from "../data/document";
 import { matrixOf } from "../motion/kinematics";
-import type { Geometries } from "./geometries";
+import type { Geometries } from "../shape/geometries";
 import type { Materials } from "./materials";
 
 /** A shape as it is drawn. */
@@ -22,6 +22,7 @@ export class Bodies {
     private collisionMade = false;
     private marked: Mesh[] = [];
     private marks: Mesh[] = [];
+    private readonly alike: Set<number>;
 
     constructor(
         private readonly model: Model,
@@ -29,6 +30,7 @@ export class Bodies {
         private readonly materials: Materials,
     ) {
         const { view } = model;
+        this.alike = alikeObjects(view);
         this.links = view.links.map((link, index) => {
             const group = new Group();
             group.name = link.name;
@@ -57,14 +59,14 @@ export class Bodies {
         if (!view.links.some((other) => other.part === link.part && other.visual.length > 0)) return byCollision(material);
         const present = link.visual.filter((v) => !v.missing);
         const drawn = present.map((v) => {
-            const colour = v.color ? new Color().setRGB(v.color[0], v.color[1], v.color[2], "srgb") : this.colourOf(link);
+            const named = v.color && !this.alike.has(link.part);
+            const colour = named ? new Color().setRGB(v.color![0], v.color![1], v.color![2], "srgb") : this.colourOf(link);
             return { shape: v.shape, pose: v.pose, material: this.materials.solid(colour, v.color?.[3] ?? 1) };
         });
         if (present.length === link.visual.length) return drawn;
         if (link.collision.length > 0) return [...drawn, ...byCollision(this.materials.missing)];
-        const placeholder: Shape = { box: [0.04, 0.04, 0.04] };
         const absent = link.visual.filter((v) => v.missing);
-        return [...drawn, ...absent.map((v) => ({ shape: placeholder, pose: v.pose, material: this.materials.missing }))];
+        return [...drawn, ...absent.map(({ shape, pose }) => ({ shape, pose, material: this.materials.missing }))];
     }
 
     /** The link that an object of the scene belongs to. */
@@ -144,4 +146,16 @@ export class Bodies {
         });
         this.marked = meshes;
     }
+}
+
+/** Objects that their models colour alike: they get colours of their own, so that a person tells them apart. */
+function alikeObjects(view: ViewDocument): Set<number> {
+    const byColours = new Map<string, number[]>();
+    view.parts.forEach((part, p) => {
+        if (part.kind !== "object") return;
+        const colours = view.links.filter((link) => link.part === p).flatMap((link) => link.visual.map((v) => v.color ?? null));
+        const key = JSON.stringify(colours);
+        byColours.set(key, [...(byColours.get(key) ?? []), p]);
+    });
+    return new Set([...byColours.values()].filter((parts) => parts.length > 1).flat());
 }

@@ -1,6 +1,7 @@
 /** The roadmap in the scene: a point where a hand or an object is at each node, lines for edges, up to a step. */
-import { BufferAttribute, BufferGeometry, Color, Group, LineBasicMaterial, LineSegments, Points, PointsMaterial, type Raycaster } from "three";
+import { BufferAttribute, BufferGeometry, CanvasTexture, Color, Group, LineBasicMaterial, LineSegments, Points, PointsMaterial, type Raycaster } from "three";
 import { groupColour } from "../app/colours";
+import { h } from "../app/dom";
 import { theme } from "../app/theme";
 import type { Colouring, Roadmap } from "../motion/roadmap";
 
@@ -25,11 +26,11 @@ export class Cloud {
         const geometry = new BufferGeometry();
         geometry.setAttribute("position", new BufferAttribute(new Float32Array(count * 3), 3));
         geometry.setAttribute("color", new BufferAttribute(new Float32Array(count * 3), 3));
-        this.points = new Points(geometry, new PointsMaterial({ size, vertexColors: true, transparent: true, opacity: 0.9 }));
+        this.points = new Points(geometry, new PointsMaterial({ size, vertexColors: true, map: disc(), alphaTest: 0.5 }));
         const lines = new BufferGeometry();
         lines.setAttribute("position", new BufferAttribute(new Float32Array(edges.length * 3), 3));
         lines.setAttribute("color", new BufferAttribute(new Float32Array(edges.length * 3), 3));
-        this.lines = new LineSegments(lines, new LineBasicMaterial({ vertexColors: true, transparent: true, opacity: 0.4 }));
+        this.lines = new LineSegments(lines, new LineBasicMaterial({ vertexColors: true, transparent: true, opacity: 0.28 }));
         this.points.frustumCulled = this.lines.frustumCulled = false;
         this.root.add(this.lines, this.points);
     }
@@ -87,4 +88,15 @@ export class Cloud {
         position.needsUpdate = colours.needsUpdate = true;
         geometry.computeBoundingSphere();
     }
+}
+
+/** Points are round. */
+function disc(): CanvasTexture {
+    const canvas = h("canvas", { width: 64, height: 64 });
+    const context = canvas.getContext("2d")!;
+    context.fillStyle = "#ffffff";
+    context.beginPath();
+    context.arc(32, 32, 30, 0, 2 * Math.PI);
+    context.fill();
+    return new CanvasTexture(canvas);
 }

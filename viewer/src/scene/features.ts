@@ -25,6 +25,13 @@ const GRIPPER = "#1b7fb8";
 const HANDLE = "#d9711c";
 const SURFACE: Record<string, string> = { contact: "#2f9e6b", support: "#3f72af" };
 
+const ORIGIN: Pose = [0, 0, 0, 0, 0, 0, 1];
+/** x red, y green, z blue, of unit length. */
+const TRIAD = new BufferGeometry()
+    .setAttribute("position", new Float32BufferAttribute([0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1], 3))
+    .setAttribute("color", new Float32BufferAttribute([0.85, 0.2, 0.2, 0.85, 0.2, 0.2, 0.15, 0.6, 0.25, 0.15, 0.6, 0.25, 0.2, 0.4, 0.9, 0.2, 0.4, 0.9], 3));
+const TRIAD_LINES = new LineBasicMaterial({ vertexColors: true, depthTest: false, transparent: true });
+
 export class FeaturesLayer {
     private readonly groups: Group[] = [];
 
@@ -39,6 +46,7 @@ export class FeaturesLayer {
         this.layer("handles", features.handles ?? [], (hd) => this.handle(hd.pose, hd.approach ?? null));
         this.layer("surfaces", features.surfaces ?? [], (s) => surface(s.polygon, SURFACE[s.kind] ?? SURFACE["contact"]!));
         this.layer("frames", features.frames ?? [], (f) => this.triad(f.pose, 1.4));
+        this.linkFrames();
     }
 
     /** One group a feature, on its link, shown by a switch; its name by a label. */
@@ -59,16 +67,24 @@ export class FeaturesLayer {
         this.model.switches[name].watch((on) => groups.forEach((group) => (group.visible = on)));
     }
 
+    /** The frames of links, small, and that of the world, on the switch of frames. */
+    private linkFrames(): void {
+        const world = this.triad(ORIGIN, 3);
+        this.bodies.root.add(world);
+        const groups = this.bodies.links.map((link) => {
+            const group = this.triad(ORIGIN, 0.6);
+            link.add(group);
+            return group;
+        });
+        this.model.switches.frames.watch((on) => [world, ...groups].forEach((group) => (group.visible = on)));
+    }
+
     private triad(pose: Pose, factor: number): Group {
         const group = placed(pose);
-        const size = this.scale * 0.06 * factor;
-        const points = [0, 0, 0, size, 0, 0, 0, 0, 0, 0, size, 0, 0, 0, 0, 0, 0, size];
-        const colours = [0.85, 0.2, 0.2, 0.85, 0.2, 0.2, 0.15, 0.6, 0.25, 0.15, 0.6, 0.25, 0.2, 0.4, 0.9, 0.2, 0.4, 0.9];
-        const geometry = new BufferGeometry()
-            .setAttribute("position", new Float32BufferAttribute(points, 3))
-            .setAttribute("color", new Float32BufferAttribute(colours, 3));
-        group.add(new LineSegments(geometry, new LineBasicMaterial({ vertexColors: true, depthTest: false, transparent: true })));
-        group.renderOrder = 5;
+        const lines = new LineSegments(TRIAD, TRIAD_LINES);
+        lines.scale.setScalar(this.scale * 0.06 * factor);
+        lines.renderOrder = 5;
+        group.add(lines);
         return group;
     }
 
@@ -128,6 +144,7 @@ function surface(polygon: Vec3[], colour: string): Group {
         transparent: true,
         opacity: 0.32,
         side: DoubleSide,
+        forceSinglePass: true,
         depthWrite: false,
         polygonOffset: true,
         polygonOffsetFactor: -2,

@@ -38,6 +38,7 @@ export class GroundGrid {
         transparent: true,
         depthWrite: false,
         side: DoubleSide,
+        forceSinglePass: true,
     });
     readonly mesh = new Mesh(new PlaneGeometry(1, 1), this.material);
 

@@ -3,7 +3,7 @@ import { BufferAttribute, BufferGeometry, Group, Line, LineBasicMaterial, Mesh, 
 import { FAILURE } from "../app/colours";
 import type { Model } from "../app/model";
 import { length } from "../data/names";
-import { indexAt } from "../motion/path";
+import { nearest } from "../motion/path";
 import type { Labels } from "./labels";
 
 const BALL = new SphereGeometry(1, 16, 12);
@@ -57,16 +57,13 @@ export function closestPair(model: Model, labels: Labels, radius: number): Group
         const k = nearest(clearance.times, model.time.value);
         a.fromArray(clearance.points, 6 * k);
         b.fromArray(clearance.points, 6 * k + 3);
+        // Bodies that touch have no nearest points.
+        if (!Number.isFinite(a.x + b.x)) return pair.hide();
         pair.between(a, b, length(clearance.values[k] ?? 0));
     };
     model.configuration.watch(update);
     model.switches.clearance.watch(update);
     return pair.root;
-}
-
-export function nearest(times: ArrayLike<number>, t: number): number {
-    const k = indexAt(times, t);
-    return k + 1 < times.length && times[k + 1]! - t < t - times[k]! ? k + 1 : k;
 }
 
 /** Points of what is marked: a collision or a violation. */

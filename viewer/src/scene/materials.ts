@@ -1,4 +1,4 @@
-/** Materials, each made once a colour. */
+/** Materials, each made once a colour. What is translucent is drawn in one pass: the order of its two sides is hardly seen, and costs as much again. */
 import { Color, DoubleSide, LineBasicMaterial, MeshBasicMaterial, MeshLambertMaterial, type Material } from "three";
 import { FAILURE } from "../app/colours";
 
@@ -10,11 +10,12 @@ export class Materials {
         opacity: 0.3,
         depthWrite: false,
         side: DoubleSide,
+        forceSinglePass: true,
     });
     readonly collisionEdges = new LineBasicMaterial({ color: "#a85a00", transparent: true, opacity: 0.75 });
-    readonly missing = new MeshLambertMaterial({ color: "#8a8f98", transparent: true, opacity: 0.45, side: DoubleSide });
-    readonly highlight = new MeshLambertMaterial({ color: FAILURE, emissive: FAILURE, emissiveIntensity: 0.35, side: DoubleSide });
-    readonly highlightThrough = new MeshBasicMaterial({ color: FAILURE, transparent: true, opacity: 0.18, depthTest: false, depthWrite: false });
+    readonly missing = new MeshLambertMaterial({ color: "#8a8f98", transparent: true, opacity: 0.45, side: DoubleSide, forceSinglePass: true });
+    readonly highlight = new MeshLambertMaterial({ color: FAILURE, emissive: FAILURE, emissiveIntensity: 0.12, side: DoubleSide, forceSinglePass: true });
+    readonly highlightThrough = new MeshBasicMaterial({ color: FAILURE, transparent: true, opacity: 0.13, depthTest: false, depthWrite: false });
     readonly start = ghost("#2f6fb5");
     readonly goal = ghost("#d9861a");
 
@@ -24,7 +25,7 @@ export class Materials {
         let material = this.solids.get(key);
         if (!material) {
             // Winding of published meshes varies: both sides are drawn.
-            material = new MeshLambertMaterial({ color: colour, side: DoubleSide });
+            material = new MeshLambertMaterial({ color: colour, side: DoubleSide, forceSinglePass: true });
             if (alpha < 0.99) Object.assign(material, { transparent: true, opacity: Math.max(alpha, 0.1), depthWrite: false });
             this.solids.set(key, material);
         }
@@ -46,5 +47,5 @@ export class Materials {
 }
 
 function ghost(colour: string): MeshLambertMaterial {
-    return new MeshLambertMaterial({ color: colour, transparent: true, opacity: 0.3, side: DoubleSide, emissive: colour, emissiveIntensity: 0.25 });
+    return new MeshLambertMaterial({ color: colour, transparent: true, opacity: 0.3, side: DoubleSide, forceSinglePass: true, emissive: colour, emissiveIntensity: 0.25 });
 }

@@ -17,8 +17,8 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { theme, type Theme } from "../app/theme";
 import { GroundGrid } from "./ground_grid";
 
-/** Milliseconds a frame above which the picture is made cheaper. */
-const SLOW_FRAME = 45;
+/** Triangles above which a renderer in software draws no shadows: they would double what it draws. */
+const MOST_IN_SOFTWARE = 60_000;
 
 const BACKGROUND: Record<Theme, { sky: string; grid: string; shadow: number }> = {
     light: { sky: "#eef1f4", grid: "#b9c1ca", shadow: 0.16 },
@@ -32,17 +32,17 @@ export class Stage {
     readonly renderer: WebGLRenderer;
     /** Called before each frame. */
     readonly beforeFrame: (() => void)[] = [];
-    /** Called after each frame. */
-    readonly afterFrame: (() => void)[] = [];
     frames = 0;
     lastFrameMs = 0;
     private scheduled = 0;
-    private slowFrames = 0;
     private readonly sun = new DirectionalLight("#fff6ea", 2.1);
     private readonly grid = new GroundGrid();
     private readonly floor = new Mesh(new PlaneGeometry(1, 1), new ShadowMaterial({ depthWrite: false }));
 
-    constructor(readonly element: HTMLElement) {
+    constructor(
+        readonly element: HTMLElement,
+        triangles: number,
+    ) {
         this.renderer = new WebGLRenderer({ antialias: true, preserveDrawingBuffer: false, powerPreference: "high-performance" });
         this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
         this.renderer.shadowMap.enabled = true;
@@ -59,8 +59,11 @@ export class Stage {
         this.controls.zoomToCursor = true;
         this.controls.addEventListener("change", () => this.invalidate());
         this.light();
+        this.setShadows(triangles < MOST_IN_SOFTWARE || !this.isSoftware());
         this.scene.add(this.grid.mesh, this.floor);
-        new ResizeObserver(() => this.resize()).observe(element);
+        this.fit();
+        // At once: a canvas of a new size is blank until it is drawn.
+        new ResizeObserver(() => this.fit() && this.draw()).observe(element);
         theme.watch((value) => this.paint(value));
     }
 
@@ -78,15 +81,14 @@ export class Stage {
         this.renderer.render(this.scene, this.camera);
         this.frames += 1;
         this.lastFrameMs = performance.now() - before;
-        for (const call of this.afterFrame) call();
-        this.cheapen();
     }
 
-    /** Ground, shadows and clipping planes for a scene of this size. */
-    setBounds(bounds: Box3): void {
+    /** Ground, shadows and clipping planes for a scene of this size whose lowest point is at a height. */
+    setBounds(bounds: Box3, lowest: number): void {
         const size = bounds.isEmpty() ? 1 : bounds.getSize(new Vector3()).length();
         const centre = bounds.isEmpty() ? new Vector3() : bounds.getCenter(new Vector3());
-        const ground = !bounds.isEmpty() && (bounds.min.z < -0.05 || bounds.min.z > 0.5) ? bounds.min.z : 0;
+        // What hangs a little above the ground stands over z = 0.
+        const ground = !Number.isFinite(lowest) || (lowest > 0 && lowest < 0.5) ? 0 : lowest;
         this.camera.near = size / 400;
         this.camera.far = size * 60;
         this.controls.maxDistance = size * 20;
@@ -133,23 +135,36 @@ export class Stage {
         this.invalidate();
     }
 
-    private resize(): void {
+    setShadows(on: boolean): void {
+        this.sun.castShadow = on;
+        this.invalidate(true);
+    }
+
+    /** Takes the size of the element; answers whether it has changed. */
+    fit(): boolean {
         const { clientWidth, clientHeight } = this.element;
-        if (clientWidth === 0 || clientHeight === 0) return;
+        const canvas = this.renderer.domElement;
+        const ratio = this.renderer.getPixelRatio();
+        const isSame = canvas.width === Math.floor(clientWidth * ratio) && canvas.height === Math.floor(clientHeight * ratio);
+        if (clientWidth === 0 || clientHeight === 0 || isSame) return false;
         this.renderer.setSize(clientWidth, clientHeight, false);
         this.camera.aspect = clientWidth / clientHeight;
         this.camera.updateProjectionMatrix();
-        // At once: a canvas of a new size is blank until it is drawn.
-        this.draw();
+        return true;
     }
 
-    /** Slow machines, such as those that render in software, give up shadows and then pixels. */
-    private cheapen(): void {
-        this.slowFrames = this.lastFrameMs > SLOW_FRAME ? this.slowFrames + 1 : 0;
-        if (this.slowFrames < 4) return;
-        this.slowFrames = 0;
-        if (this.sun.castShadow) this.sun.castShadow = false;
-        else if (this.renderer.getPixelRatio() > 1) this.renderer.setPixelRatio(1);
-        this.invalidate();
+    /** Draws, and waits until the picture is there: commands to the graphics card run on behind those who give them. */
+    drawWhole(): void {
+        this.fit();
+        this.draw();
+        const gl = this.renderer.getContext();
+        gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+    }
+
+    private isSoftware(): boolean {
+        const gl = this.renderer.getContext();
+        const info = gl.getExtension("WEBGL_debug_renderer_info");
+        const name = String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
+        return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
     }
 }

@@ -6,7 +6,7 @@ import { stateWords } from "../data/names";
 import { Bodies } from "./bodies";
 import { Cloud } from "./cloud";
 import { FeaturesLayer } from "./features";
-import { Geometries } from "./geometries";
+import { Geometries } from "../shape/geometries";
 import { Ghost } from "./ghosts";
 import { Labels } from "./labels";
 import { closestPair, markPoints } from "./marks";
@@ -25,7 +25,8 @@ export class View3d {
 
     constructor(element: HTMLElement, model: Model) {
         const { view } = model;
-        this.stage = new Stage(element);
+        const triangles = view.meshes.reduce((sum, mesh) => sum + mesh.triangles, 0);
+        this.stage = new Stage(element, triangles);
         const { scene } = this.stage;
         this.geometries = new Geometries(view, model.arrays);
         const materials = new Materials();
@@ -47,7 +48,7 @@ export class View3d {
         scene.add(this.picking.measurement.root);
         if (view.search && view.search.count > 0) {
             this.roadmap = new Roadmap(view, view.search, model.arrays);
-            this.cloud = new Cloud(this.roadmap, scale * 0.009);
+            this.cloud = new Cloud(this.roadmap, scale * 0.013);
             scene.add(this.cloud.root);
             this.takeNodes(model, this.roadmap, this.cloud);
         }

@@ -1,9 +1,10 @@
 /** `window.foliate`: what tests and other programs ask of the page. */
-import { linkName } from "../data/names";
-import { poseOf } from "../motion/kinematics";
-import type { Page } from "../panes/layout";
-import type { Model, SwitchName } from "./model";
-import { chooseTheme, type Theme } from "./theme";
+import { Vector3 } from "three";
+import { linkName } from "./data/names";
+import { poseOf } from "./motion/kinematics";
+import type { Page } from "./panes/layout";
+import type { Model, SwitchName } from "./app/model";
+import { chooseTheme, type Theme } from "./app/theme";
 
 const errors: string[] = [];
 
@@ -13,10 +14,17 @@ export function keepErrors(): void {
     addEventListener("unhandledrejection", (event) => errors.push(String(event.reason)));
 }
 
-export function hooks(model: Model, page: Page, begun: number): object {
+/** Milliseconds since the beginning of the navigation. */
+export interface Times {
+    begun: number;
+    read: number;
+    built: number;
+    drawn: number;
+}
+
+export function hooks(model: Model, page: Page, times: Times): object {
     const { view } = model;
     const { stage } = page.scene;
-    const ready = performance.now();
     const idOf = (list: { id: number | string }[] | undefined, index: number | null | undefined): number | string | null => list?.[index ?? -1]?.id ?? null;
     const segment = () => model.path?.segment(model.segment.value);
     return {
@@ -46,8 +54,16 @@ export function hooks(model: Model, page: Page, begun: number): object {
         toggle: (name: SwitchName, on?: boolean) => model.toggle(name, on),
         selectPane: (name: string) => page.tabs.select(name),
         look: (name: string) => page.scene.views.look(name as never, false),
+        /** Where a point of the world is on the page, in pixels. */
+        project: (point: [number, number, number]) => {
+            const box = stage.renderer.domElement.getBoundingClientRect();
+            stage.camera.updateMatrixWorld();
+            const { x, y } = new Vector3(...point).project(stage.camera);
+            return [box.left + ((x + 1) / 2) * box.width, box.top + ((1 - y) / 2) * box.height];
+        },
         /** Draws at once. */
-        frame: () => stage.draw(),
+        frame: () => stage.drawWhole(),
+        shadows: (on: boolean) => stage.setShadows(on),
         /** The picture as bytes of RGBA, drawn now. */
         pixels: () => {
             stage.draw();
@@ -58,8 +74,10 @@ export function hooks(model: Model, page: Page, begun: number): object {
             return out;
         },
         stats: () => ({
-            readyMs: Math.round(ready - begun),
-            sinceNavigationMs: Math.round(ready),
+            readyMs: Math.round(times.drawn),
+            readMs: Math.round(times.read - times.begun),
+            buildMs: Math.round(times.built - times.read),
+            drawMs: Math.round(times.drawn - times.built),
             frames: stage.frames,
             lastFrameMs: stage.lastFrameMs,
             drawCalls: stage.renderer.info.render.calls,
