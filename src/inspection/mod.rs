@@ -1,6 +1,7 @@
-//! Looking at what is planned with: the geometry of models, and the constraint graph as a picture.
+//! Looking at what is planned with: the geometry of models, and the constraint graph as a picture and in words.
 
 pub mod diagram;
 pub(crate) mod geometry;
+pub mod words;
 
 pub use crate::inspection::geometry::{Inspection, apart, inspect_pairs};

@@ -1,13 +1,21 @@
 //! The facade: a problem in, a certified path or a reason out. `trajectory` answers what a robot program asks of the path.
+//!
+//! `search_record` is what is kept of a search that is to be recorded, `recording` its file.
 
 pub(crate) mod answer;
+#[cfg(feature = "scene")]
+pub mod recording;
 pub(crate) mod refinement;
 pub(crate) mod report;
+pub(crate) mod search_record;
 pub(crate) mod solving;
 pub mod trajectory;
 
 pub use crate::planner::answer::{NoSolution, NoSolutionReason, Solution, outcome_name};
 pub use crate::planner::refinement::{BetterPath, CostRow, ImprovementReport, KeptPath};
 pub use crate::planner::report::{FunnelRow, GoalReport, Report, StateRow};
+pub use crate::planner::search_record::{
+    DEFAULT_RECORDING_BYTES, EdgeKind, RecordedEdges, RecordedNodes, SearchRecord,
+};
 pub use crate::planner::solving::Planner;
 pub use crate::planner::trajectory::{Trajectory, TrajectoryError};

@@ -1,10 +1,10 @@
 //! `foliate graph`: the constraint graph of a scene as text, DOT or Mermaid.
 
+use crate::cli::console::loading;
 use crate::cli::console::print::{Ending, Refusal, print};
-use crate::cli::console::{loading, words};
 use foliate::components::graph::{ConstraintGraph, TransitionKind};
 use foliate::components::problem::Problem;
-use foliate::inspection::diagram;
+use foliate::inspection::{diagram, words};
 use foliate::scene::{PackagePath, Scene};
 use foliate::systems::planning_model::graph::checks::{GraphError, MOST_STATES};
 use foliate::systems::planning_model::graph::enumeration::build_constraint_graph;

@@ -3,11 +3,11 @@
 use crate::cli::commands::solve::answer::Answer;
 use crate::cli::commands::solve::coverage::LeftOut;
 use crate::cli::commands::solve::{coverage, story};
-use crate::cli::console::words;
 use foliate::components::graph::ConstraintGraph;
 use foliate::components::outcome::Rejection;
 use foliate::components::path::{ManipulationPath, events};
 use foliate::components::robot::ShapeIndex;
+use foliate::inspection::words;
 use foliate::scene::Scene;
 use foliate::schedulers::portfolio::MemberCount;
 use foliate::systems::improvement::progress::Changes;

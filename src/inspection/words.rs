@@ -1,11 +1,24 @@
-//! Transitions in plain words.
+//! States and transitions in plain words.
 //!
-//! Their names are those of HPP (`robot/hand > box/top | f`). Files and JSON keep them; text shows what they mean.
+//! Names of transitions are those of HPP (`robot/hand > box/top | f`). Files and JSON keep them; text shows what they mean.
 
-use foliate::components::graph::{Transition, TransitionKind};
+use foliate_components::graph::{State, Transition, TransitionKind};
+use foliate_components::robot::{GripperIndex, HandleIndex, Robot};
+
+/// Who holds what in a state: `robot/hand holds box/top`, with the name of the problem's own state in front, where it is one.
+#[must_use]
+pub fn situation(state: &State, robot: &Robot, written: Option<&str>) -> String {
+    let hold = |&(gripper, handle): &(GripperIndex, HandleIndex)| {
+        format!("{} holds {}", robot.grippers[gripper.at()].name, robot.handles[handle.at()].name)
+    };
+    let holds: Vec<String> = state.grasps.iter().map(hold).collect();
+    let held = if holds.is_empty() { "nothing is held".to_owned() } else { holds.join(", ") };
+    written.map_or_else(|| held.clone(), |name| format!("{name}: {held}"))
+}
 
 /// What a transition does: `robot/hand grasps box/top`.
-pub(crate) fn action(transition: &Transition) -> String {
+#[must_use]
+pub fn action(transition: &Transition) -> String {
     if transition.kind == TransitionKind::Loop {
         return "stays in its state".into();
     }
@@ -24,7 +37,7 @@ pub(crate) fn action(transition: &Transition) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use foliate::components::graph::StateId;
+    use foliate_components::graph::StateId;
 
     fn transition(name: &str, kind: TransitionKind) -> Transition {
         let (from, to) = (StateId(0), StateId(1));
