@@ -18,6 +18,8 @@ pub mod planner;
 pub mod prelude;
 #[cfg(feature = "scene")]
 pub mod scene;
+#[cfg(feature = "view")]
+pub mod view;
 
 pub use crate::error::Error;
 #[cfg(feature = "export")]

@@ -8,7 +8,7 @@ use std::path::{Component, Path, PathBuf};
 const ENDINGS: [&str; 14] =
     ["csv", "dae", "json", "lock", "md", "obj", "py", "rs", "srdf", "stl", "svg", "toml", "tsv", "urdf"];
 /// Folders of the tree that are not part of it.
-const SKIPPED: [&str; 4] = [".git", "target", "shared", "__pycache__"];
+const SKIPPED: [&str; 5] = [".git", "target", "shared", "__pycache__", "node_modules"];
 
 /// The files of a project, by their path from its root.
 struct Tree {

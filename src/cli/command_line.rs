@@ -48,6 +48,7 @@ enum Command {
     Inspect(inspect::Arguments),
     Models(install::Arguments),
     Scenes(scenes::Arguments),
+    View(crate::cli::commands::view::run::Arguments),
 }
 
 impl Command {
@@ -64,7 +65,8 @@ impl Command {
             | Self::Graph(_)
             | Self::Inspect(_)
             | Self::Models(_)
-            | Self::Scenes(_) => {}
+            | Self::Scenes(_)
+            | Self::View(_) => {}
         }
     }
 
@@ -81,7 +83,8 @@ impl Command {
             | Self::Graph(_)
             | Self::Inspect(_)
             | Self::Models(_)
-            | Self::Scenes(_) => {}
+            | Self::Scenes(_)
+            | Self::View(_) => {}
         }
     }
 }
@@ -130,6 +133,7 @@ fn run(mut cli: Cli) -> u8 {
         Command::Inspect(arguments) => inspect::run(arguments, &packages),
         Command::Models(arguments) => install::run(arguments, &packages),
         Command::Scenes(arguments) => scenes::run(arguments),
+        Command::View(arguments) => crate::cli::commands::view::run::run(arguments, &packages),
     };
     match ending {
         Ok(Ending::Done) => 0,

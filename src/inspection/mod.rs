@@ -1,4 +1,4 @@
-//! Looking at what is planned with: the geometry of models, and the constraint graph as a picture and in words.
+//! Looking at what is planned with: the geometry of models, the constraint graph as a picture, and both in plain words.
 
 pub mod diagram;
 pub(crate) mod geometry;

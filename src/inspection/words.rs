@@ -1,19 +1,17 @@
-//! States and transitions in plain words.
+//! States, transitions and what is held, in plain words.
 //!
 //! Names of transitions are those of HPP (`robot/hand > box/top | f`). Files and JSON keep them; text shows what they mean.
 
-use foliate_components::graph::{State, Transition, TransitionKind};
-use foliate_components::robot::{GripperIndex, HandleIndex, Robot};
+use foliate_components::graph::{
+    ConstraintGraph, ConstraintId, ConstraintKind, Opening, Transition, TransitionId, TransitionKind,
+};
+use foliate_components::robot::Robot;
+use std::collections::HashMap;
 
-/// Who holds what in a state: `robot/hand holds box/top`, with the name of the problem's own state in front, where it is one.
+/// Who holds what in a state, by the whole names: `robot/hand holds box/top, what else its name says`.
 #[must_use]
-pub fn situation(state: &State, robot: &Robot, written: Option<&str>) -> String {
-    let hold = |&(gripper, handle): &(GripperIndex, HandleIndex)| {
-        format!("{} holds {}", robot.grippers[gripper.at()].name, robot.handles[handle.at()].name)
-    };
-    let holds: Vec<String> = state.grasps.iter().map(hold).collect();
-    let held = if holds.is_empty() { "nothing is held".to_owned() } else { holds.join(", ") };
-    written.map_or_else(|| held.clone(), |name| format!("{name}: {held}"))
+pub fn situation(name: &str) -> String {
+    ShortNames::default().state(name).join(", ")
 }
 
 /// What a transition does: `robot/hand grasps box/top`.
@@ -22,15 +20,117 @@ pub fn action(transition: &Transition) -> String {
     if transition.kind == TransitionKind::Loop {
         return "stays in its state".into();
     }
-    let name = transition.name.split_once(" | ").map_or(transition.name.as_str(), |(name, _)| name);
-    let action = match (name.split_once(" > "), name.split_once(" < ")) {
-        (Some((gripper, handle)), _) => format!("{gripper} grasps {handle}"),
-        (None, Some((gripper, handle))) => format!("{gripper} releases {handle}"),
-        (None, None) => name.to_owned(),
-    };
+    let action = change(&transition.name).unwrap_or_else(|| bare(&transition.name).to_owned());
     match transition.kind {
         TransitionKind::Crossed => action + ", onto a leaf of another tree",
         TransitionKind::Loop | TransitionKind::Regular => action,
+    }
+}
+
+/// The name without what tells it from others of its kind.
+fn bare(name: &str) -> &str {
+    name.split_once(" | ").map_or(name, |(name, _)| name)
+}
+
+fn change(name: &str) -> Option<String> {
+    let name = bare(name);
+    match (name.split_once(" > "), name.split_once(" < ")) {
+        (Some((gripper, handle)), _) => Some(format!("{gripper} grasps {handle}")),
+        (None, Some((gripper, handle))) => Some(format!("{gripper} releases {handle}")),
+        (None, None) => None,
+    }
+}
+
+/// Short names of grippers, and of handles by what they are on, as far as nothing else is called so.
+#[derive(Clone, Debug, Default)]
+pub struct ShortNames(HashMap<String, String>);
+
+impl ShortNames {
+    /// The names of a robot's grippers and handles. A gripper loses its part where no other gripper has its own name; a handle that is the
+    /// only one of its part is called as the part.
+    #[must_use]
+    pub fn of(robot: &Robot) -> Self {
+        let own = |name: &str| name.split_once('/').map_or(name, |(_, own)| own).to_owned();
+        let part = |name: &str| name.split('/').next().unwrap_or_default().to_owned();
+        let mut grippers: HashMap<String, usize> = HashMap::new();
+        robot.grippers.iter().for_each(|gripper| *grippers.entry(own(&gripper.name)).or_default() += 1);
+        let mut handles: HashMap<String, usize> = HashMap::new();
+        robot.handles.iter().for_each(|handle| *handles.entry(part(&handle.name)).or_default() += 1);
+        let mut short = HashMap::new();
+        for gripper in robot.grippers.iter().filter(|gripper| grippers[&own(&gripper.name)] == 1) {
+            short.insert(gripper.name.clone(), own(&gripper.name));
+        }
+        for handle in robot.handles.iter().filter(|handle| handles[&part(&handle.name)] == 1) {
+            short.insert(handle.name.clone(), part(&handle.name));
+        }
+        Self(short)
+    }
+
+    /// The short name of a gripper or a handle.
+    #[must_use]
+    pub fn of_name<'a>(&'a self, name: &'a str) -> &'a str {
+        self.0.get(name).map_or(name, String::as_str)
+    }
+
+    /// What a state is, line by line: `left_hand holds box1`.
+    #[must_use]
+    pub fn state(&self, name: &str) -> Vec<String> {
+        name.split(" : ").map(|piece| self.piece(piece)).collect()
+    }
+
+    fn piece(&self, piece: &str) -> String {
+        match piece.split_once(" grasps ") {
+            Some((gripper, handle)) => format!("{} holds {}", self.of_name(gripper), self.of_name(handle)),
+            None if piece == "free" => "nothing is held".into(),
+            None => piece.to_owned(),
+        }
+    }
+
+    /// What a transition does, by its name in files: `left_hand grasps box1`, `left_hand releases box1, box1 on lid`.
+    #[must_use]
+    pub fn transition(&self, name: &str) -> String {
+        let plain = bare(name);
+        if plain.starts_with("Loop") {
+            return "moves within the state".into();
+        }
+        for (sign, verb) in [(" > ", "grasps"), (" < ", "releases")] {
+            if let Some((gripper, rest)) = plain.split_once(sign) {
+                let (handle, more) = rest.split_once(", ").map_or((rest, ""), |(handle, more)| (handle, more));
+                let more = if more.is_empty() { String::new() } else { format!(", {more}") };
+                return format!("{} {verb} {}{more}", self.of_name(gripper), self.of_name(handle));
+            }
+        }
+        plain.to_owned()
+    }
+}
+
+/// What a transition passes: where its legs end, but for the last.
+#[must_use]
+pub fn waypoints(graph: &ConstraintGraph, id: TransitionId) -> Vec<String> {
+    let legs = &graph.transition(id).legs;
+    let what = |constraints: &[ConstraintId]| {
+        let kinds: Vec<ConstraintKind> = constraints.iter().map(|&c| graph.constraint(c).kind).collect();
+        let word = |kind: &ConstraintKind| match kind {
+            ConstraintKind::Pregrasp { .. } => Some((0, "before the grasp".to_owned())),
+            ConstraintKind::Preplacement { .. } => Some((1, "over the place".to_owned())),
+            ConstraintKind::Grasp { .. } => Some((2, "at the grasp".to_owned())),
+            ConstraintKind::Placement { .. } => Some((3, "at the place".to_owned())),
+            ConstraintKind::Finger { opening, .. } => Some((4, opening_words(*opening).to_owned())),
+            ConstraintKind::Given { .. } | ConstraintKind::Rest { .. } | ConstraintKind::JointRest { .. } => None,
+        };
+        let best = kinds.iter().filter_map(word).min();
+        let own = || constraints.first().map(|&c| graph.constraint(c).name.clone());
+        best.map(|(_, word)| word).or_else(own).unwrap_or_else(|| "waypoint".into())
+    };
+    let inner = legs.len().saturating_sub(1);
+    legs[..inner].iter().map(|leg| what(&leg.target)).collect()
+}
+
+fn opening_words(opening: Opening) -> &'static str {
+    match opening {
+        Opening::Travel => "hand as it travels",
+        Opening::Wide | Opening::Ready { .. } => "hand open",
+        Opening::Closed { .. } => "hand closed",
     }
 }
 
@@ -60,5 +160,22 @@ mod tests {
         for (name, kind, words) in cases {
             assert_eq!(action(&transition(name, kind)), words);
         }
+    }
+
+    #[test]
+    fn names_are_short_where_that_is_clear() {
+        let names = ShortNames(HashMap::from([
+            ("r/hand".to_owned(), "hand".to_owned()),
+            ("box/top".to_owned(), "box".to_owned()),
+        ]));
+        assert_eq!(
+            names.state("r/hand grasps box/top : s/hand grasps lid/a"),
+            ["hand holds box", "s/hand holds lid/a"]
+        );
+        assert_eq!(names.state("free"), ["nothing is held"]);
+        assert_eq!(situation("r/hand grasps box/top : lid on box"), "r/hand holds box/top, lid on box");
+        assert_eq!(names.transition("r/hand < box/top, box on tray | 0-1"), "hand releases box, box on tray");
+        assert_eq!(names.transition("r/hand > box/top | f_12"), "hand grasps box");
+        assert_eq!(names.transition("Loop | f"), "moves within the state");
     }
 }

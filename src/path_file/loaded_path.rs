@@ -9,7 +9,7 @@ use crate::planner::trajectory::curve::Interpolation;
 use crate::planner::trajectory::error::TrajectoryError;
 use crate::planner::trajectory::trajectory::Trajectory;
 use crate::scene::assemble::names::configuration::coordinate_names;
-use crate::scene::load::read_model;
+use crate::scene::load::{disabled_pairs, read_model};
 use crate::scene::mesh::formats::triangles::UpAxis;
 use crate::scene::reading::error::{SceneError, quoted};
 use crate::scene::sources::package::PackagePath;
@@ -18,7 +18,7 @@ use foliate_components::path::{Attachment, Certificate, ManipulationPath, Segmen
 use foliate_components::pose::pose_from_array;
 use foliate_components::robot::configuration::Group;
 use foliate_components::robot::model::{GripperModel, HandleModel, Model, SurfaceModel};
-use foliate_components::robot::{PartKind, PartPlacement, Robot, RootJoint};
+use foliate_components::robot::{DisabledPair, PartKind, PartPlacement, Robot, RootJoint};
 use glam::DVec3;
 use std::collections::HashMap;
 use std::path::Path;
@@ -76,10 +76,15 @@ pub struct LoadedPath {
     pub path: ManipulationPath,
     /// By part of the robot.
     pub models: Vec<PartModel>,
+    /// Pairs of links that the file leaves untested, besides those that the models' SRDFs disable.
+    pub ignored_pairs: Vec<DisabledPair>,
     /// Remarks about the models.
     pub warnings: Vec<SceneError>,
     states: Vec<String>,
+    transitions: Vec<String>,
     interpolation: Interpolation,
+    /// For each coordinate of the robot its place in a row of the file.
+    columns: Vec<Option<usize>>,
 }
 
 impl LoadedPath {
@@ -101,10 +106,18 @@ impl LoadedPath {
         for (index, entry) in file.parts.iter().enumerate() {
             let place = format!("parts[{index}]");
             let named = PartModel { urdf: located(&entry.urdf, folder), up_axis: up_axis(entry, &place)? };
-            let read = read_model(&named.urdf, None, named.up_axis, packages)
-                .map_err(|error| LoadPathError::Model { place: place.clone(), error: Box::new(error) })?;
+            let refused = |error| LoadPathError::Model { place: place.clone(), error: Box::new(error) };
+            let read = read_model(&named.urdf, None, named.up_axis, packages).map_err(refused)?;
             warnings.extend(read.warnings);
             let mut model = read.model;
+            if let Some(srdf) = &entry.srdf {
+                // What touches where it may has no say in what the path is.
+                match disabled_pairs(&model, &located(srdf, folder), packages) {
+                    Ok(pairs) => model.disabled_pairs = pairs,
+                    Err(error) if error.stopped.is_some() => return Err(refused(error)),
+                    Err(error) => warnings.push(error),
+                }
+            }
             documents(file, &entry.name, &mut model)?;
             parts.push((model, placement(entry, &place)?));
             models.push(named);
@@ -116,12 +129,41 @@ impl LoadedPath {
             false => Interpolation::Hermite,
         };
         let columns = columns(file, &robot)?;
-        let reader = Reader { robot: &robot, columns, width: file.coordinates.len(), interpolation };
+        let reader = Reader { robot: &robot, columns: &columns, width: file.coordinates.len(), interpolation };
         let segments: Result<Vec<Segment>, LoadPathError> =
             file.segments.iter().enumerate().map(|(index, segment)| reader.segment(index, segment)).collect();
         let path = ManipulationPath { segments: segments?, certificate: Certificate::default() };
         let states = file.segments.iter().map(|segment| segment.state.clone()).collect();
-        Ok(Self { robot, path, models, warnings, states, interpolation })
+        let transitions = file.segments.iter().map(|segment| segment.transition.clone()).collect();
+        let ignored_pairs = ignored_pairs(file, &robot);
+        Ok(Self { robot, path, models, ignored_pairs, warnings, states, transitions, interpolation, columns })
+    }
+
+    /// A row of numbers by the coordinates of the file, in the order of the robot's coordinates.
+    ///
+    /// # Panics
+    /// If the row is shorter than the coordinates of the file.
+    #[must_use]
+    pub fn in_order<T: Copy + Default>(&self, row: &[T]) -> Vec<T> {
+        self.columns.iter().map(|column| column.map_or_else(T::default, |column| row[column])).collect()
+    }
+
+    /// By segment the name of its state.
+    #[must_use]
+    pub fn states(&self) -> &[String] {
+        &self.states
+    }
+
+    /// By segment the name of its transition.
+    #[must_use]
+    pub fn transitions(&self) -> &[String] {
+        &self.transitions
+    }
+
+    /// How the path goes from knot to knot.
+    #[must_use]
+    pub fn interpolation(&self) -> Interpolation {
+        self.interpolation
     }
 
     /// What a robot program asks of the path.
@@ -134,8 +176,17 @@ impl LoadedPath {
     }
 }
 
+/// The pairs of links that the file leaves untested, those that the models have.
+fn ignored_pairs(file: &PathFile, robot: &Robot) -> Vec<DisabledPair> {
+    let pair = |[first, second, reason]: &[String; 3]| {
+        let (first, second) = (robot.link(first)?, robot.link(second)?);
+        Some(DisabledPair { first, second, reason: reason.clone() })
+    };
+    file.ignored_pairs.iter().filter_map(pair).collect()
+}
+
 /// The name of a model file as seen from here.
-fn located(name: &str, folder: &Path) -> String {
+pub(crate) fn located(name: &str, folder: &Path) -> String {
     if name.contains("://") { name.to_owned() } else { folder.join(name).to_string_lossy().into_owned() }
 }
 
@@ -241,7 +292,7 @@ fn columns(file: &PathFile, robot: &Robot) -> Result<Vec<Option<usize>>, LoadPat
 /// Reads the segments of a file.
 struct Reader<'a> {
     robot: &'a Robot,
-    columns: Vec<Option<usize>>,
+    columns: &'a [Option<usize>],
     /// Numbers of a knot in the file.
     width: usize,
     interpolation: Interpolation,

@@ -10,7 +10,7 @@ use crate::scene::sources::{follower_limits, source};
 #[cfg(feature = "urdf-rs")]
 use crate::scene::urdf::parsed;
 use crate::scene::urdf::read;
-#[cfg(feature = "export")]
+#[cfg(feature = "visuals")]
 use crate::scene::urdf::visuals;
 use crate::scene::{PackagePath, SceneError, UpAxis, shipped, shipped_scenes};
 
@@ -83,8 +83,16 @@ impl ReadModel {
     /// # Errors
     /// Followers that leave their leader no room at all, with the line.
     pub fn compose_alone(&mut self) -> Result<Robot, SceneError> {
+        self.compose_as("model")
+    }
+
+    /// As [`Self::compose_alone`], as a part of this name.
+    ///
+    /// # Errors
+    /// As [`Self::compose_alone`].
+    pub fn compose_as(&mut self, name: &str) -> Result<Robot, SceneError> {
         let placement = PartPlacement {
-            name: "model".into(),
+            name: name.into(),
             kind: PartKind::Robot,
             root: RootJoint::Fixed,
             world_from_root: Pose::identity(),
@@ -104,6 +112,12 @@ impl ReadModel {
             self.warnings.extend(follower_limits::remarks(&robot, PartIndex(0), &urdf));
         }
         Ok(robot)
+    }
+
+    /// The file of the model; none of one that was parsed elsewhere.
+    #[must_use]
+    pub fn urdf(&self) -> Option<&source::ModelFile> {
+        self.urdf.as_ref()
     }
 
     /// What messages call the file.
@@ -142,25 +156,54 @@ fn open(name: &str, packages: &PackagePath) -> Result<source::Opened, SceneError
     })
 }
 
+/// A URDF whose visual elements are asked for.
+#[cfg(feature = "visuals")]
+pub(crate) enum VisualSource<'a> {
+    /// By its path or `package://` URL.
+    Name(&'a str),
+    /// One that was read before.
+    Again(&'a source::ModelFile),
+}
+
 /// What the links of a URDF look like, and remarks about what cannot be read.
 ///
 /// # Errors
 /// The file cannot be read, or reading was stopped.
-#[cfg(feature = "export")]
+#[cfg(feature = "visuals")]
 pub(crate) fn read_visuals(
-    urdf: &str,
+    urdf: &VisualSource<'_>,
     up_axis: UpAxis,
     packages: &PackagePath,
 ) -> Result<(Vec<visuals::LinkVisuals>, Vec<SceneError>), SceneError> {
     // Nothing is searched in them that a cache could keep.
     let packages = &packages.clone().with_mesh_cache(None);
-    let urdf = open(urdf, packages)?;
+    let urdf = match *urdf {
+        VisualSource::Name(name) => open(name, packages)?,
+        VisualSource::Again(file) => source::again(file)?,
+    };
     let mut warnings = Vec::new();
     let mut meshes = meshes::Meshes::new(packages);
     let base = urdf.file.base();
     let mut context = read::Context::new(&mut meshes, &base, up_axis, &mut warnings);
     let links = visuals::read(&urdf.label, &urdf.text, &mut context)?;
     Ok((links, warnings))
+}
+
+/// The pairs of links that an SRDF disables in a model: names, and why.
+///
+/// # Errors
+/// As [`read_model`].
+pub(crate) fn disabled_pairs(
+    model: &Model,
+    srdf: &str,
+    packages: &PackagePath,
+) -> Result<Vec<(String, String, String)>, SceneError> {
+    let srdf = open(srdf, packages)?;
+    // The rest of the file is about things that the model may have already.
+    let mut of_file = Model { links: model.links.clone(), joints: model.joints.clone(), ..Model::default() };
+    let stop = &packages.limits().stop;
+    crate::scene::srdf::read::read(&srdf.label, &srdf.text, &mut of_file, &mut Vec::new(), stop)?;
+    Ok(of_file.disabled_pairs)
 }
 
 /// Reads a URDF and, where there is one, its SRDF. Both are paths or `package://` URLs. `up_axis` is for COLLADA meshes.

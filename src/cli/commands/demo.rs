@@ -4,6 +4,7 @@ use crate::cli::commands::solve::arguments::SearchArguments;
 use crate::cli::commands::solve::record::RecordArguments;
 use crate::cli::commands::solve::run;
 use crate::cli::commands::solve::{story, summary};
+use crate::cli::commands::view::answered::ViewArguments;
 use crate::cli::console::loading;
 use crate::cli::console::print::{Ending, Refusal, print};
 use foliate::scene::PackagePath;
@@ -20,12 +21,15 @@ pub(crate) struct Arguments {
     out: Option<PathBuf>,
     #[command(flatten)]
     record: RecordArguments,
+    #[command(flatten)]
+    view: ViewArguments,
 }
 
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
     for out in arguments.out.iter().chain(&arguments.record.record) {
         run::writable(out)?;
     }
+    arguments.view.check()?;
     let (started, limit) = (Instant::now(), arguments.search.deadline()?);
     let (scene, tables) = match loading::scene("demo", packages, limit)? {
         Ok(loaded) => loaded,
@@ -49,6 +53,7 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     let report = answer.report();
     let Ok(solution) = &answer.0 else {
         print(&format!("No answer: {} after {} candidates.\n", answer.name(), report.candidates));
+        arguments.view.write(&scene, &planner, &answer, (packages, print))?;
         return run::ending(&answer);
     };
     let (path, certificate) = (&solution.path, solution.certificate());
@@ -76,5 +81,6 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
         run::write(out, &scene, &planner, solution, &arguments.search)?;
         print(&format!("The path is in {}; prove it again: foliate check {}\n", out.display(), out.display()));
     }
+    arguments.view.write(&scene, &planner, &answer, (packages, print))?;
     run::ending(&answer)
 }

@@ -1,47 +1,86 @@
-//! `foliate graph`: the constraint graph of a scene as text, DOT or Mermaid.
+//! `foliate graph`: the constraint graph of a scene as text, as a picture, as DOT or Mermaid.
 
 use crate::cli::console::loading;
 use crate::cli::console::print::{Ending, Refusal, print};
 use foliate::components::graph::{ConstraintGraph, TransitionKind};
 use foliate::components::problem::Problem;
 use foliate::inspection::{diagram, words};
+use foliate::output;
 use foliate::scene::{PackagePath, Scene};
 use foliate::systems::planning_model::graph::checks::{GraphError, MOST_STATES};
 use foliate::systems::planning_model::graph::enumeration::build_constraint_graph;
 use foliate::systems::planning_model::{Model, PlanningModel};
 use foliate::systems::settings::SearchSettings;
+use foliate::view::{PictureOptions, grown_graph, picture, svg};
 use std::fmt::Write;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
 /// Shows the constraint graph of a scene
-#[derive(clap::Args)]
+#[derive(clap::Args, Clone)]
 pub(crate) struct Arguments {
     /// A shipped scene's name, or a scene file
     scene: String,
     /// Graphviz DOT, for `dot -Tsvg`
-    #[arg(long, conflicts_with = "mermaid")]
+    #[arg(long, conflicts_with_all = ["mermaid", "svg"])]
     dot: bool,
     /// Mermaid, for Markdown pages
-    #[arg(long)]
+    #[arg(long, conflicts_with = "svg")]
     mermaid: bool,
+    /// A picture: SVG, laid out by the program itself
+    #[arg(long)]
+    svg: bool,
+    /// Show waypoints in the picture as boxes of their own
+    #[arg(long, requires = "svg")]
+    waypoints: bool,
+    /// Write to this file instead of standard output
+    #[arg(short, long, value_name = "FILE")]
+    out: Option<PathBuf>,
 }
 
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
-    let (name, mine) = (arguments.scene.clone(), packages.clone());
-    let Ok(graph) = loading::beside(Duration::MAX, Duration::ZERO, move |stop| {
-        let scene = Scene::load(&name, &loading::until(&mine, stop))?;
-        Ok(shown(scene.problem)?)
+    if let Some(out) = &arguments.out {
+        output::check(out).map_err(|e| Refusal(format!("{}: {e}", out.display())))?;
+    }
+    let (mine, packages) = (arguments.clone(), packages.clone());
+    let Ok(text) = loading::beside(Duration::MAX, Duration::ZERO, move |stop| {
+        let scene = Scene::load(&mine.scene, &loading::until(&packages, stop))?;
+        Ok(match mine.svg {
+            true => drawn(&mine, &scene.problem)?,
+            false => {
+                let graph = shown(scene.problem)?;
+                match (mine.dot, mine.mermaid) {
+                    (true, _) => diagram::dot(&graph),
+                    (_, true) => diagram::mermaid(&graph),
+                    (false, false) => listing(&graph),
+                }
+            }
+        })
     })?
     else {
         return Ok(Ending::Interrupted);
     };
-    print(&match (arguments.dot, arguments.mermaid) {
-        (true, _) => diagram::dot(&graph),
-        (_, true) => diagram::mermaid(&graph),
-        (false, false) => listing(&graph),
-    });
+    match &arguments.out {
+        Some(out) => output::write(out, text.as_bytes()).map_err(|e| Refusal(format!("{}: {e}", out.display())))?,
+        None => print(&text),
+    }
     Ok(Ending::Done)
+}
+
+/// The graph as SVG.
+fn drawn(arguments: &Arguments, problem: &Problem) -> Result<String, Refusal> {
+    let graph = grown_graph(problem).map_err(|e| Refusal(e.to_string()))?;
+    if graph.states.is_empty() {
+        return Err(Refusal(nothing_to_show()));
+    }
+    let options = PictureOptions { waypoints: arguments.waypoints, ..PictureOptions::default() };
+    let picture = picture(&graph, &words::ShortNames::of(&problem.robot), &options);
+    Ok(svg(&picture, &format!("The constraint graph of {}", problem.name)))
+}
+
+fn nothing_to_show() -> String {
+    format!("the graph has more than {MOST_STATES} states, and the start lies in none, so that none is shown")
 }
 
 /// The whole graph; of one that is too large, what surrounds the start.
@@ -54,11 +93,7 @@ fn shown(problem: Problem) -> Result<ConstraintGraph, Refusal> {
     let start = problem.start.clone();
     let mut model = PlanningModel(Arc::new(Model::new_lazy(problem).map_err(|e| Refusal(e.to_string()))?));
     let tolerance = SearchSettings::default().classification_tolerance;
-    let state = model.reach(&start, tolerance).ok_or_else(|| {
-        Refusal(format!(
-            "the graph has more than {MOST_STATES} states, and the start lies in none, so that none is shown"
-        ))
-    })?;
+    let state = model.reach(&start, tolerance).ok_or_else(|| Refusal(nothing_to_show()))?;
     model.expand(state);
     Ok(model.graph.clone())
 }

@@ -11,3 +11,4 @@ pub(crate) mod inspect;
 pub(crate) mod models;
 pub(crate) mod scenes;
 pub(crate) mod solve;
+pub(crate) mod view;

@@ -2,12 +2,12 @@
 
 use crate::path_file::export::csv::{csv, csv_of_knots};
 use crate::path_file::export::gltf::scene::glb;
-use crate::path_file::export::gltf::visuals::Visuals;
 use crate::path_file::export::mcap::mcap;
 use crate::path_file::export::npz::npz;
 use crate::path_file::export::options::{ExportError, ExportOptions, Format};
 use crate::path_file::export::ros::{ros_json, ros_yaml};
 use crate::path_file::loaded_path::LoadedPath;
+use crate::path_file::visuals::Visuals;
 use crate::planner::trajectory::error::TrajectoryError;
 use crate::scene::reading::error::SceneError;
 use crate::scene::sources::package::PackagePath;

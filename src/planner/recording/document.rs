@@ -230,8 +230,8 @@ pub struct TransitionEntry {
     pub to: u32,
     /// `loop`, `regular` or `crossed`.
     pub kind: String,
-    /// What it passes, leg by leg: the name of each.
-    pub legs: Vec<String>,
+    /// What it passes, in plain words.
+    pub waypoints: Vec<String>,
 }
 
 /// What became of the candidates of a transition.

@@ -6,7 +6,6 @@ use crate::planner::recording::document::{LEFT_OUT, StateEntry, TransitionEntry}
 use crate::planner::search_record::SearchRecord;
 use foliate_components::graph::{ConstraintGraph, StateId, TransitionId, TransitionKind};
 use foliate_components::outcome::StateStatistics;
-use foliate_components::problem::Problem;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What a row takes beside its texts, bytes: keys, numbers, quotes.
@@ -25,7 +24,7 @@ pub(crate) struct GraphRows {
 
 impl GraphRows {
     /// The rows of a graph, of about so many bytes at most.
-    pub fn new(problem: &Problem, graph: &ConstraintGraph, record: Option<&SearchRecord>, most_bytes: u64) -> Self {
+    pub fn new(graph: &ConstraintGraph, record: Option<&SearchRecord>, most_bytes: u64) -> Self {
         let of_states: BTreeMap<StateId, StateStatistics> =
             record.into_iter().flat_map(|record| record.states.iter().copied()).collect();
         let tried: BTreeSet<TransitionId> =
@@ -36,7 +35,7 @@ impl GraphRows {
         let touched = touched(graph, &tried);
         let matters = |id| of_states.contains_key(&StateId(id)) || touched.contains(&StateId(id));
         for id in in_order(graph.states.len(), matters) {
-            let row = state_row(problem, graph, id, of_states.get(&StateId(id)).copied().unwrap_or_default());
+            let row = state_row(graph, id, of_states.get(&StateId(id)).copied().unwrap_or_default());
             let bytes = ROW
                 + (row.name.len() + row.words.len() + row.leaves_by.iter().map(|n| n.len() + 3).sum::<usize>()) as u64;
             match room.checked_sub(bytes) {
@@ -58,8 +57,8 @@ impl GraphRows {
         let mut taken: Vec<TransitionEntry> = Vec::new();
         for id in in_order(graph.transitions.len(), |id| tried.contains(&TransitionId(id))) {
             let row = self.transition_row(graph, id).and_then(|row| {
-                let legs = row.legs.iter().map(|name| name.len() + 3).sum::<usize>();
-                room = room.checked_sub(ROW + (row.name.len() + row.words.len() + legs) as u64)?;
+                let passed = row.waypoints.iter().map(|name| name.len() + 3).sum::<usize>();
+                room = room.checked_sub(ROW + (row.name.len() + row.words.len() + passed) as u64)?;
                 Some(row)
             });
             match row {
@@ -87,7 +86,7 @@ impl GraphRows {
                 TransitionKind::Crossed => "crossed",
             }
             .into(),
-            legs: transition.legs.iter().map(|leg| leg.name.clone()).collect(),
+            waypoints: words::waypoints(graph, TransitionId(id)),
         })
     }
 
@@ -115,14 +114,13 @@ fn touched(graph: &ConstraintGraph, tried: &BTreeSet<TransitionId>) -> BTreeSet<
     transitions.flat_map(|t| [t.from, t.to].into_iter().chain(t.legs.iter().map(|leg| leg.state))).collect()
 }
 
-fn state_row(problem: &Problem, graph: &ConstraintGraph, id: u32, statistics: StateStatistics) -> StateEntry {
+fn state_row(graph: &ConstraintGraph, id: u32, statistics: StateStatistics) -> StateEntry {
     let state = graph.state(StateId(id));
-    let written = state.written.and_then(|number| problem.graph.states.get(number as usize));
     let StateStatistics { nodes, leaves, extended, connections_tried, connections_made } = statistics;
     StateEntry {
         id,
         name: state.name.clone(),
-        words: words::situation(state, &problem.robot, written.map(|written| written.name.as_str())),
+        words: words::situation(&state.name),
         passed_through: state.is_passed_through(),
         leaves_by: state.foliation.iter().map(|&c| graph.constraint(c).name.clone()).collect(),
         nodes,

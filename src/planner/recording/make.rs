@@ -64,7 +64,7 @@ impl Recording {
         if path_left_out {
             file = path_file(context, &ManipulationPath::default());
         }
-        let rows = GraphRows::new(context.problem, context.graph, Some(&record), most / 4);
+        let rows = GraphRows::new(context.graph, Some(&record), most / 4);
         let funnel = FunnelRows::new(&context.problem.robot, &record, &rows, most / 8);
         let report = Report::of(answer);
         let (goals, goal_pairs_left_out) = goal_search(&context.problem.robot, &report.goals.statistics);

@@ -52,6 +52,8 @@ pub struct TreeJoin {
 pub struct ShownFunnel {
     /// Place of the transition.
     pub transition: usize,
+    /// Its name, as in path files.
+    pub name: String,
     /// What it does.
     pub words: String,
     /// Candidates that chose it.
@@ -146,6 +148,7 @@ impl Recording {
     fn funnel_row(&self, row: &FunnelEntry) -> ShownFunnel {
         ShownFunnel {
             transition: row.transition as usize,
+            name: self.head.transitions[row.transition as usize].name.clone(),
             words: self.head.transitions[row.transition as usize].words.clone(),
             tried: row.tried,
             projected: row.projected,

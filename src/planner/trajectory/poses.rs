@@ -101,6 +101,12 @@ impl Poses<'_> {
         &self.q
     }
 
+    /// Poses of all bodies in the world.
+    #[cfg(feature = "view")]
+    pub(crate) fn bodies(&self) -> &[Pose] {
+        &self.X_WJ
+    }
+
     /// Pose of a body in the world: the joint's frame after its motion.
     ///
     /// # Panics

@@ -53,6 +53,12 @@ impl<'a> Trajectory<'a> {
         self.segment(self.moment(time).segment)
     }
 
+    /// The name of a segment's state.
+    #[cfg(feature = "view")]
+    pub(crate) fn segment_state(&self, index: usize) -> &'a str {
+        self.states[index]
+    }
+
     fn segment(&self, index: usize) -> TrajectorySegment<'a> {
         let times = self.times(index);
         let grasps = self.path.segments[index].attachments.iter().filter_map(|attachment| match *attachment {

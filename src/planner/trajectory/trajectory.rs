@@ -9,6 +9,8 @@ use foliate_components::path::{Attachment, ManipulationPath, Segment, SegmentTim
 use foliate_components::robot::configuration::Group;
 use foliate_components::robot::{JointIndex, JointType, LinkIndex, PartKind, Robot, Source};
 use foliate_kernels::kinematics::Kinematics;
+#[cfg(feature = "view")]
+use glam::DQuat;
 
 /// An object that follows a body during a segment.
 #[derive(Clone, Copy, Debug)]
@@ -183,6 +185,59 @@ impl<'a> Trajectory<'a> {
                 Group::Real | Group::Circle => q[joint.q] = moment.piece.number(joint.q)[0],
             }
         }
+    }
+
+    /// The velocity at a time, in the robot's velocity coordinates: of free-flyers the translation in the joint's frame, then the rotation in
+    /// the moving one. 0 for objects with a carrier, which have none of their own.
+    #[cfg(feature = "view")]
+    pub(crate) fn velocity(&self, time: f64, velocity: &mut [f64]) {
+        let moment = self.moment(time);
+        let roots = &self.carried[moment.segment];
+        for joint in &self.robot.space.factors {
+            let is_carried = roots.iter().any(|carried| self.first_coordinate(carried.object) == Some(joint.q));
+            let rate = |i: usize| moment.piece.number(i)[1];
+            match joint.group {
+                Group::FreeFlyer if is_carried => velocity[joint.v..joint.v + 6].fill(0.0),
+                Group::FreeFlyer => {
+                    (0..3).for_each(|n| velocity[joint.v + n] = rate(joint.q + n));
+                    let turned = moment.piece.quaternion(joint.q + 3);
+                    let [q, q_rate] = [0, 1].map(|d| DQuat::from_array(std::array::from_fn(|n| turned[n][d])));
+                    let turning = (q.conjugate() * q_rate).xyz() * 2.0;
+                    velocity[joint.v + 3..joint.v + 6].copy_from_slice(&turning.to_array());
+                }
+                Group::Plane => (0..3).for_each(|n| velocity[joint.v + n] = rate(joint.q + n)),
+                Group::Real | Group::Circle => velocity[joint.v] = rate(joint.q),
+            }
+        }
+    }
+
+    /// By body the one that it is rigidly one with along a segment, itself where it moves on its own; none where that is the world.
+    #[cfg(feature = "view")]
+    pub(crate) fn rigid_bodies(&self, segment: usize) -> Vec<Option<JointIndex>> {
+        let robot = self.robot;
+        let own = |index: usize| {
+            let joint = &robot.joints[index];
+            let stands = joint.is_immovable() || robot.parts[joint.part.at()].kind == PartKind::Environment;
+            let here = JointIndex(index as u32);
+            if stands { joint.parent } else { Some(here) }
+        };
+        let mut next: Vec<Option<JointIndex>> = (0..robot.joints.len()).map(own).collect();
+        for carried in self.carried[segment].iter().filter(|carried| carried.held == carried.object) {
+            next[carried.object.at()] = carried.carrier;
+        }
+        let last = |index: usize| {
+            let mut here = Some(JointIndex(index as u32));
+            // Objects that carry each other in a circle end anywhere.
+            for _ in 0..=next.len() {
+                match here.map(|body| (body, next[body.at()])) {
+                    Some((body, Some(further))) if further != body => here = Some(further),
+                    Some((_, None)) => here = None,
+                    _ => break,
+                }
+            }
+            here
+        };
+        (0..next.len()).map(last).collect()
     }
 
     pub(super) fn first_coordinate(&self, joint: JointIndex) -> Option<usize> {

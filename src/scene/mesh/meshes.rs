@@ -2,6 +2,8 @@
 
 use crate::scene::mesh::cache::key::Key;
 use crate::scene::mesh::cache::mesh_cache::{Kept, SMALLEST_FILE};
+#[cfg(feature = "visuals")]
+use crate::scene::mesh::formats::triangles::Paint;
 use crate::scene::mesh::formats::triangles::{Triangles, UpAxis};
 use crate::scene::mesh::formats::{dae, obj, stl};
 use crate::scene::reading::error::{LoadStop, SceneError};
@@ -26,6 +28,9 @@ const KEPT_BUFFER: usize = 16 << 20;
 pub(crate) struct Meshes<'a> {
     packages: &'a PackagePath,
     read: HashMap<(PathBuf, [u64; 3], UpAxis), LoadedMesh>,
+    /// Those of which colours are asked for.
+    #[cfg(feature = "visuals")]
+    painted: HashMap<(PathBuf, [u64; 3], UpAxis), PaintedMesh>,
     triangles: usize,
     /// That the meshes take which are read.
     bytes: u64,
@@ -43,6 +48,14 @@ pub(crate) struct Meshes<'a> {
 #[derive(Clone)]
 pub(crate) struct LoadedMesh {
     pub mesh: Arc<Mesh>,
+    pub sha256: [u8; 32],
+}
+
+/// The meshes of a file, one for each of its colours, and the SHA-256 of its bytes.
+#[cfg(feature = "visuals")]
+#[derive(Clone)]
+pub(crate) struct PaintedMesh {
+    pub meshes: Vec<(Arc<Mesh>, Option<Paint>)>,
     pub sha256: [u8; 32],
 }
 
@@ -68,6 +81,8 @@ impl<'a> Meshes<'a> {
         Self {
             packages,
             read: HashMap::new(),
+            #[cfg(feature = "visuals")]
+            painted: HashMap::new(),
             triangles: 0,
             bytes: 0,
             sums: HashMap::new(),
@@ -80,6 +95,11 @@ impl<'a> Meshes<'a> {
     /// How much reading may take.
     pub fn limits(&self) -> &LoadLimits {
         self.packages.limits()
+    }
+
+    /// Whether a box stands for a mesh that cannot be read.
+    pub fn shows_placeholders(&self) -> bool {
+        self.packages.shows_placeholders()
     }
 
     /// Refuses a file of so many bytes that would take more memory than is left, before it is read.
@@ -115,35 +135,75 @@ impl<'a> Meshes<'a> {
         let (mesh, sha256) = opened.map_err(MeshError::File)?;
         self.bytes += (size_of_val(&*mesh.vertices) + size_of_val(&*mesh.triangles)) as u64;
         let loaded = LoadedMesh { mesh: Arc::new(mesh), sha256 };
-        self.triangles += loaded.mesh.triangles.len();
-        if self.triangles > TRIANGLES_IN_ALL {
-            let message = format!("with this mesh the model has more than {TRIANGLES_IN_ALL} triangles");
-            return Err(MeshError::Name(message, "simplify the collision meshes".into()));
-        }
+        self.count(loaded.mesh.triangles.len())?;
         self.read.insert(key, loaded.clone());
         Ok(loaded)
     }
 
-    /// The mesh of a file, with what the cache knows of it (or else does afterwards), and the SHA-256 of the file.
-    fn open(&mut self, path: &Path, request: &MeshRequest<'_>) -> Result<(Mesh, [u8; 32]), SceneError> {
+    /// The meshes of that name, one for each colour of the file, scaled.
+    #[cfg(feature = "visuals")]
+    pub fn load_painted(&mut self, request: &MeshRequest<'_>) -> Result<PaintedMesh, MeshError> {
+        let path = self.resolve(request.url, request.base)?;
+        let key = (path, request.scale.to_array().map(f64::to_bits), request.up_axis);
+        if let Some(meshes) = self.painted.get(&key) {
+            return Ok(meshes.clone());
+        }
+        let read = self.triangles_of(&key.0, request);
+        self.packages.limits().reached(&key.0.display().to_string()).map_err(MeshError::File)?;
+        let (content, sha256) = read.map_err(MeshError::File)?;
+        self.count(content.triangles.len())?;
+        let mut meshes = Vec::new();
+        for (paint, part) in content.by_paint() {
+            let stop = &self.packages.limits().stop;
+            let Some(mesh) = meant(part, request, &|| !stop.is_raised()) else {
+                return Err(MeshError::File(SceneError::stopped(request.url, LoadStop::Deadline)));
+            };
+            meshes.push((Arc::new(mesh), paint));
+        }
+        let painted = PaintedMesh { meshes, sha256 };
+        self.painted.insert(key, painted.clone());
+        Ok(painted)
+    }
+
+    /// Counts triangles, and refuses too many.
+    fn count(&mut self, triangles: usize) -> Result<(), MeshError> {
+        self.triangles += triangles;
+        if self.triangles > TRIANGLES_IN_ALL {
+            let message = format!("with this mesh the model has more than {TRIANGLES_IN_ALL} triangles");
+            return Err(MeshError::Name(message, "simplify the collision meshes".into()));
+        }
+        Ok(())
+    }
+
+    /// What a file holds, and the SHA-256 of its bytes.
+    fn triangles_of(&mut self, path: &Path, request: &MeshRequest<'_>) -> Result<(Triangles, [u8; 32]), SceneError> {
         let reader = Reader::of(path)?;
         let size = std::fs::metadata(path).map_or(0, |metadata| metadata.len());
         self.check_memory(path, reader, size)?;
         let stop = &self.packages.limits().stop;
-        let [bytes, entry] = &mut self.buffers;
+        let [bytes, _] = &mut self.buffers;
         input::bytes_into(path, reader.cap(), bytes)?;
         // A path file says which bytes a proof is about, so that there is one sum of a file.
         let sum: [u8; 32] = Sha256::digest(&*bytes).into();
         if self.sums.insert(path.to_owned(), sum).is_some_and(|before| before != sum) {
             return Err(SceneError::new(path.display().to_string(), "file", "has changed while the model was read"));
         }
-        let cache = self.packages.mesh_cache().filter(|_| bytes.len() >= SMALLEST_FILE);
+        Ok((reader.read(path, bytes, request.up_axis, stop)?, sum))
+    }
+
+    /// The mesh of a file, with what the cache knows of it (or else does afterwards), and the SHA-256 of the file.
+    fn open(&mut self, path: &Path, request: &MeshRequest<'_>) -> Result<(Mesh, [u8; 32]), SceneError> {
+        let size = std::fs::metadata(path).map_or(0, |metadata| metadata.len());
+        let (content, sum) = self.triangles_of(path, request)?;
+        let stop = &self.packages.limits().stop;
+        let [_, entry] = &mut self.buffers;
+        let cache = self.packages.mesh_cache().filter(|_| size >= SMALLEST_FILE as u64);
         let go_on = || !stop.is_raised();
-        let Some(mut mesh) = meant(reader.read(path, bytes, request.up_axis, stop)?, request, &go_on) else {
+        let Some(mut mesh) = meant(content, request, &go_on) else {
             return Err(SceneError::stopped(&path.display().to_string(), LoadStop::Deadline));
         };
         let Some(cache) = cache else { return Ok((mesh, sum)) };
-        let key = Key::new(&sum, reader.name(), request.up_axis, request.scale);
+        let key = Key::new(&sum, Reader::of(path)?.name(), request.up_axis, request.scale);
         let why = match cache.find(&key, entry) {
             Kept::Record(record) if mesh_record::proves(&mesh, &record) => {
                 mesh.record = Some(record);

@@ -2,7 +2,7 @@
 
 use crate::scene::reading::error::SceneError;
 use crate::scene::reading::xml::Xml;
-use crate::scene::sources::source::{ModelFile, Opened, Origin, open_path};
+use crate::scene::sources::source::{self, ModelFile, Opened};
 use foliate_components::robot::{JointIndex, NarrowedLimits, NoRoom, PartIndex, Robot};
 use foliate_systems::events::StopSignal;
 
@@ -49,10 +49,5 @@ fn line_of(urdf: &Opened, joint: &str) -> Option<u32> {
 
 /// A model file, read again: lines are of interest only where something is wrong.
 pub(crate) fn again(file: &ModelFile) -> Option<Opened> {
-    match &file.origin {
-        Origin::File(path) => open_path(&file.url, path.clone()).ok(),
-        Origin::Program(content) => {
-            Some(Opened { label: file.url.clone(), text: (*content).to_owned(), file: file.clone() })
-        }
-    }
+    source::again(file).ok()
 }

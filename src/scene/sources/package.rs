@@ -21,6 +21,7 @@ pub struct PackagePath {
     places: Vec<Place>,
     meshes: Option<MeshCache>,
     limits: LoadLimits,
+    placeholders: bool,
 }
 
 /// A directory, and where the search list has it from.
@@ -96,6 +97,19 @@ impl PackagePath {
     pub fn with_limits(mut self, limits: LoadLimits) -> Self {
         self.limits = limits;
         self
+    }
+
+    /// Lets a small box stand for each mesh that cannot be read ([`Mesh::placeholder`](foliate_components::robot::shape::Mesh::placeholder)),
+    /// with a remark, instead of refusing the model: for what shows models. Nothing may be planned or proved with it.
+    #[must_use]
+    pub fn with_placeholders(mut self) -> Self {
+        self.placeholders = true;
+        self
+    }
+
+    /// Whether a box stands for a mesh that cannot be read.
+    pub(crate) fn shows_placeholders(&self) -> bool {
+        self.placeholders
     }
 
     /// How much reading may take.

@@ -104,6 +104,16 @@ pub(crate) fn open_path(url: &str, path: PathBuf) -> Result<Opened, SceneError> 
     Ok(Opened { label, text, file: ModelFile { url: url.to_owned(), origin: Origin::File(path), sha256 } })
 }
 
+/// A model file, read again.
+pub(crate) fn again(file: &ModelFile) -> Result<Opened, SceneError> {
+    match &file.origin {
+        Origin::File(path) => open_path(&file.url, path.clone()),
+        Origin::Program(content) => {
+            Ok(Opened { label: file.url.clone(), text: (*content).to_owned(), file: file.clone() })
+        }
+    }
+}
+
 impl ModelFile {
     /// Where the model's own relative names lead.
     pub(crate) fn base(&self) -> Base {

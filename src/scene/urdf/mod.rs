@@ -1,7 +1,7 @@
 //! URDF: one strict pass that knows the line of everything it refuses.
 //!
 //! Names must exist and be unique, vectors have exactly three finite numbers, the joints make one tree, followers have a
-//! leader. Elements for simulation only (`gazebo`, `transmission`) are not read; `visuals` reads what links look like, for export.
+//! leader. Elements for simulation only (`gazebo`, `transmission`) are not read; `visuals` reads what links look like.
 //!
 //! `read` reads the links and calls `joints`, which `tree` checks. Both read `values`. `attributes` reports what a file says
 //! and is not read. `parsed` takes what the crate `urdf-rs` has read instead.
@@ -13,5 +13,5 @@ pub(crate) mod parsed;
 pub(crate) mod read;
 pub(crate) mod tree;
 pub(crate) mod values;
-#[cfg(feature = "export")]
+#[cfg(feature = "visuals")]
 pub(crate) mod visuals;

@@ -9,10 +9,11 @@ use crate::scene::sources::source::hexadecimal;
 use crate::scene::urdf::values::{LONGEST, origin, required_number};
 use crate::scene::urdf::{attributes, joints};
 use foliate_components::robot::model::{Inertial, LinkModel, Model};
-use foliate_components::robot::shape::Geometry;
+use foliate_components::robot::shape::{Geometry, Mesh};
 use glam::DVec3;
 use roxmltree::Node;
 use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
 
 /// Most links of one model.
 const LINKS: usize = 20_000;
@@ -195,12 +196,40 @@ pub(super) fn geometry(
     }
 }
 
-fn mesh(xml: &Xml<'_>, node: Node<'_, '_>, context: &mut Context<'_, '_>) -> Result<Geometry, SceneError> {
+/// As [`geometry`], a mesh in pieces of one colour each, where its file has colours.
+#[cfg(feature = "visuals")]
+pub(super) fn painted_geometry(
+    xml: &Xml<'_>,
+    visual: Node<'_, '_>,
+    context: &mut Context<'_, '_>,
+) -> Result<Vec<(Geometry, Option<[f64; 4]>)>, SceneError> {
+    let shape = elements(visual, "geometry").flat_map(|g| g.children().filter(Node::is_element)).next();
+    let Some(node) = shape.filter(|node| node.tag_name().name() == "mesh") else {
+        return Ok(vec![(geometry(xml, visual, context)?, None)]);
+    };
+    let (url, scale) = named_mesh(xml, node)?;
+    let request = MeshRequest { url, scale, up_axis: context.up_axis, base: context.base };
+    match context.meshes.load_painted(&request) {
+        Ok(painted) => {
+            context.sha256.insert(url.to_owned(), hexadecimal(&painted.sha256));
+            Ok(painted.meshes.into_iter().map(|(mesh, paint)| (Geometry::Mesh(mesh), paint)).collect())
+        }
+        Err(error) => Ok(vec![(placeholder(xml, node, url, error, context)?, None)]),
+    }
+}
+
+/// The name of a mesh and its scale.
+fn named_mesh<'n>(xml: &Xml<'_>, node: Node<'n, '_>) -> Result<(&'n str, DVec3), SceneError> {
     let url = xml.attribute(node, "filename")?.trim();
     let scale = DVec3::from_array(xml.vector(node, "scale")?.unwrap_or([1.0; 3]));
     if scale.to_array().iter().any(|s| *s == 0.0 || s.abs() > LONGEST) {
         return Err(xml.error(node, format!("a scale of {scale} leaves no solid")));
     }
+    Ok((url, scale))
+}
+
+fn mesh(xml: &Xml<'_>, node: Node<'_, '_>, context: &mut Context<'_, '_>) -> Result<Geometry, SceneError> {
+    let (url, scale) = named_mesh(xml, node)?;
     let request = MeshRequest { url, scale, up_axis: context.up_axis, base: context.base };
     match context.meshes.load(&request) {
         Ok(LoadedMesh { mesh, sha256 }) => {
@@ -213,11 +242,34 @@ fn mesh(xml: &Xml<'_>, node: Node<'_, '_>, context: &mut Context<'_, '_>) -> Res
             }
             Ok(Geometry::Mesh(mesh))
         }
-        Err(MeshError::Name(message, hint)) => Err(xml.error(node, format!("`{}` {message}", quoted(url))).hint(hint)),
-        Err(MeshError::File(mut error)) => {
+        Err(error) => placeholder(xml, node, url, error, context),
+    }
+}
+
+/// A box in place of a mesh that is not there, and a remark, where that is asked for; else the refusal.
+fn placeholder(
+    xml: &Xml<'_>,
+    node: Node<'_, '_>,
+    url: &str,
+    error: MeshError,
+    context: &mut Context<'_, '_>,
+) -> Result<Geometry, SceneError> {
+    let error = mesh_refusal(xml, node, url, error);
+    // What was cut short is no fault of the file.
+    if error.stopped.is_some() || !context.meshes.shows_placeholders() {
+        return Err(error);
+    }
+    context.warnings.push(error);
+    Ok(Geometry::Mesh(Arc::new(Mesh::placeholder(url.to_owned()))))
+}
+
+fn mesh_refusal(xml: &Xml<'_>, node: Node<'_, '_>, url: &str, error: MeshError) -> SceneError {
+    match error {
+        MeshError::Name(message, hint) => xml.error(node, format!("`{}` {message}", quoted(url))).hint(hint),
+        MeshError::File(mut error) => {
             let user = format!("used at {}:{}", xml.file, xml.line(node));
             error.hint = if error.hint.is_empty() { user } else { format!("{}; {user}", error.hint) };
-            Err(error)
+            error
         }
     }
 }

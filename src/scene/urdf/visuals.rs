@@ -4,7 +4,7 @@
 
 use crate::scene::reading::error::{SceneError, quoted};
 use crate::scene::reading::xml::{Xml, elements};
-use crate::scene::urdf::read::{Context, geometry};
+use crate::scene::urdf::read::{Context, painted_geometry};
 use crate::scene::urdf::values::origin;
 use foliate_components::Pose;
 use foliate_components::robot::shape::Geometry;
@@ -54,7 +54,7 @@ pub(crate) fn read(file: &str, text: &str, context: &mut Context<'_, '_>) -> Res
         let mut link = LinkVisuals { link: xml.attribute(node, "name")?.to_owned(), ..LinkVisuals::default() };
         for visual in elements(node, "visual") {
             match one(&xml, visual, &named, context) {
-                Ok(visual) => link.visuals.push(visual),
+                Ok(visuals) => link.visuals.extend(visuals),
                 Err(error) if error.stopped.is_some() => return Err(error),
                 Err(error) => {
                     link.incomplete = true;
@@ -74,12 +74,16 @@ fn one(
     node: Node<'_, '_>,
     named: &HashMap<&str, Color>,
     context: &mut Context<'_, '_>,
-) -> Result<VisualModel, SceneError> {
+) -> Result<Vec<VisualModel>, SceneError> {
     let material = elements(node, "material").next();
     let by_name = || material.and_then(|m| m.attribute("name")).and_then(|name| named.get(name)).copied();
     let color = material.and_then(|m| own_color(xml, m)).or_else(by_name);
-    let (link_from_visual, geometry) = (origin(xml, node)?, geometry(xml, node, context)?);
-    Ok(VisualModel { link_from_visual, geometry, color })
+    let link_from_visual = origin(xml, node)?;
+    let visual = |(geometry, paint): (Geometry, Option<Color>)| {
+        // What the URDF says of a colour comes before what the mesh does.
+        VisualModel { link_from_visual, geometry, color: color.or(paint) }
+    };
+    Ok(painted_geometry(xml, node, context)?.into_iter().map(visual).collect())
 }
 
 /// The colour that a material element has itself.

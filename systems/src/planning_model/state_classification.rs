@@ -46,12 +46,13 @@ pub(crate) fn feasible(model: &PlanningModel, settings: &SearchSettings, q: &[f6
     }
 }
 
-/// As [`feasible`], after the configuration's state has come into being where the graph is lazy; and the error names all pairs
-/// that collide.
+/// Checks a start or goal, after its state has come into being where the graph is lazy; the error says what is wrong, with values, and
+/// names all pairs that collide.
 ///
 /// # Errors
-/// As [`feasible`].
-pub(crate) fn reach_feasible(
+/// Wrong length, numbers that are not finite, coordinates out of bounds, locked joints elsewhere, no state, collisions, fingers that
+/// cannot move to where the state has them: the first that is found.
+pub fn reach_feasible(
     model: &mut PlanningModel,
     settings: &SearchSettings,
     q: &[f64],
@@ -62,12 +63,8 @@ pub(crate) fn reach_feasible(
 /// As [`reach_feasible`], of the start: also what locked joints hold together is tested, here and nowhere else.
 ///
 /// # Errors
-/// As [`feasible`].
-pub(crate) fn reach_start(
-    model: &mut PlanningModel,
-    settings: &SearchSettings,
-    q: &[f64],
-) -> Result<Feasible, Infeasibility> {
+/// As [`reach_feasible`].
+pub fn reach_start(model: &mut PlanningModel, settings: &SearchSettings, q: &[f64]) -> Result<Feasible, Infeasibility> {
     reach(model, settings, q, true)
 }
 

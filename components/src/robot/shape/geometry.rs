@@ -49,7 +49,12 @@ pub struct Mesh {
     pub closed: bool,
     /// What an earlier search over vertices and triangles found, so that it need not be repeated. Its user proves it first.
     pub record: Option<MeshRecord>,
+    /// Whether the file could not be read, and a small box stands for it: only for what shows models and asks for that.
+    pub placeholder: bool,
 }
+
+/// Half of a side of a box that stands for a mesh, metres.
+const PLACEHOLDER: f64 = 0.025;
 
 impl Mesh {
     /// A mesh from triangles, with `closed` found from its edges. Vertices at the same position count as one; of triangles that are
@@ -79,7 +84,17 @@ impl Mesh {
             number += 1;
             doubled.next_if_eq(&(number - 1)).is_none()
         });
-        Some(Self { source, vertices, triangles, closed: surface.closed, record: None })
+        Some(Self { source, vertices, triangles, closed: surface.closed, record: None, placeholder: false })
+    }
+
+    /// A box with sides of 5 cm in place of a mesh that could not be read.
+    #[must_use]
+    pub fn placeholder(source: String) -> Self {
+        let sign = |bit: u32| if bit == 0 { -PLACEHOLDER } else { PLACEHOLDER };
+        let vertices = (0..8_u32).map(|i| DVec3::new(sign(i & 1), sign(i & 2), sign(i & 4))).collect();
+        let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let triangles = faces.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+        Self { placeholder: true, ..Self::new(source, vertices, triangles) }
     }
 }
 

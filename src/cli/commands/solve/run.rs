@@ -6,6 +6,7 @@ use crate::cli::commands::solve::coverage::LeftOut;
 use crate::cli::commands::solve::record::RecordArguments;
 use crate::cli::commands::solve::summary::Loaded;
 use crate::cli::commands::solve::{summary, summary_json};
+use crate::cli::commands::view::answered::ViewArguments;
 use crate::cli::console::loading;
 use crate::cli::console::print::{Ending, Refusal, print, print_json, say};
 use foliate::path_file::{PathContext, save, write_path};
@@ -29,6 +30,8 @@ pub(crate) struct Arguments {
     out: Option<PathBuf>,
     #[command(flatten)]
     record: RecordArguments,
+    #[command(flatten)]
+    view: ViewArguments,
     /// Print between which shapes the least clearance is, and where on the path
     #[arg(long)]
     clearance: bool,
@@ -45,6 +48,7 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     for out in arguments.out.iter().chain(&arguments.record.record) {
         writable(out)?;
     }
+    arguments.view.check()?;
     let limit = arguments.search.deadline()?;
     let (scene, tables) = match loading::scene(&arguments.scene, packages, limit)? {
         Ok(loaded) => loaded,
@@ -78,6 +82,9 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     } else {
         print(&summary::text(&loaded, &answer));
     }
+    // What a program reads is one object.
+    let tell = if arguments.json { say } else { print };
+    arguments.view.write(&scene, &planner, &answer, (packages, tell))?;
     ending(&answer)
 }
 

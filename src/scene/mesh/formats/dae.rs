@@ -1,5 +1,6 @@
 //! COLLADA: geometries placed by the nodes of the scene, with units and node transforms.
 
+use crate::scene::mesh::formats::dae_materials as materials;
 use crate::scene::mesh::formats::dae_values::{Corners, Inputs, Kind, indices, transform};
 use crate::scene::mesh::formats::triangles::{Triangles, UpAxis};
 use crate::scene::reading::error::{SceneError, quoted};
@@ -24,6 +25,7 @@ pub(crate) fn read(file: &str, content: &str, up_axis: UpAxis, mesh: Triangles) 
     let by_id: HashMap<&str, Node<'_, '_>> =
         root.descendants().filter_map(|n| n.attribute("id").map(|id| (id, n))).collect();
     let mut reader = Reader { xml: &xml, by_id, geometries: HashMap::new(), numbers: 0, mesh };
+    let unbound = HashMap::new();
     let world_from_scene = asset(&xml, root, up_axis)?;
     match reader.scene_nodes(root)? {
         Some(nodes) => reader.place(nodes, world_from_scene)?,
@@ -31,7 +33,7 @@ pub(crate) fn read(file: &str, content: &str, up_axis: UpAxis, mesh: Triangles) 
         None => {
             let library = elements(root, "library_geometries").flat_map(|l| elements(l, "geometry"));
             for geometry in library.collect::<Vec<_>>() {
-                reader.add(geometry, &world_from_scene)?;
+                reader.add(geometry, &world_from_scene, &unbound)?;
             }
         }
     }
@@ -62,11 +64,16 @@ fn asset(xml: &Xml<'_>, root: Node<'_, '_>, up_axis: UpAxis) -> Result<DMat4, Sc
     Ok(scale * DMat4::from_mat3(turn))
 }
 
+/// From which triangle on a geometry has which symbol of a material.
+type Symbols<'a> = Vec<(usize, Option<&'a str>)>;
+/// What symbols stand for where a geometry is placed.
+type Bound<'a> = HashMap<&'a str, &'a str>;
+
 struct Reader<'a, 'i> {
     pub(crate) xml: &'a Xml<'i>,
     by_id: HashMap<&'a str, Node<'a, 'i>>,
-    /// Triangles of geometries in their own coordinates, once read.
-    geometries: HashMap<roxmltree::NodeId, Triangles>,
+    /// Triangles of geometries in their own coordinates, once read, and from which on they have which symbol of a material.
+    geometries: HashMap<roxmltree::NodeId, (Triangles, Symbols<'a>)>,
     numbers: usize,
     mesh: Triangles,
 }
@@ -109,13 +116,13 @@ impl<'a, 'i> Reader<'a, 'i> {
                     "instance_node" => below.push(self.target(child, "url")?),
                     "instance_geometry" => {
                         let geometry = self.target(child, "url")?;
-                        self.add(geometry, &world_from_node)?;
+                        self.add(geometry, &world_from_node, &materials::bound(child))?;
                     }
                     "instance_controller" => {
                         let skin = self.target(child, "url")?;
                         if let Some(skin) = elements(skin, "skin").next() {
                             let geometry = self.target(skin, "source")?;
-                            self.add(geometry, &world_from_node)?;
+                            self.add(geometry, &world_from_node, &materials::bound(child))?;
                         }
                     }
                     _ => {}
@@ -127,12 +134,21 @@ impl<'a, 'i> Reader<'a, 'i> {
     }
 
     /// Adds a geometry's triangles at a place.
-    fn add(&mut self, node: Node<'a, 'i>, world_from_geometry: &DMat4) -> Result<(), SceneError> {
+    fn add(&mut self, node: Node<'a, 'i>, world_from_geometry: &DMat4, bound: &Bound<'a>) -> Result<(), SceneError> {
         if !self.geometries.contains_key(&node.id()) {
             let geometry = self.geometry(node)?;
             self.geometries.insert(node.id(), geometry);
         }
-        let Some(geometry) = self.geometries.get(&node.id()) else { return Ok(()) };
+        let Some((geometry, symbols)) = self.geometries.get(&node.id()) else { return Ok(()) };
+        let first = self.mesh.triangles.len();
+        for &(start, symbol) in symbols {
+            let color = symbol.and_then(|symbol| {
+                // Without a binding the symbol is often the material's own name.
+                let target = bound.get(symbol).copied().unwrap_or(symbol);
+                materials::color(self.xml, &self.by_id, target)
+            });
+            self.mesh.paint.push((first + start, color));
+        }
         let offset = self.mesh.vertices.len() as u32;
         let mirrored = world_from_geometry.determinant() < 0.0;
         for v in &geometry.vertices {
@@ -151,9 +167,10 @@ impl<'a, 'i> Reader<'a, 'i> {
         Ok(())
     }
 
-    fn geometry(&mut self, node: Node<'a, 'i>) -> Result<Triangles, SceneError> {
+    fn geometry(&mut self, node: Node<'a, 'i>) -> Result<(Triangles, Symbols<'a>), SceneError> {
         let mut geometry = Triangles::watched(&self.mesh.stop);
-        let Some(mesh) = elements(node, "mesh").next() else { return Ok(geometry) };
+        let mut symbols = Symbols::new();
+        let Some(mesh) = elements(node, "mesh").next() else { return Ok((geometry, symbols)) };
         // Position sources that primitives of this geometry have named so far: where their vertices begin.
         let mut sources: HashMap<roxmltree::NodeId, (u32, u32)> = HashMap::new();
         for primitives in mesh.children().filter(Node::is_element) {
@@ -169,9 +186,10 @@ impl<'a, 'i> Reader<'a, 'i> {
                 }
             };
             let corners = Corners { inputs: &inputs, first, count };
+            symbols.push((geometry.triangles.len(), primitives.attribute("material")));
             self.primitives(primitives, kind, &corners, &mut geometry)?;
         }
-        Ok(geometry)
+        Ok((geometry, symbols))
     }
 
     /// Which of a primitive's interleaved indices names the position, and where positions lie.

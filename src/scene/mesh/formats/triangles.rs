@@ -14,11 +14,16 @@ pub(crate) fn lines(content: &[u8]) -> impl Iterator<Item = Cow<'_, str>> {
     content.split(|&byte| byte == b'\n').map(String::from_utf8_lossy)
 }
 
+/// Red, green, blue and opacity, from 0 to 1.
+pub(crate) type Paint = [f64; 4];
+
 /// Triangles as a file holds them, in metres, unscaled.
 #[derive(Debug, Default)]
 pub(crate) struct Triangles {
     pub vertices: Vec<DVec3>,
     pub triangles: Vec<[u32; 3]>,
+    /// From which triangle on they have which colour; what is before the first has none.
+    pub paint: Vec<(usize, Option<Paint>)>,
     /// Ends the reading.
     pub(crate) stop: StopSignal,
 }
@@ -53,7 +58,15 @@ impl Triangles {
     /// share their arrays among meshes, and a stray vertex would only widen every bound on the solid.
     pub(crate) fn drop_unused(&mut self) {
         let at = |i: u32| self.vertices[i as usize];
-        self.triangles.retain(|&[a, b, c]| at(a) != at(b) && at(b) != at(c) && at(c) != at(a));
+        let bounds = |[a, b, c]: [u32; 3]| at(a) != at(b) && at(b) != at(c) && at(c) != at(a);
+        if !self.paint.is_empty() {
+            let mut kept = vec![0_usize; self.triangles.len() + 1];
+            for (index, &triangle) in self.triangles.iter().enumerate() {
+                kept[index + 1] = kept[index] + usize::from(bounds(triangle));
+            }
+            self.paint.iter_mut().for_each(|(start, _)| *start = kept[*start]);
+        }
+        self.triangles.retain(|&triangle| bounds(triangle));
         let mut number = vec![u32::MAX; self.vertices.len()];
         let mut kept = Vec::new();
         for corner in self.triangles.iter_mut().flatten() {
@@ -65,6 +78,23 @@ impl Triangles {
             *corner = *known;
         }
         self.vertices = kept;
+    }
+
+    /// Its triangles by colour, those without first, then in the order in which colours come.
+    #[cfg(feature = "visuals")]
+    pub(crate) fn by_paint(self) -> Vec<(Option<Paint>, Self)> {
+        let mut parts: Vec<(Option<Paint>, Self)> = Vec::new();
+        let ends = self.paint.iter().map(|(start, _)| *start).chain([self.triangles.len()]);
+        let starts = [(0, None)].into_iter().chain(self.paint.iter().copied());
+        for ((start, paint), end) in starts.zip(ends).filter(|((start, _), end)| start < end) {
+            let number = parts.iter().position(|(known, _)| *known == paint).unwrap_or_else(|| {
+                parts.push((paint, Self { vertices: self.vertices.clone(), ..Self::watched(&self.stop) }));
+                parts.len() - 1
+            });
+            parts[number].1.triangles.extend_from_slice(&self.triangles[start..end]);
+        }
+        parts.iter_mut().for_each(|(_, part)| part.drop_unused());
+        parts
     }
 }
 

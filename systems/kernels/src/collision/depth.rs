@@ -101,6 +101,12 @@ impl PlacedSolid<'_> {
 /// No shift shorter than this sets the two apart, metres; none where no point is known to be inside both.
 #[must_use]
 pub fn depth(a: PlacedSolid<'_>, b: PlacedSolid<'_>) -> Option<f64> {
+    deepest(a, b).map(|(depth, _)| depth)
+}
+
+/// As [`depth`], and the point in the world that is so deep in both together.
+#[must_use]
+pub fn deepest(a: PlacedSolid<'_>, b: PlacedSolid<'_>) -> Option<(f64, DVec3)> {
     // What is cheap is asked first, and most points are outside of it.
     let (cheap, dear) = if matches!(a.geometry, Geometry::Mesh(_)) { (b, a) } else { (a, b) };
     let both = |p: DVec3| Some(cheap.inside(p)? + dear.inside(p)?);
@@ -125,9 +131,9 @@ pub fn depth(a: PlacedSolid<'_>, b: PlacedSolid<'_>) -> Option<f64> {
                 None => step *= 0.5,
             }
         }
-        best
+        (best, at)
     });
-    best.reduce(f64::max)
+    best.reduce(|x, y| if y.0 > x.0 { y } else { x })
 }
 
 /// Points of a lattice over the common part of the boxes around two shapes, along the axes of the world.

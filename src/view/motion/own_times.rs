@@ -1,0 +1,38 @@
+//! Times for a path that has none: a unit of length takes a second.
+
+use crate::planner::trajectory::curve::Interpolation;
+use foliate_components::path::{ManipulationPath, SegmentTiming};
+use foliate_components::robot::Robot;
+
+/// A path with times, its own or made up.
+#[derive(Clone, Debug)]
+pub(crate) struct TimedMotion {
+    pub path: ManipulationPath,
+    pub interpolation: Interpolation,
+    /// Whether the times are the path's own.
+    pub is_own: bool,
+}
+
+impl TimedMotion {
+    /// The path as it is where it has times. Without them it is straight from knot to knot, and the length of the way in the joints' space
+    /// (radians and metres alike) is its time.
+    pub fn new(robot: &Robot, path: &ManipulationPath, interpolation: Interpolation) -> Self {
+        let mut path = path.clone();
+        if path.segments.iter().all(|segment| segment.timing.is_some()) {
+            return Self { path, interpolation, is_own: true };
+        }
+        let weights = vec![1.0; robot.space.dimension()];
+        let mut now = 0.0;
+        for segment in &mut path.segments {
+            let mut times = Vec::with_capacity(segment.knots.len());
+            for (number, knot) in segment.knots.iter().enumerate() {
+                if let Some(before) = number.checked_sub(1) {
+                    now += robot.space.distance(&segment.knots[before], knot, &weights);
+                }
+                times.push(now);
+            }
+            segment.timing = Some(SegmentTiming { times, velocities: Vec::new() });
+        }
+        Self { path, interpolation: Interpolation::Linear, is_own: false }
+    }
+}

@@ -1,0 +1,166 @@
+//! What happens on each leaf, in words, and when hands take and let go.
+
+use crate::inspection::words::ShortNames;
+use crate::planner::trajectory::segments::{Held, TrajectorySegment};
+use crate::planner::trajectory::trajectory::Trajectory;
+use crate::view::document::path::{EventEntry, SegmentEntry};
+use foliate_components::path::{EventKind, fingers};
+use foliate_components::robot::{JointType, Robot, Source};
+use std::collections::HashMap;
+
+/// Where the states and the transitions of segments are in the list of a graph, by name.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct GraphPlaces {
+    pub states: HashMap<String, usize>,
+    pub transitions: HashMap<String, usize>,
+}
+
+/// A coordinate that changes by less stands still, metres and radians.
+const STILL: f64 = 1e-6;
+
+/// The segments of a motion. `transitions` has a name for each.
+pub(crate) fn segments(
+    trajectory: &Trajectory<'_>,
+    transitions: &[String],
+    places: &GraphPlaces,
+    names: &ShortNames,
+) -> Vec<SegmentEntry> {
+    let all = trajectory.segments();
+    let mut colours: HashMap<&str, usize> = HashMap::new();
+    let start = trajectory.start();
+    let entry = |segment: &TrajectorySegment<'_>| {
+        let next = colours.len();
+        let colour = *colours.entry(trajectory.segment_state(segment.index)).or_insert(next);
+        SegmentEntry {
+            from: segment.start - start,
+            to: segment.end - start,
+            state: places.states.get(segment.state).copied(),
+            transition: transitions.get(segment.index).and_then(|name| places.transitions.get(name)).copied(),
+            words: words(trajectory, &all, segment.index, names),
+            colour,
+            held: segment.held.iter().map(|held| [held.gripper.to_owned(), held.handle.to_owned()]).collect(),
+        }
+    };
+    all.iter().map(entry).collect()
+}
+
+/// What happens along a segment.
+fn words(trajectory: &Trajectory<'_>, all: &[TrajectorySegment<'_>], index: usize, names: &ShortNames) -> String {
+    let robot = trajectory.robot();
+    let segment = &all[index];
+    if let Some(words) = fingers_move(trajectory, all, index, names) {
+        return words;
+    }
+    let aim = aim(all, index, names);
+    let mut objects: Vec<&str> = Vec::new();
+    for held in &segment.held {
+        if !objects.contains(&held.object) {
+            objects.push(held.object);
+        }
+    }
+    if objects.is_empty() {
+        return aim.unwrap_or_else(|| "moves with empty hands".into());
+    }
+    let mut clauses: Vec<String> = objects
+        .iter()
+        .map(|object| {
+            let holders: Vec<&Held<'_>> = segment.held.iter().filter(|held| held.object == *object).collect();
+            let hands: Vec<&str> = holders.iter().map(|held| names.of_name(held.gripper)).collect();
+            let several = hands.len() > 1;
+            match floats(robot, object) {
+                true => format!("{} {} {object}", joined(&hands), if several { "carry" } else { "carries" }),
+                false => {
+                    let handle = names.of_name(holders[0].handle);
+                    format!("{} {} {handle}", joined(&hands), if several { "move" } else { "moves" })
+                }
+            }
+        })
+        .collect();
+    clauses.extend(aim);
+    clauses.join("; ")
+}
+
+fn joined(names: &[&str]) -> String {
+    match names {
+        [all @ .., last] if !all.is_empty() => format!("{} and {last}", all.join(", ")),
+        _ => names.concat(),
+    }
+}
+
+fn floats(robot: &Robot, part: &str) -> bool {
+    let root = robot.part(part).and_then(|part| robot.parts[part.at()].root_joint);
+    root.is_some_and(|root| robot.joints[root.at()].motion == JointType::FreeFlyer)
+}
+
+/// What the next change of who holds what is going to be.
+fn aim(all: &[TrajectorySegment<'_>], index: usize, names: &ShortNames) -> Option<String> {
+    let held = &all[index].held;
+    let next = all[index + 1..].iter().find(|segment| segment.held != *held)?;
+    let taken: Vec<&Held<'_>> = next.held.iter().filter(|hold| !held.contains(hold)).collect();
+    let let_go: Vec<&Held<'_>> = held.iter().filter(|hold| !next.held.contains(hold)).collect();
+    if let Some(taken) = taken.first() {
+        return Some(format!("{} reaches for {}", names.of_name(taken.gripper), names.of_name(taken.handle)));
+    }
+    let let_go = let_go.first()?;
+    if next.held.iter().any(|hold| hold.object == let_go.object) {
+        return Some(format!("{} is about to let go", names.of_name(let_go.gripper)));
+    }
+    let on = next.carried.iter().find(|carry| carry.object == let_go.object).and_then(|carry| carry.link);
+    let on = on.map_or_else(String::new, |link| format!(" on {}", link.split('/').next().unwrap_or(link)));
+    Some(format!("to put {} down{on}", let_go.object))
+}
+
+/// That a hand opens or closes, where nothing else moves.
+fn fingers_move(
+    trajectory: &Trajectory<'_>,
+    all: &[TrajectorySegment<'_>],
+    index: usize,
+    names: &ShortNames,
+) -> Option<String> {
+    let robot = trajectory.robot();
+    let knots = &trajectory.path().segments[index].knots;
+    let (first, last) = (&knots[0], &knots[knots.len() - 1]);
+    let moved: Vec<usize> = (0..first.len()).filter(|&i| (first[i] - last[i]).abs() > STILL).collect();
+    if moved.is_empty() {
+        return None;
+    }
+    let coordinates = |gripper| -> Vec<usize> {
+        let joints = fingers(robot, gripper).into_iter();
+        joints
+            .filter_map(|joint| match robot.joints[joint.at()].source {
+                Source::Coordinates { q, .. } => Some(q),
+                Source::Follows { .. } => None,
+            })
+            .collect()
+    };
+    let hand = (0..robot.grippers.len() as u32).map(foliate_components::robot::GripperIndex).find(|&gripper| {
+        let own = coordinates(gripper);
+        moved.iter().all(|i| own.contains(i))
+    })?;
+    let name = &robot.grippers[hand.at()].name;
+    let holds = all[index].held.iter().find(|held| held.gripper == name);
+    Some(match holds {
+        Some(held) => format!("{} closes on {}", names.of_name(name), held.object),
+        None => format!("{} opens or closes", names.of_name(name)),
+    })
+}
+
+/// When hands take and let go.
+pub(crate) fn events(trajectory: &Trajectory<'_>, names: &ShortNames) -> Vec<EventEntry> {
+    let start = trajectory.start();
+    let entry = |event: crate::planner::trajectory::events::TrajectoryEvent<'_>| {
+        let (kind, verb) = match event.kind {
+            EventKind::Grasp => ("grasp", "takes"),
+            EventKind::Release => ("release", "lets go of"),
+        };
+        EventEntry {
+            time: event.time - start,
+            dwell: event.dwell,
+            kind,
+            words: format!("{} {verb} {}", names.of_name(event.gripper), names.of_name(event.handle)),
+            gripper: event.gripper.to_owned(),
+            handle: event.handle.to_owned(),
+        }
+    };
+    trajectory.events().into_iter().map(entry).collect()
+}

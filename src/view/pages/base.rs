@@ -1,0 +1,83 @@
+//! What every page has: parts, links, joints, meshes, documents.
+
+use crate::inspection::words::ShortNames;
+use crate::path_file::visuals::Visuals;
+use crate::scene::assemble::names::configuration::coordinate_names;
+use crate::scene::reading::error::SceneError;
+use crate::view::document::page::{Document, FORMAT, PageKind};
+use crate::view::geometry::blob::Blob;
+use crate::view::geometry::mesh_store::{MeshStore, TRIANGLES};
+use crate::view::html::page::Page;
+use crate::view::parts::{documents, tree};
+use foliate_components::robot::{Robot, SurfaceIndex};
+
+/// What a page shows apart from what it is about.
+#[derive(Clone, Debug)]
+pub struct ViewOptions {
+    /// Most triangles of all meshes of a page together; meshes are reduced until they have no more.
+    pub triangles: usize,
+}
+
+impl Default for ViewOptions {
+    fn default() -> Self {
+        Self { triangles: TRIANGLES }
+    }
+}
+
+/// A page of a robot and nothing else.
+pub(crate) fn base(
+    (title, kind): (&str, PageKind),
+    robot: &Robot,
+    visuals: &Visuals,
+    supports: Option<&[SurfaceIndex]>,
+    options: &ViewOptions,
+) -> Page {
+    let (mut store, mut blob) = (MeshStore::default(), Blob::default());
+    let links = tree::links(robot, visuals, &mut store);
+    let stored = store.write(options.triangles, &mut blob);
+    let document = Document {
+        format: FORMAT,
+        title: title.to_owned(),
+        kind,
+        facts: Vec::new(),
+        warnings: visuals.warnings.iter().map(SceneError::to_string).collect(),
+        deviation: stored.deviation,
+        triangles: stored.triangles,
+        meshes: stored.entries,
+        parts: tree::parts(robot),
+        links,
+        joints: tree::joints(robot),
+        coordinates: coordinate_names(robot),
+        neutral: robot.space.neutral(),
+        documents: documents::documents(robot, supports),
+        start: None,
+        goal: None,
+        graph: None,
+        path: None,
+        pairs: None,
+        collisions: Vec::new(),
+        violations: Vec::new(),
+        search: None,
+    };
+    Page { document, blob }
+}
+
+/// Short names of a robot's grippers and handles.
+pub(crate) fn names(robot: &Robot) -> ShortNames {
+    ShortNames::of(robot)
+}
+
+impl Page {
+    /// Adds a remark, once.
+    pub fn warn(&mut self, text: impl Into<String>) {
+        let text = text.into();
+        if !self.document.warnings.contains(&text) {
+            self.document.warnings.push(text);
+        }
+    }
+
+    /// Adds a line about the page: a label, and what it says.
+    pub fn tell(&mut self, label: &str, text: impl Into<String>) {
+        self.document.facts.push([label.to_owned(), text.into()]);
+    }
+}
