@@ -7,7 +7,6 @@ pub mod batch;
 pub mod certify;
 #[cfg(feature = "check")]
 pub mod check;
-pub(crate) mod error;
 pub mod inspection;
 pub mod memory;
 #[cfg(feature = "scene")]
@@ -21,13 +20,12 @@ pub mod scene;
 #[cfg(feature = "view")]
 pub mod view;
 
-pub use crate::error::Error;
 #[cfg(feature = "export")]
 pub use crate::path_file::export;
 #[cfg(feature = "scene")]
 pub use crate::planner::recording;
 pub use crate::planner::{
-    FunnelRow, GoalReport, NoSolution, NoSolutionReason, Planner, Report, Solution, StateRow, Trajectory,
+    Error, FunnelRow, GoalReport, NoSolution, NoSolutionReason, Planner, Report, Solution, StateRow, Trajectory,
     TrajectoryError, trajectory,
 };
 // Crates whose types stand in the signatures of this one: a host that uses these needs no versions of its own.

@@ -1,7 +1,7 @@
 //! What most hosts name: `use foliate::prelude::*;`.
 
-pub use crate::error::Error;
 pub use crate::memory::MemoryLimit;
+pub use crate::planner::error::Error;
 pub use crate::planner::trajectory::{JointSample, Trajectory, TrajectoryError};
 pub use crate::planner::{NoSolution, NoSolutionReason, Planner, Report, Solution};
 #[cfg(feature = "scene")]

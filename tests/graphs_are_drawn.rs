@@ -48,7 +48,7 @@ fn graphs_of_embedded_scenes_are_drawn() {
     for name in ["demo", "stack", "drawer"] {
         let scene = Scene::load(name, &PackagePath::default()).unwrap();
         let graph = grown_graph(&scene.problem).unwrap();
-        let names = ShortNames::of(&scene.problem.robot);
+        let names = ShortNames::of(&scene.problem.robot, &graph);
         for waypoints in [false, true] {
             let options = PictureOptions { waypoints, ..PictureOptions::default() };
             let (entry, text) = drawn(&graph, &names, &options, name);
@@ -71,7 +71,7 @@ fn graphs_of_published_scenes_are_drawn() {
         let scene = Scene::load(shipped.name, &packages).unwrap();
         let graph = grown_graph(&scene.problem).unwrap();
         let started = Instant::now();
-        let names = ShortNames::of(&scene.problem.robot);
+        let names = ShortNames::of(&scene.problem.robot, &graph);
         let (entry, text) = drawn(&graph, &names, &PictureOptions::default(), shipped.name);
         println!(
             "{}: {} states, {} transitions, {:.0?} twice",
@@ -92,7 +92,7 @@ fn a_large_graph_says_what_it_leaves_out() {
         let graph = grown_graph(&problem).unwrap();
         assert_eq!(graph.lazy, title == "lazy");
         assert!(graph.states_of_nodes().count() > 20, "{title}");
-        let names = ShortNames::of(&problem.robot);
+        let names = ShortNames::of(&problem.robot, &graph);
         let options = PictureOptions { most_states: 20, ..PictureOptions::default() };
         let (entry, text) = drawn(&graph, &names, &options, title);
         is_readable(&entry, &text, title);

@@ -6,7 +6,7 @@ use foliate_components::graph::{
     ConstraintGraph, ConstraintId, ConstraintKind, Opening, Transition, TransitionId, TransitionKind,
 };
 use foliate_components::robot::Robot;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Who holds what in a state, by the whole names: `robot/hand holds box/top, what else its name says`.
 #[must_use]
@@ -46,21 +46,25 @@ fn change(name: &str) -> Option<String> {
 pub struct ShortNames(HashMap<String, String>);
 
 impl ShortNames {
-    /// The names of a robot's grippers and handles. A gripper loses its part where no other gripper has its own name; a handle that is the
-    /// only one of its part is called as the part.
+    /// The names of a robot's grippers and of the handles that the states of a graph grasp.
+    ///
+    /// A gripper loses its part where no other gripper has its own name; a handle that is the only one of its part is called as the part.
     #[must_use]
-    pub fn of(robot: &Robot) -> Self {
+    pub fn of(robot: &Robot, graph: &ConstraintGraph) -> Self {
+        let held = graph.states.iter().flat_map(|state| state.name.split(" : "));
+        let held: HashSet<&str> = held.filter_map(|piece| Some(piece.split_once(" grasps ")?.1)).collect();
         let own = |name: &str| name.split_once('/').map_or(name, |(_, own)| own).to_owned();
         let part = |name: &str| name.split('/').next().unwrap_or_default().to_owned();
         let mut grippers: HashMap<String, usize> = HashMap::new();
         robot.grippers.iter().for_each(|gripper| *grippers.entry(own(&gripper.name)).or_default() += 1);
         let mut handles: HashMap<String, usize> = HashMap::new();
-        robot.handles.iter().for_each(|handle| *handles.entry(part(&handle.name)).or_default() += 1);
+        let grasped = || robot.handles.iter().filter(|handle| held.contains(handle.name.as_str()));
+        grasped().for_each(|handle| *handles.entry(part(&handle.name)).or_default() += 1);
         let mut short = HashMap::new();
         for gripper in robot.grippers.iter().filter(|gripper| grippers[&own(&gripper.name)] == 1) {
             short.insert(gripper.name.clone(), own(&gripper.name));
         }
-        for handle in robot.handles.iter().filter(|handle| handles[&part(&handle.name)] == 1) {
+        for handle in grasped().filter(|handle| handles[&part(&handle.name)] == 1) {
             short.insert(handle.name.clone(), part(&handle.name));
         }
         Self(short)

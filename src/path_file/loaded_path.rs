@@ -4,11 +4,11 @@
 
 use crate::path_file::document::{AttachmentEntry, PartEntry, PathFile, SegmentEntry};
 use crate::path_file::error::PathFileError;
+use crate::path_file::names::columns;
 use crate::path_file::read::read;
 use crate::planner::trajectory::curve::Interpolation;
 use crate::planner::trajectory::error::TrajectoryError;
 use crate::planner::trajectory::trajectory::Trajectory;
-use crate::scene::assemble::names::configuration::coordinate_names;
 use crate::scene::load::{disabled_pairs, read_model};
 use crate::scene::mesh::formats::triangles::UpAxis;
 use crate::scene::reading::error::{SceneError, quoted};
@@ -20,7 +20,6 @@ use foliate_components::robot::configuration::Group;
 use foliate_components::robot::model::{GripperModel, HandleModel, Model, SurfaceModel};
 use foliate_components::robot::{DisabledPair, PartKind, PartPlacement, Robot, RootJoint};
 use glam::DVec3;
-use std::collections::HashMap;
 use std::path::Path;
 
 /// The format whose motions are straight, with or without times.
@@ -128,7 +127,7 @@ impl LoadedPath {
             true => Interpolation::Linear,
             false => Interpolation::Hermite,
         };
-        let columns = columns(file, &robot)?;
+        let columns = columns(&file.coordinates, &robot).map_err(|(place, message)| malformed(place, message))?;
         let reader = Reader { robot: &robot, columns: &columns, width: file.coordinates.len(), interpolation };
         let segments: Result<Vec<Segment>, LoadPathError> =
             file.segments.iter().enumerate().map(|(index, segment)| reader.segment(index, segment)).collect();
@@ -173,6 +172,28 @@ impl LoadedPath {
     pub fn trajectory(&self) -> Result<Trajectory<'_>, TrajectoryError> {
         let states = self.states.iter().map(String::as_str).collect();
         Trajectory::new(&self.robot, &self.path, states, self.interpolation)
+    }
+}
+
+#[cfg(feature = "visuals")]
+impl crate::scene::visuals::Visuals {
+    /// The visual elements of the models that a path file names. A link of which one cannot be read, and a link without any, shows its
+    /// collision shapes.
+    ///
+    /// # Errors
+    /// A model cannot be read.
+    pub fn read(path: &LoadedPath, packages: &PackagePath) -> Result<Self, SceneError> {
+        let models = path.models.iter().map(|model| (model.urdf.as_str(), model.up_axis));
+        Self::with_shapes(&path.robot, models, packages)
+    }
+
+    /// As [`Self::read`], but a link without visual elements shows nothing.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn of_path(path: &LoadedPath, packages: &PackagePath) -> Result<Self, SceneError> {
+        let models = path.models.iter().map(|model| (model.urdf.as_str(), model.up_axis));
+        Self::of_names(&path.robot, models, packages)
     }
 }
 
@@ -259,34 +280,6 @@ fn documents(file: &PathFile, part: &str, model: &mut Model) -> Result<(), LoadP
         model.surfaces.push(SurfaceModel { name: own, link, points, polygons: entry.polygons.clone() });
     }
     Ok(())
-}
-
-/// For each coordinate of the robot its place in a knot; none for an environment's joint that the file does not name, which stands at
-/// zero.
-fn columns(file: &PathFile, robot: &Robot) -> Result<Vec<Option<usize>>, LoadPathError> {
-    let places: HashMap<&str, usize> = file.coordinates.iter().enumerate().map(|(i, n)| (n.as_str(), i)).collect();
-    let still = |name: &str| {
-        let part = name.split('/').next().and_then(|part| robot.part(part));
-        part.is_some_and(|part| robot.parts[part.at()].kind == PartKind::Environment)
-    };
-    let names = coordinate_names(robot);
-    let mut known = vec![false; file.coordinates.len()];
-    let mut columns = Vec::with_capacity(names.len());
-    for name in &names {
-        let place = places.get(name.as_str()).copied();
-        if place.is_none() && !still(name) {
-            return Err(malformed("coordinates", format!("`{}` is missing", quoted(name))));
-        }
-        place.into_iter().for_each(|place| known[place] = true);
-        columns.push(place);
-    }
-    match known.iter().position(|known| !known) {
-        None => Ok(columns),
-        Some(index) => {
-            let message = format!("`{}` is no coordinate of a part", quoted(&file.coordinates[index]));
-            Err(malformed(format!("coordinates[{index}]"), message))
-        }
-    }
 }
 
 /// Reads the segments of a file.

@@ -7,8 +7,7 @@
 //!
 //! `document` is the form of a file, with the constraints of `constraint`; `version` knows what version 2 added. `write` makes one
 //! of a path, with what `timing` says of its times (`names` says how held things are called); `read` reads one (`place` says where a JSON error is), `save` puts one on disk
-//! with the models that it names. `loaded_path` makes a path of a file again, on the robot of its models, `visuals` says what that looks like; `export` writes it for other
-//! programs.
+//! with the models that it names. `loaded_path` makes a path of a file again, on the robot of its models; `export` writes it for other programs.
 
 pub mod constraint;
 pub mod document;
@@ -22,8 +21,6 @@ pub(crate) mod read;
 pub mod save;
 pub(crate) mod timing;
 pub(crate) mod version;
-#[cfg(feature = "visuals")]
-pub(crate) mod visuals;
 pub(crate) mod write;
 
 pub use crate::path_file::constraint::{Bound, ConstraintEntry, FrameEntry, PlaneEntry, PoseRow};

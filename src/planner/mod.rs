@@ -1,8 +1,8 @@
-//! The facade: a problem in, a certified path or a reason out. `trajectory` answers what a robot program asks of the path.
-//!
-//! `search_record` is what is kept of a search that is to be recorded, `recording` its file.
+//! The facade: a problem in, a certified path or a reason out. `trajectory` answers what a robot program asks of the path. `error` is one error
+//! for all that a host asks. `search_record` is what is kept of a search that is to be recorded, `recording` its file.
 
 pub(crate) mod answer;
+pub(crate) mod error;
 #[cfg(feature = "scene")]
 pub mod recording;
 pub(crate) mod refinement;
@@ -12,6 +12,7 @@ pub(crate) mod solving;
 pub mod trajectory;
 
 pub use crate::planner::answer::{NoSolution, NoSolutionReason, Solution, outcome_name};
+pub use crate::planner::error::Error;
 pub use crate::planner::refinement::{BetterPath, CostRow, ImprovementReport, KeptPath};
 pub use crate::planner::report::{FunnelRow, GoalReport, Report, StateRow};
 pub use crate::planner::search_record::{

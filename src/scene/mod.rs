@@ -5,7 +5,7 @@
 //!
 //! `load` is the entrance for files, `shipped` for embedded scenes. Both call `assemble`, which makes a problem of a scene
 //! file. It finds the files of models by `sources` and reads them by `urdf`, `srdf` and `mesh`. All of these read by means
-//! of `reading`.
+//! of `reading`. `visuals` is what links look like.
 
 pub(crate) mod assemble;
 pub mod load;
@@ -15,6 +15,8 @@ pub(crate) mod shipped;
 pub(crate) mod sources;
 pub(crate) mod srdf;
 pub(crate) mod urdf;
+#[cfg(feature = "visuals")]
+pub(crate) mod visuals;
 
 pub use crate::scene::assemble::names::configuration::coordinate_names;
 pub use crate::scene::assemble::scene::{PartSource, Scene, SceneFile, SceneOrigin};
@@ -27,3 +29,5 @@ pub use crate::scene::reading::limits::LoadLimits;
 pub use crate::scene::shipped::{ShippedScene, shipped_scenes};
 pub use crate::scene::sources::package::PackagePath;
 pub use crate::scene::sources::source::{ModelFile, Origin, sha256};
+#[cfg(feature = "visuals")]
+pub use crate::scene::visuals::{Visual, Visuals};

@@ -14,7 +14,7 @@ pub(crate) mod motion;
 pub(crate) mod pages;
 pub(crate) mod parts;
 
-pub use crate::path_file::visuals::{Visual, Visuals};
+pub use crate::scene::visuals::{Visual, Visuals};
 pub use crate::view::document::finding::{CollisionEntry, ViolationEntry, WhereEntry};
 pub use crate::view::document::graph::{GraphEntry, MarkEntry, StateEntry, TransitionEntry, TransitionKindEntry};
 pub use crate::view::document::model::{

@@ -2,6 +2,7 @@
 //! refused, and of each pair that stopped candidates a configuration at which it is too close.
 
 #![allow(non_snake_case, reason = "pose names carry their frames")]
+#![allow(clippy::expect_used, reason = "a test that cannot go on says so")]
 
 mod common;
 

@@ -75,7 +75,7 @@ fn drawn(arguments: &Arguments, problem: &Problem) -> Result<String, Refusal> {
         return Err(Refusal(nothing_to_show()));
     }
     let options = PictureOptions { waypoints: arguments.waypoints, ..PictureOptions::default() };
-    let picture = picture(&graph, &words::ShortNames::of(&problem.robot), &options);
+    let picture = picture(&graph, &words::ShortNames::of(&problem.robot, &graph), &options);
     Ok(svg(&picture, &format!("The constraint graph of {}", problem.name)))
 }
 

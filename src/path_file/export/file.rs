@@ -7,10 +7,10 @@ use crate::path_file::export::npz::npz;
 use crate::path_file::export::options::{ExportError, ExportOptions, Format};
 use crate::path_file::export::ros::{ros_json, ros_yaml};
 use crate::path_file::loaded_path::LoadedPath;
-use crate::path_file::visuals::Visuals;
 use crate::planner::trajectory::error::TrajectoryError;
 use crate::scene::reading::error::SceneError;
 use crate::scene::sources::package::PackagePath;
+use crate::scene::visuals::Visuals;
 
 /// What is to be written.
 #[derive(Clone, Debug)]

@@ -21,4 +21,4 @@ pub use crate::path_file::export::mcap::mcap;
 pub use crate::path_file::export::npz::npz;
 pub use crate::path_file::export::options::{ExportError, ExportOptions, Format};
 pub use crate::path_file::export::ros::{ros_json, ros_yaml};
-pub use crate::path_file::visuals::{Visual, Visuals};
+pub use crate::scene::visuals::{Visual, Visuals};

@@ -196,13 +196,17 @@ pub(super) fn geometry(
     }
 }
 
+/// A solid, and its colour where its file says one.
+#[cfg(feature = "visuals")]
+pub(super) type Painted = (Geometry, Option<crate::scene::mesh::formats::triangles::Paint>);
+
 /// As [`geometry`], a mesh in pieces of one colour each, where its file has colours.
 #[cfg(feature = "visuals")]
 pub(super) fn painted_geometry(
     xml: &Xml<'_>,
     visual: Node<'_, '_>,
     context: &mut Context<'_, '_>,
-) -> Result<Vec<(Geometry, Option<[f64; 4]>)>, SceneError> {
+) -> Result<Vec<Painted>, SceneError> {
     let shape = elements(visual, "geometry").flat_map(|g| g.children().filter(Node::is_element)).next();
     let Some(node) = shape.filter(|node| node.tag_name().name() == "mesh") else {
         return Ok(vec![(geometry(xml, visual, context)?, None)]);

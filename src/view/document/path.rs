@@ -46,6 +46,8 @@ pub struct SegmentEntry {
     pub transition: Option<usize>,
     /// What happens, in plain words.
     pub words: String,
+    /// What it ends at, where that is a waypoint of its transition.
+    pub waypoint: Option<String>,
     /// Segments of one state have one colour: numbers from 0 in the order of first appearance.
     pub colour: usize,
     /// Who holds what: pairs of gripper and handle.

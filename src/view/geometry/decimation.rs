@@ -1,11 +1,13 @@
 //! Takes triangles away that change a surface little.
 //!
 //! An edge is contracted into one of its ends: vertices stay where they were, so that 16-bit positions stay exact. The cost of a contraction is
-//! the sum of squared distances of the remaining vertex to the planes of all triangles that it has taken in, by their areas ([`Quadric`]); edges
-//! of holes count as walls. The cheapest comes first; ties go to the lowest numbers, so that the same mesh gives the same triangles.
+//! the mean of squared distances of the remaining vertex to the planes of all triangles that it has taken in, by their areas ([`Quadric`]); edges
+//! of holes count as walls. The cheapest comes first, unless it takes something too far
+//! from the surface: a mean says little about a bump on a large plane. Ties go to the lowest numbers, so that the same mesh gives the same triangles.
 
 use crate::view::geometry::grid::GridMesh;
 use crate::view::geometry::quadric::Quadric;
+use foliate_kernels::collision::convex::closest_on_triangle;
 use glam::DVec3;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
@@ -32,7 +34,11 @@ pub(crate) struct Decimation {
     is_border: Vec<bool>,
     /// By vertex how often it has changed.
     changes: Vec<u32>,
+    /// By vertex how far what it has taken in is from the surface, at most: each contraction adds how far its vertex is from the new triangles.
+    off: Vec<f64>,
     heap: BinaryHeap<Entry>,
+    /// What was cheap enough and would have moved something too far.
+    deferred: Vec<Entry>,
 }
 
 impl Decimation {
@@ -46,7 +52,9 @@ impl Decimation {
             quadrics: vec![Quadric::default(); count],
             is_border: vec![false; count],
             changes: vec![0; count],
+            off: vec![0.0; count],
             heap: BinaryHeap::new(),
+            deferred: Vec::new(),
             positions,
             mesh,
         };
@@ -101,13 +109,15 @@ impl Decimation {
             if self.is_border[goes as usize] && !self.is_border[stays as usize] {
                 continue;
             }
-            let cost = sum.at(self.positions[stays as usize]).to_bits();
+            let cost = sum.mean_at(self.positions[stays as usize]).to_bits();
             self.heap.push(Reverse((cost, goes, stays, self.changes[goes as usize], self.changes[stays as usize])));
         }
     }
 
-    /// Contracts what costs no more than `cost`, m⁴, while more than `least` triangles are left.
-    pub fn reduce(&mut self, cost: f64, least: usize) {
+    /// Contracts what costs no more than `cost`, m², and takes nothing farther from the surface than `most`, metres, while more than `least`
+    /// triangles are left.
+    pub fn reduce(&mut self, cost: f64, most: f64, least: usize) {
+        self.heap.extend(self.deferred.drain(..));
         while self.left > least {
             let Some(&Reverse((bits, goes, stays, a, b))) = self.heap.peek() else { break };
             if f64::from_bits(bits) > cost {
@@ -115,10 +125,26 @@ impl Decimation {
             }
             self.heap.pop();
             let is_current = self.changes[goes as usize] == a && self.changes[stays as usize] == b;
-            if is_current && self.may(goes, stays) {
-                self.contract(goes, stays);
+            if !is_current || !self.may(goes, stays) {
+                continue;
+            }
+            let off = self.off_after(goes, stays);
+            match off <= most {
+                true => self.contract(goes, stays, off),
+                false => self.deferred.push(Reverse((bits, goes, stays, a, b))),
             }
         }
+    }
+
+    /// How far what both vertices have taken in is from the surface after a contraction, at most.
+    fn off_after(&self, goes: u32, stays: u32) -> f64 {
+        let p = self.positions[goes as usize];
+        let fan = self.living(goes).map(|triangle| self.mesh.triangles[triangle as usize]);
+        let fan = fan.filter(|corners| !corners.contains(&stays));
+        let new = fan.map(|corners| corners.map(|i| self.positions[if i == goes { stays } else { i } as usize]));
+        let distances = new.map(|triangle| closest_on_triangle(p, &triangle).distance(p));
+        let nearest = distances.fold(self.positions[stays as usize].distance(p), f64::min);
+        (self.off[goes as usize] + nearest).max(self.off[stays as usize])
     }
 
     fn living(&self, vertex: u32) -> impl Iterator<Item = u32> {
@@ -157,7 +183,8 @@ impl Decimation {
         is_along && of_one.iter().filter(|n| of_other.binary_search(n).is_ok()).count() == shared
     }
 
-    fn contract(&mut self, goes: u32, stays: u32) {
+    fn contract(&mut self, goes: u32, stays: u32, off: f64) {
+        self.off[stays as usize] = off;
         let moved: Vec<u32> = self.living(goes).collect();
         for triangle in moved {
             let corners = &mut self.mesh.triangles[triangle as usize];
@@ -231,7 +258,7 @@ mod tests {
         let mesh = ball(60);
         let (count, before) = (mesh.triangles.len(), volume(&mesh));
         let mut decimation = Decimation::new(mesh);
-        decimation.reduce(f64::INFINITY, count / 10);
+        decimation.reduce(f64::INFINITY, f64::INFINITY, count / 10);
         let mesh = decimation.finish();
         assert!(mesh.triangles.len() <= count / 10, "{}", mesh.triangles.len());
         assert!((volume(&mesh) - before).abs() < 0.03 * before, "{} {before}", volume(&mesh));
@@ -256,7 +283,7 @@ mod tests {
             .flat_map(|(x, y)| [[at(x, y), at(x + 1, y), at(x + 1, y + 1)], [at(x, y), at(x + 1, y + 1), at(x, y + 1)]])
             .collect();
         let mut decimation = Decimation::new(GridMesh::new(&vertices, &triangles).expect("a sheet"));
-        decimation.reduce(1e-12, 1);
+        decimation.reduce(1e-12, 1e-6, 1);
         let mesh = decimation.finish();
         let corner = |i: u32| mesh.position(mesh.places[i as usize]);
         let area: f64 = mesh
@@ -272,7 +299,7 @@ mod tests {
     fn the_same_mesh_gives_the_same_triangles() {
         let reduced = || {
             let mut decimation = Decimation::new(ball(30));
-            decimation.reduce(f64::INFINITY, 300);
+            decimation.reduce(f64::INFINITY, f64::INFINITY, 300);
             decimation.finish().triangles
         };
         assert_eq!(reduced(), reduced());

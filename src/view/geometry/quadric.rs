@@ -10,6 +10,8 @@ pub(crate) struct Quadric {
     a: [f64; 6],
     b: DVec3,
     c: f64,
+    /// Σ w.
+    weight: f64,
 }
 
 impl Quadric {
@@ -17,15 +19,16 @@ impl Quadric {
     pub fn plane(n: DVec3, p: DVec3, weight: f64) -> Self {
         let d = -n.dot(p);
         let a = [n.x * n.x, n.x * n.y, n.x * n.z, n.y * n.y, n.y * n.z, n.z * n.z].map(|x| weight * x);
-        Self { a, b: n * (weight * d), c: weight * d * d }
+        Self { a, b: n * (weight * d), c: weight * d * d, weight }
     }
 
-    /// The sum at a point, at least 0.
-    pub fn at(&self, p: DVec3) -> f64 {
+    /// The mean of the squared distances of a point, by their weights, at least 0.
+    pub fn mean_at(&self, p: DVec3) -> f64 {
         let [xx, xy, xz, yy, yz, zz] = self.a;
         let squares = xx * p.x * p.x + yy * p.y * p.y + zz * p.z * p.z;
         let products = xy * p.x * p.y + xz * p.x * p.z + yz * p.y * p.z;
-        (squares + 2.0 * products + 2.0 * self.b.dot(p) + self.c).max(0.0)
+        let sum = squares + 2.0 * products + 2.0 * self.b.dot(p) + self.c;
+        if self.weight > 0.0 { (sum / self.weight).max(0.0) } else { 0.0 }
     }
 }
 
@@ -33,7 +36,12 @@ impl Add for Quadric {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
-        Self { a: std::array::from_fn(|i| self.a[i] + other.a[i]), b: self.b + other.b, c: self.c + other.c }
+        Self {
+            a: std::array::from_fn(|i| self.a[i] + other.a[i]),
+            b: self.b + other.b,
+            c: self.c + other.c,
+            weight: self.weight + other.weight,
+        }
     }
 }
 
@@ -48,10 +56,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_quadric_sums_squared_distances() {
+    fn a_quadric_has_the_mean_of_squared_distances() {
         let quadric = Quadric::plane(DVec3::X, DVec3::new(1.0, 5.0, -2.0), 2.0)
             + Quadric::plane(DVec3::Z, DVec3::new(0.0, 0.0, 0.5), 3.0);
-        assert!((quadric.at(DVec3::new(3.0, 9.0, 1.5)) - (2.0 * 4.0 + 3.0)).abs() < 1e-12);
-        assert!(quadric.at(DVec3::new(1.0, 7.0, 0.5)) < 1e-12);
+        assert!((quadric.mean_at(DVec3::new(3.0, 9.0, 1.5)) - (2.0 * 4.0 + 3.0) / 5.0).abs() < 1e-12);
+        assert!(quadric.mean_at(DVec3::new(1.0, 7.0, 0.5)) < 1e-12);
     }
 }

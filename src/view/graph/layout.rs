@@ -1,7 +1,7 @@
 //! Where boxes and the lines between them go.
 
 use dagre::graph::{Graph, GraphOptions};
-use dagre::{EdgeLabel, LayoutOptions, NodeLabel, layout};
+use dagre::{EdgeLabel, LayoutOptions, NodeLabel, RankDir, layout};
 
 /// Between boxes of one row, between rows, and around everything.
 const BESIDE: f64 = 28.0;
@@ -28,8 +28,24 @@ pub(crate) struct Line {
     pub bends: Vec<[f64; 2]>,
 }
 
-/// Gives boxes and lines places; width and height of all of it. Lines go down, from the first box to the second; none leads back to its own.
+/// The shape of the frame that a picture should fit: width to height.
+const FRAME: [f64; 2] = [4.0, 3.0];
+
+/// Gives boxes and lines places; width and height of all of it. Lines go down or to the right, from the first box to the second, whichever
+/// fits better into a frame; none leads back to its own box.
 pub(crate) fn place(boxes: &mut [Placed], lines: &mut [Line]) -> [f64; 2] {
+    let (mut beside, mut beside_lines) = (boxes.to_vec(), lines.to_vec());
+    let [down, right] = [towards(boxes, lines, RankDir::TB), towards(&mut beside, &mut beside_lines, RankDir::LR)];
+    let scale = |[width, height]: [f64; 2]| (width / FRAME[0]).max(height / FRAME[1]);
+    if scale(down) <= scale(right) {
+        return down;
+    }
+    boxes.copy_from_slice(&beside);
+    lines.clone_from_slice(&beside_lines);
+    right
+}
+
+fn towards(boxes: &mut [Placed], lines: &mut [Line], rankdir: RankDir) -> [f64; 2] {
     let mut graph: Graph<NodeLabel, EdgeLabel> =
         Graph::with_options(GraphOptions { directed: true, multigraph: true, compound: false });
     for (number, placed) in boxes.iter().enumerate() {
@@ -42,7 +58,7 @@ pub(crate) fn place(boxes: &mut [Placed], lines: &mut [Line]) -> [f64; 2] {
             EdgeLabel { width, height, labelpos: dagre::layout::types::LabelPos::Center, ..EdgeLabel::default() };
         graph.set_edge(line.from.to_string(), line.to.to_string(), Some(label), Some(&number.to_string()));
     }
-    let options = LayoutOptions { nodesep: BESIDE, ranksep: BELOW, edgesep: 14.0, ..LayoutOptions::default() };
+    let options = LayoutOptions { rankdir, nodesep: BESIDE, ranksep: BELOW, edgesep: 14.0, ..LayoutOptions::default() };
     layout(&mut graph, Some(options));
     for (number, placed) in boxes.iter_mut().enumerate() {
         let label = graph.node(&number.to_string());
@@ -112,7 +128,8 @@ mod tests {
                 assert!((a.x - b.x).abs() >= 80.0 || (a.y - b.y).abs() >= 30.0, "{a:?} {b:?}");
             }
         }
-        assert!(boxes[0].y < boxes[3].y && boxes[3].y < boxes[4].y);
+        let before = |a: usize, b: usize| boxes[a].y < boxes[b].y || boxes[a].x < boxes[b].x;
+        assert!(before(0, 3) && before(3, 4));
     }
 
     #[test]

@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, HashMap, VecDeque};
 /// Most states of one picture.
 pub const MOST_STATES: usize = 100;
 /// Up to so many states lines carry words.
-const LABELLED: usize = 16;
+const LABELLED: usize = 9;
 /// Size of a letter and of a line of text.
 const LETTER: f64 = 6.6;
 const ROW: f64 = 15.0;

@@ -40,12 +40,23 @@ fn words(violation: &Violation) -> String {
     };
     let mut words = format!("{what}: {}", violation.subject);
     if let Some(value) = violation.value {
-        words += &format!(": {value:.4e}");
+        words += &format!(": {}", number(value));
     }
     if let Some(limit) = violation.limit {
-        words += &format!(" (allowed {limit:.4e})");
+        words += &format!(" (allowed {})", number(limit));
     }
     words
+}
+
+/// A number with four digits, as people write it.
+fn number(x: f64) -> String {
+    let size = x.abs();
+    if size != 0.0 && !(1e-3..1e5).contains(&size) {
+        return format!("{x:.3e}");
+    }
+    let before = if size < 1.0 { 0 } else { size.log10() as usize + 1 };
+    let text = format!("{x:.*}", 4_usize.saturating_sub(before));
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
 /// The two links that a subject names: `a - b`, or `a inside b`.
@@ -53,4 +64,18 @@ fn links(robot: &Robot, subject: &str) -> Option<[usize; 2]> {
     let link = |name: &str| robot.link(name).map(|link| link.at());
     let (first, second) = [" - ", " inside "].iter().find_map(|between| subject.split_once(between))?;
     Some([link(first.trim())?, link(second.trim())?])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        let cases =
+            [(57.2, "57.2"), (2.0, "2"), (17315.2, "17315"), (0.0, "0"), (-0.0312, "-0.0312"), (2.5e-7, "2.500e-7")];
+        for (x, text) in cases {
+            assert_eq!(number(x), text);
+        }
+    }
 }

@@ -13,6 +13,16 @@ use std::collections::HashMap;
 pub(crate) struct GraphPlaces {
     pub states: HashMap<String, usize>,
     pub transitions: HashMap<String, usize>,
+    /// By transition what it passes, in order.
+    pub waypoints: Vec<Vec<String>>,
+}
+
+impl GraphPlaces {
+    /// What a segment ends at, where its transition has other segments behind it: `number` of `count` segments in a row.
+    fn waypoint(&self, transition: Option<usize>, number: usize, count: usize) -> Option<String> {
+        let waypoints = self.waypoints.get(transition?)?;
+        (count == waypoints.len() + 1).then(|| waypoints.get(number).cloned()).flatten()
+    }
 }
 
 /// A coordinate that changes by less stands still, metres and radians.
@@ -28,14 +38,21 @@ pub(crate) fn segments(
     let all = trajectory.segments();
     let mut colours: HashMap<&str, usize> = HashMap::new();
     let start = trajectory.start();
+    let one = |index: usize, other: usize| {
+        transitions.get(index).is_some() && transitions.get(index) == transitions.get(other)
+    };
     let entry = |segment: &TrajectorySegment<'_>| {
+        let before = (0..segment.index).rev().take_while(|&other| one(segment.index, other)).count();
+        let behind = (segment.index + 1..all.len()).take_while(|&other| one(segment.index, other)).count();
+        let transition = transitions.get(segment.index).and_then(|name| places.transitions.get(name)).copied();
         let next = colours.len();
         let colour = *colours.entry(trajectory.segment_state(segment.index)).or_insert(next);
         SegmentEntry {
             from: segment.start - start,
             to: segment.end - start,
             state: places.states.get(segment.state).copied(),
-            transition: transitions.get(segment.index).and_then(|name| places.transitions.get(name)).copied(),
+            transition,
+            waypoint: places.waypoint(transition, before, before + 1 + behind),
             words: words(trajectory, &all, segment.index, names),
             colour,
             held: segment.held.iter().map(|held| [held.gripper.to_owned(), held.handle.to_owned()]).collect(),
@@ -51,33 +68,25 @@ fn words(trajectory: &Trajectory<'_>, all: &[TrajectorySegment<'_>], index: usiz
     if let Some(words) = fingers_move(trajectory, all, index, names) {
         return words;
     }
-    let aim = aim(all, index, names);
     let mut objects: Vec<&str> = Vec::new();
     for held in &segment.held {
         if !objects.contains(&held.object) {
             objects.push(held.object);
         }
     }
-    if objects.is_empty() {
-        return aim.unwrap_or_else(|| "moves with empty hands".into());
-    }
-    let mut clauses: Vec<String> = objects
-        .iter()
-        .map(|object| {
-            let holders: Vec<&Held<'_>> = segment.held.iter().filter(|held| held.object == *object).collect();
-            let hands: Vec<&str> = holders.iter().map(|held| names.of_name(held.gripper)).collect();
-            let several = hands.len() > 1;
-            match floats(robot, object) {
-                true => format!("{} {} {object}", joined(&hands), if several { "carry" } else { "carries" }),
-                false => {
-                    let handle = names.of_name(holders[0].handle);
-                    format!("{} {} {handle}", joined(&hands), if several { "move" } else { "moves" })
-                }
-            }
-        })
-        .collect();
-    clauses.extend(aim);
-    clauses.join("; ")
+    let next = all[index + 1..].iter().find(|other| other.held != segment.held);
+    let clause = |object: &&str| {
+        let holders: Vec<&Held<'_>> = segment.held.iter().filter(|held| held.object == *object).collect();
+        let hands: Vec<&str> = holders.iter().map(|held| names.of_name(held.gripper)).collect();
+        let (carries, moves) = if hands.len() > 1 { ("carry", "move") } else { ("carries", "moves") };
+        match floats(robot, object) {
+            true => format!("{} {carries} {object}{}", joined(&hands), put_down(next, object)),
+            false => format!("{} {moves} {}", joined(&hands), names.of_name(holders[0].handle)),
+        }
+    };
+    let mut clauses: Vec<String> = objects.iter().map(clause).collect();
+    clauses.extend(next.and_then(|next| reaches(segment, next, names)));
+    if clauses.is_empty() { "moves with empty hands".into() } else { clauses.join("; ") }
 }
 
 fn joined(names: &[&str]) -> String {
@@ -92,22 +101,24 @@ fn floats(robot: &Robot, part: &str) -> bool {
     root.is_some_and(|root| robot.joints[root.at()].motion == JointType::FreeFlyer)
 }
 
-/// What the next change of who holds what is going to be.
-fn aim(all: &[TrajectorySegment<'_>], index: usize, names: &ShortNames) -> Option<String> {
-    let held = &all[index].held;
-    let next = all[index + 1..].iter().find(|segment| segment.held != *held)?;
-    let taken: Vec<&Held<'_>> = next.held.iter().filter(|hold| !held.contains(hold)).collect();
-    let let_go: Vec<&Held<'_>> = held.iter().filter(|hold| !next.held.contains(hold)).collect();
-    if let Some(taken) = taken.first() {
+/// Where an object is put down, where the next change of who holds what is that nobody holds it.
+fn put_down(next: Option<&TrajectorySegment<'_>>, object: &str) -> String {
+    let Some(next) = next.filter(|next| next.held.iter().all(|hold| hold.object != object)) else {
+        return String::new();
+    };
+    let on = next.carried.iter().find(|carry| carry.object == object).and_then(|carry| carry.link);
+    let on = on.map_or_else(String::new, |link| format!(" on {}", link.split('/').next().unwrap_or(link)));
+    format!(" to put it down{on}")
+}
+
+/// Who takes or lets go of what is held by another, when that is next.
+fn reaches(segment: &TrajectorySegment<'_>, next: &TrajectorySegment<'_>, names: &ShortNames) -> Option<String> {
+    if let Some(taken) = next.held.iter().find(|hold| !segment.held.contains(hold)) {
         return Some(format!("{} reaches for {}", names.of_name(taken.gripper), names.of_name(taken.handle)));
     }
-    let let_go = let_go.first()?;
-    if next.held.iter().any(|hold| hold.object == let_go.object) {
-        return Some(format!("{} is about to let go", names.of_name(let_go.gripper)));
-    }
-    let on = next.carried.iter().find(|carry| carry.object == let_go.object).and_then(|carry| carry.link);
-    let on = on.map_or_else(String::new, |link| format!(" on {}", link.split('/').next().unwrap_or(link)));
-    Some(format!("to put {} down{on}", let_go.object))
+    let let_go = segment.held.iter().find(|hold| !next.held.contains(hold))?;
+    let is_held = next.held.iter().any(|hold| hold.object == let_go.object);
+    is_held.then(|| format!("{} is about to let go", names.of_name(let_go.gripper)))
 }
 
 /// That a hand opens or closes, where nothing else moves.

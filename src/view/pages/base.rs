@@ -1,9 +1,8 @@
 //! What every page has: parts, links, joints, meshes, documents.
 
-use crate::inspection::words::ShortNames;
-use crate::path_file::visuals::Visuals;
 use crate::scene::assemble::names::configuration::coordinate_names;
 use crate::scene::reading::error::SceneError;
+use crate::scene::visuals::Visuals;
 use crate::view::document::page::{Document, FORMAT, PageKind};
 use crate::view::geometry::blob::Blob;
 use crate::view::geometry::mesh_store::{MeshStore, TRIANGLES};
@@ -40,7 +39,7 @@ pub(crate) fn base(
         title: title.to_owned(),
         kind,
         facts: Vec::new(),
-        warnings: visuals.warnings.iter().map(SceneError::to_string).collect(),
+        warnings: Vec::new(),
         deviation: stored.deviation,
         triangles: stored.triangles,
         meshes: stored.entries,
@@ -59,12 +58,9 @@ pub(crate) fn base(
         violations: Vec::new(),
         search: None,
     };
-    Page { document, blob }
-}
-
-/// Short names of a robot's grippers and handles.
-pub(crate) fn names(robot: &Robot) -> ShortNames {
-    ShortNames::of(robot)
+    let mut page = Page { document, blob };
+    visuals.warnings.iter().map(SceneError::to_string).for_each(|warning| page.warn(warning));
+    page
 }
 
 impl Page {

@@ -1,11 +1,11 @@
 //! The page of one model.
 
 use crate::inspection::inspect_pairs;
-use crate::path_file::visuals::Visuals;
 use crate::scene::load::ReadModel;
 use crate::scene::mesh::formats::triangles::UpAxis;
 use crate::scene::reading::error::SceneError;
 use crate::scene::sources::package::PackagePath;
+use crate::scene::visuals::Visuals;
 use crate::view::document::finding::WhereEntry;
 use crate::view::document::page::{MOST_PAIRS, PageKind};
 use crate::view::html::page::Page;
@@ -31,7 +31,7 @@ pub fn page_of_model(
     let robot = model.compose_as(&name)?;
     let visuals = Visuals::of_model(&robot, model, up_axis, packages)?;
     let mut page = base((&name, PageKind::Model), &robot, &visuals, None, options);
-    page.document.warnings.extend(model.warnings.iter().map(SceneError::to_string));
+    model.warnings.iter().map(SceneError::to_string).for_each(|warning| page.warn(warning));
     let mut q = robot.space.neutral();
     robot.space.clamp(&mut q);
     page.document.neutral = q.clone();

@@ -1,15 +1,16 @@
 //! The page of a path.
 
 use crate::check::{CheckError, CheckReport};
+use crate::inspection::words::ShortNames;
 use crate::path_file::document::PathFile;
 use crate::path_file::loaded_path::LoadedPath;
-use crate::path_file::visuals::Visuals;
 use crate::planner::answer::Solution;
 use crate::planner::trajectory::curve::Interpolation;
 use crate::planner::trajectory::error::TrajectoryError;
 use crate::planner::trajectory::trajectory::Trajectory;
 use crate::scene::assemble::scene::Scene;
 use crate::scene::reading::error::SceneError;
+use crate::scene::visuals::Visuals;
 use crate::view::document::page::PageKind;
 use crate::view::document::path::PathEntry;
 use crate::view::geometry::blob::Blob;
@@ -21,7 +22,7 @@ use crate::view::motion::own_times::TimedMotion;
 use crate::view::motion::refusals::refusals;
 use crate::view::motion::sampling::samples;
 use crate::view::motion::segments::{GraphPlaces, events, segments};
-use crate::view::pages::base::{ViewOptions, base, names};
+use crate::view::pages::base::{ViewOptions, base};
 use foliate_components::graph::{ConstraintGraph, StateId};
 use foliate_components::path::ManipulationPath;
 use foliate_components::robot::Robot;
@@ -65,7 +66,7 @@ pub fn page_of_path(
 ) -> Result<Page, TrajectoryError> {
     let robot = &path.robot;
     let mut page = base((&file.scene, PageKind::Path), robot, visuals, None, options);
-    page.document.warnings.extend(path.warnings.iter().map(SceneError::to_string));
+    path.warnings.iter().map(SceneError::to_string).for_each(|warning| page.warn(warning));
     page.tell("scheduler", &file.scheduler);
     page.tell("seed", file.seed.to_string());
     let whole = scene.and_then(|scene| grown_graph(&scene.problem).ok());
@@ -116,13 +117,14 @@ pub(crate) fn add_motion(
     graph: &ConstraintGraph,
     collision: &CollisionScene,
 ) -> Result<(), TrajectoryError> {
-    let short = names(told.robot);
+    let short = ShortNames::of(told.robot, graph);
     let around = path_states(graph, told);
     let picture = picture(graph, &short, &PictureOptions { around, ..PictureOptions::default() });
     let mut places = GraphPlaces::default();
     places.states.extend(picture.states.iter().enumerate().map(|(place, state)| (state.name.clone(), place)));
     let transitions = picture.transitions.iter().enumerate();
     places.transitions.extend(transitions.map(|(place, transition)| (transition.name.clone(), place)));
+    places.waypoints.extend(picture.transitions.iter().map(|transition| transition.waypoints.clone()));
     let timed = TimedMotion::new(told.robot, told.path, told.interpolation);
     let trajectory = Trajectory::new(told.robot, &timed.path, told.states.clone(), timed.interpolation)?;
     let samples = samples(&trajectory);
@@ -179,7 +181,8 @@ fn add_verdict(
             let trajectory = Trajectory::new(told.robot, &timed.path, told.states.clone(), timed.interpolation)?;
             entry.verdict = Some(report.verdict().name().to_owned());
             entry.refused = refusals(report, &trajectory);
-            page.document.warnings.extend(report.weaker.iter().cloned());
+            let weaker = report.weaker.clone();
+            weaker.into_iter().for_each(|why| page.warn(why));
         }
         Err(error) => page.warn(format!("the path is not checked: {error}")),
     }

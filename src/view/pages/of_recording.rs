@@ -1,10 +1,11 @@
 //! The page of a recorded search: its roadmap, what became of its candidates, what stood in the way, and its path where it found one.
 
+use crate::inspection::words::ShortNames;
 use crate::path_file::loaded_path::LoadedPath;
-use crate::path_file::visuals::Visuals;
 use crate::planner::recording::{FindingEntry, Recording, ShownFunnel, ShownPair};
 use crate::planner::trajectory::error::TrajectoryError;
 use crate::scene::reading::error::SceneError;
+use crate::scene::visuals::Visuals;
 use crate::view::document::finding::WhereEntry;
 use crate::view::document::graph::GraphEntry;
 use crate::view::document::page::{Document, PageKind};
@@ -12,7 +13,7 @@ use crate::view::document::search::{FunnelEntry, FunnelPairEntry, SearchEntry};
 use crate::view::graph::grown::recorded;
 use crate::view::graph::picture::{PictureOptions, picture};
 use crate::view::html::page::Page;
-use crate::view::pages::base::{ViewOptions, base, names};
+use crate::view::pages::base::{ViewOptions, base};
 use crate::view::pages::findings::{Placed, Violation};
 use crate::view::pages::of_path::{Told, add_motion};
 use foliate_components::graph::StateId;
@@ -43,19 +44,20 @@ pub fn page_of_recording(
     page.tell("seed", head.path.seed.to_string());
     page.tell("outcome", head.outcome.replace('_', " "));
     let graph = recorded(recording);
+    let short = ShortNames::of(robot, &graph);
     let collision = CollisionScene::new(robot, &PairRule { ignored: &path.ignored_pairs, ..PairRule::default() });
     if path.path.segments.is_empty() {
         let reached = head.states.iter().enumerate().filter(|(_, state)| state.nodes > 0);
         let around = reached.map(|(place, _)| StateId(place as u32)).collect();
         let options = PictureOptions { around, ..PictureOptions::default() };
-        page.document.graph = Some(picture(&graph, &names(robot), &options));
+        page.document.graph = Some(picture(&graph, &short, &options));
         page.document.start = head.start.as_ref().map(|q| path.in_order(q));
         page.document.goal = head.goals.first().map(|q| path.in_order(q));
     } else {
         add_motion(&mut page, &Told::of_loaded(path), &graph, &collision)?;
     }
     let places = page.document.graph.as_mut().map(|graph| name_as_recorded(graph, recording)).unwrap_or_default();
-    let search = search(recording, path, &places, &mut page);
+    let search = search(recording, path, (&places, &short), &mut page);
     add_findings(&mut page.document, recording, path, &collision);
     page.add_search(search);
     Ok(page)
@@ -90,7 +92,12 @@ fn name_as_recorded(graph: &mut GraphEntry, recording: &Recording) -> Places {
     places
 }
 
-fn search(recording: &Recording, path: &LoadedPath, places: &Places, page: &mut Page) -> SearchEntry {
+fn search(
+    recording: &Recording,
+    path: &LoadedPath,
+    (places, short): (&Places, &ShortNames),
+    page: &mut Page,
+) -> SearchEntry {
     let shown = recording.shown();
     let size = path.robot.space.size();
     let most = MOST_NODE_BYTES / (4 * size.max(1));
@@ -120,11 +127,11 @@ fn search(recording: &Recording, path: &LoadedPath, places: &Places, page: &mut 
         trees: shown.trees.clone(),
         outcome: shown.outcome.clone(),
         words,
-        funnel: shown.funnel.iter().map(|row| funnel_row(row, path, places)).collect(),
+        funnel: shown.funnel.iter().map(|row| funnel_row(row, path, (places, short))).collect(),
     }
 }
 
-fn funnel_row(row: &ShownFunnel, path: &LoadedPath, places: &Places) -> FunnelEntry {
+fn funnel_row(row: &ShownFunnel, path: &LoadedPath, (places, short): (&Places, &ShortNames)) -> FunnelEntry {
     let link = |name: &String| path.robot.link(name).map(|link| link.at());
     let pair = |pair: &ShownPair| {
         let links = [link(&pair.links[0])?, link(&pair.links[1])?];
@@ -133,7 +140,7 @@ fn funnel_row(row: &ShownFunnel, path: &LoadedPath, places: &Places) -> FunnelEn
     };
     FunnelEntry {
         transition: places.transitions.get(&row.transition).copied(),
-        words: names(&path.robot).transition(&row.name),
+        words: short.transition(&row.name),
         tried: row.tried,
         projected: row.projected,
         free: row.free,

@@ -1,15 +1,16 @@
 //! The page of a scene before any search.
 
-use crate::path_file::visuals::Visuals;
+use crate::inspection::words::ShortNames;
 use crate::scene::assemble::scene::Scene;
 use crate::scene::reading::error::SceneError;
+use crate::scene::visuals::Visuals;
 use crate::view::document::finding::WhereEntry;
 use crate::view::document::page::PageKind;
 use crate::view::document::search::SearchEntry;
 use crate::view::graph::grown::grow;
 use crate::view::graph::picture::{PictureOptions, picture};
 use crate::view::html::page::Page;
-use crate::view::pages::base::{ViewOptions, base, names};
+use crate::view::pages::base::{ViewOptions, base};
 use crate::view::pages::findings::Placed;
 use foliate_components::pose::pose_to_array;
 use foliate_components::problem::{Goal, PartialGoal, Problem};
@@ -41,7 +42,7 @@ pub fn page_of_scene(
     let problem = &scene.problem;
     let supports = Some(problem.graph.supports.as_slice());
     let mut page = base((&problem.name, PageKind::Scene), &problem.robot, visuals, supports, options);
-    page.document.warnings.extend(scene.warnings.iter().map(SceneError::to_string));
+    scene.warnings.iter().map(SceneError::to_string).for_each(|warning| page.warn(warning));
     if !scene.description.is_empty() {
         page.tell("scene", &scene.description);
     }
@@ -126,7 +127,7 @@ fn add_model(page: &mut Page, mut model: PlanningModel, problem: &Problem) {
     around.sort_unstable();
     around.dedup();
     let options = PictureOptions { around, ..PictureOptions::default() };
-    page.document.graph = Some(picture(&model.graph, &names(&problem.robot), &options));
+    page.document.graph = Some(picture(&model.graph, &ShortNames::of(&problem.robot, &model.graph), &options));
 }
 
 impl Page {

@@ -1,6 +1,6 @@
 //! The kinematic tree and the shapes of its links.
 
-use crate::path_file::visuals::{Visual, Visuals};
+use crate::scene::visuals::{Visual, Visuals};
 use crate::view::document::PoseRow;
 use crate::view::document::model::{JointEntry, LinkEntry, PartEntry, PlacedShapeEntry, ShapeEntry};
 use crate::view::geometry::mesh_store::MeshStore;

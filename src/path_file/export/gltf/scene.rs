@@ -6,8 +6,8 @@
 use crate::path_file::export::gltf::buffer::Buffer;
 use crate::path_file::export::gltf::surface::surface;
 use crate::path_file::export::options::{ExportError, ExportOptions, fits};
-use crate::path_file::visuals::{Visual, Visuals};
 use crate::planner::trajectory::trajectory::Trajectory;
+use crate::scene::visuals::{Visual, Visuals};
 use foliate_components::Pose;
 use foliate_components::robot::shape::Geometry;
 use foliate_components::robot::{JointIndex, PartKind, Robot};

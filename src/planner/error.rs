@@ -1,7 +1,7 @@
 //! One error for a host that asks the library for several things.
 
 use crate::memory::MemoryLimitError;
-use crate::planner::NoSolution;
+use crate::planner::answer::NoSolution;
 use crate::planner::trajectory::error::TrajectoryError;
 use foliate_components::robot::{ComposeError, CoordinateError};
 use foliate_systems::planning_model::ModelError;

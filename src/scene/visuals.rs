@@ -1,6 +1,5 @@
 //! What links look like: by the visual elements of their models, or else by their collision shapes.
 
-use crate::path_file::loaded_path::LoadedPath;
 use crate::scene::assemble::scene::Scene;
 use crate::scene::load::{ReadModel, VisualSource, read_visuals};
 use crate::scene::mesh::formats::triangles::UpAxis;
@@ -47,25 +46,6 @@ impl Visuals {
         Self { links, warnings: Vec::new() }
     }
 
-    /// The visual elements of the models that a path file names. A link of which one cannot be read, and a link without any, shows its
-    /// collision shapes.
-    ///
-    /// # Errors
-    /// A model cannot be read.
-    pub fn read(path: &LoadedPath, packages: &PackagePath) -> Result<Self, SceneError> {
-        let mut visuals = Self::of_shapes(&path.robot);
-        visuals.add(&path.robot, named(path), packages, true)?;
-        Ok(visuals)
-    }
-
-    /// The visual elements of the models that a path file names and nothing else: a link without any shows nothing.
-    ///
-    /// # Errors
-    /// A model cannot be read.
-    pub fn of_path(path: &LoadedPath, packages: &PackagePath) -> Result<Self, SceneError> {
-        Self::alone(&path.robot, named(path), packages)
-    }
-
     /// The visual elements of a scene's models and nothing else.
     ///
     /// # Errors
@@ -87,6 +67,26 @@ impl Visuals {
     ) -> Result<Self, SceneError> {
         let models = model.urdf().into_iter().map(|urdf| (VisualSource::Again(urdf), up_axis));
         Self::alone(robot, models, packages)
+    }
+
+    /// The visual elements of models, by their paths or `package://` URLs, in the order of the robot's parts, and nothing else.
+    pub(crate) fn of_names<'a>(
+        robot: &Robot,
+        names: impl Iterator<Item = (&'a str, UpAxis)>,
+        packages: &PackagePath,
+    ) -> Result<Self, SceneError> {
+        Self::alone(robot, names.map(|(name, up_axis)| (VisualSource::Name(name), up_axis)), packages)
+    }
+
+    /// As [`Self::of_names`], and the collision shapes of links that have none, or of which one cannot be read.
+    pub(crate) fn with_shapes<'a>(
+        robot: &Robot,
+        names: impl Iterator<Item = (&'a str, UpAxis)>,
+        packages: &PackagePath,
+    ) -> Result<Self, SceneError> {
+        let mut visuals = Self::of_shapes(robot);
+        visuals.add(robot, names.map(|(name, up_axis)| (VisualSource::Name(name), up_axis)), packages, true)?;
+        Ok(visuals)
     }
 
     fn alone<'a>(
@@ -129,11 +129,6 @@ impl Visuals {
         }
         Ok(())
     }
-}
-
-/// The models that a path file names.
-fn named(path: &LoadedPath) -> impl Iterator<Item = (VisualSource<'_>, UpAxis)> {
-    path.models.iter().map(|model| (VisualSource::Name(&model.urdf), model.up_axis))
 }
 
 /// The file that a solid stands for, where it could not be read.
