@@ -22,6 +22,8 @@ pub mod view;
 
 #[cfg(feature = "export")]
 pub use crate::path_file::export;
+#[cfg(feature = "scene")]
+pub use crate::planner::recording;
 pub use crate::planner::{
     Error, FunnelRow, GoalReport, NoSolution, NoSolutionReason, Planner, Report, Solution, StateRow, Trajectory,
     TrajectoryError, trajectory,

@@ -10,6 +10,9 @@ mod mutate;
 #[path = "common/timed.rs"]
 mod timed;
 
+#[path = "common/recorded.rs"]
+mod recorded;
+
 #[path = "common/written.rs"]
 mod written;
 
@@ -20,6 +23,7 @@ use foliate::check::{CheckOptions, SceneChoice, check};
 use foliate::export::{ExportOptions, Format, export};
 use foliate::kernels::collision::CollisionScratch;
 use foliate::path_file::{LoadedPath, save};
+use foliate::recording::Recording;
 use foliate::scene::{MeshCache, PackagePath, Scene, UpAxis, read_model};
 use mutate::fuzz;
 use std::path::{Path, PathBuf};
@@ -172,6 +176,22 @@ fn path() {
         for scene in [SceneChoice::Nothing, SceneChoice::Given("demo".into())] {
             drop(check(&file, &folder.0, &PackagePath::default(), &limits(scene)));
         }
+    });
+}
+
+/// Recordings; what is read is shown.
+#[test]
+fn recording() {
+    let solved = recorded::recorded(&recorded::planner("sequence").record().solve(), "sequence", 1);
+    // Short ones, so that changes meet the head and the columns alike.
+    let settings = foliate::systems::settings::SearchSettings::default().with(|s| s.max_steps = 2);
+    let planner = recorded::planner("mrrt").settings(settings).record_within(24 << 10);
+    let failed = recorded::recorded(&planner.solve(), "mrrt", 1);
+    let good = [solved, failed].map(|recording| recording.to_bytes().unwrap());
+    assert!(good[1].len() < 32 << 10);
+    fuzz("recording", &good, |bad| {
+        let Ok(recording) = Recording::of_bytes(Path::new("bad.search"), bad) else { return };
+        drop((recording.shown(), recording.words(), recording.to_bytes()));
     });
 }
 

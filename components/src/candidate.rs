@@ -35,6 +35,8 @@ pub struct Candidate {
     pub commit_as: CommitAs,
     /// The pair of shapes that stopped it.
     pub blocked_by: Option<(ShapeIndex, ShapeIndex)>,
+    /// Where the search keeps a log: the configuration at which that pair was found too close.
+    pub blocked_at: Option<Box<[f64]>>,
 }
 
 /// What Commit adds to the roadmap for a candidate. Set by the scheduler, between Select and Project.

@@ -10,6 +10,39 @@ use crate::output::Lines;
 use std::collections::HashSet;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Recordings of failed solves that a batch writes at most.
+pub(crate) const MOST_FAILURES: usize = 100;
+
+/// Where solves are recorded that found no path.
+#[derive(Debug)]
+pub(crate) struct FailureFolder {
+    folder: PathBuf,
+    failed: AtomicUsize,
+}
+
+impl FailureFolder {
+    pub(crate) fn new(folder: PathBuf) -> Self {
+        Self { folder, failed: AtomicUsize::new(0) }
+    }
+
+    /// Makes the folder, where it is missing.
+    pub(crate) fn create(&self) -> Result<(), BatchError> {
+        std::fs::create_dir_all(&self.folder).map_err(|source| BatchError::Io { path: self.folder.clone(), source })
+    }
+
+    /// Where the next failed solve is recorded; none once there are enough.
+    pub(crate) fn next(&self, scene: &str, seed: u64) -> Option<PathBuf> {
+        let number = self.failed.fetch_add(1, Ordering::Relaxed);
+        (number < MOST_FAILURES).then(|| self.folder.join(format!("{scene}-{seed}.search")))
+    }
+
+    /// Solves that have failed by now.
+    pub(crate) fn failed(&self) -> usize {
+        self.failed.load(Ordering::Relaxed)
+    }
+}
 
 /// Writes rows as they come.
 pub(crate) struct Recorder {

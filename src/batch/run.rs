@@ -7,7 +7,7 @@ use crate::batch::improvement::plots::Plot;
 use crate::batch::improvement::summary::{BestDurations, ImprovementTable};
 use crate::batch::kept::Identity;
 use crate::batch::machine::{Machine, today};
-use crate::batch::record::Recorder;
+use crate::batch::record::{FailureFolder, MOST_FAILURES, Recorder};
 use crate::batch::row::{Row, RowOutcome};
 use crate::batch::settings::Settings;
 use crate::batch::solve::Solve;
@@ -17,7 +17,7 @@ use crate::memory::MemoryLimit;
 use foliate_components::problem::cost::MotionCost;
 use foliate_schedulers::Scheduler;
 use foliate_systems::events::CancelToken;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -29,6 +29,7 @@ pub struct Batch {
     token: CancelToken,
     memory_limit: Option<MemoryLimit>,
     best: BestDurations,
+    failures: Option<FailureFolder>,
 }
 
 impl Batch {
@@ -57,6 +58,7 @@ impl Batch {
             token: CancelToken::default(),
             memory_limit: None,
             best: BestDurations::default(),
+            failures: None,
         })
     }
 
@@ -87,6 +89,21 @@ impl Batch {
     pub fn best(mut self, best: BestDurations) -> Self {
         self.best = best;
         self
+    }
+
+    /// Records solves that find no path, as `SCENE-SEED.search` in a folder, which is made where it is missing: the first hundred to
+    /// end, each of at most 16 MiB. Solves are measured while they keep what a recording needs.
+    #[must_use]
+    pub fn record_failures(mut self, folder: PathBuf) -> Self {
+        self.failures = Some(FailureFolder::new(folder));
+        self
+    }
+
+    /// How many failed solves this batch has recorded, and how many there were; none where it was not asked to record.
+    #[must_use]
+    pub fn failures_recorded(&self) -> Option<(usize, usize)> {
+        let failed = self.failures.as_ref()?.failed();
+        Some((failed.min(MOST_FAILURES), failed))
     }
 
     /// Number of solves.
@@ -130,6 +147,7 @@ impl Batch {
     }
 
     fn go_on(&self, recorder: Recorder, out: &Path, on_row: impl Fn(&Row) + Sync) -> Result<Vec<Row>, BatchError> {
+        self.failures.as_ref().map_or(Ok(()), FailureFolder::create)?;
         let done = recorder.done();
         let waiting: Vec<usize> = (0..self.solves()).filter(|index| !done.contains(index)).collect();
         let (recorder, next, failure) = (Mutex::new(recorder), AtomicUsize::new(0), Mutex::new(None));
@@ -222,6 +240,7 @@ impl Batch {
                 token: &self.token,
                 memory_limit: self.memory_limit,
                 out,
+                failures: self.failures.as_ref(),
             }
             .row();
             if row.outcome == RowOutcome::Cancelled {

@@ -3,15 +3,18 @@
 use crate::batch::entry::Entry;
 use crate::batch::improvement::watch::Watch;
 use crate::batch::record;
+use crate::batch::record::FailureFolder;
 use crate::batch::row::{PathNumbers, Row, RowOutcome, Work};
 use crate::batch::settings::Settings;
 use crate::memory::MemoryLimit;
 use crate::path_file::error::PathFileError;
 use crate::path_file::save;
-use crate::path_file::write::{PathContext, write_path};
+use crate::path_file::write::{FileNames, PathContext, write_path};
 use crate::planner::answer::{NoSolution, NoSolutionReason, Solution};
+use crate::planner::recording::{Recording, RecordingError};
 use crate::planner::report::Report;
 use crate::planner::solving::{Planner, panic_message};
+use foliate_components::graph::ConstraintGraph;
 use foliate_schedulers::Scheduler;
 use foliate_systems::events::CancelToken;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -29,6 +32,8 @@ pub(crate) struct Solve<'a> {
     pub memory_limit: Option<MemoryLimit>,
     /// The batch's folder.
     pub out: &'a Path,
+    /// Where it is recorded if it finds no path.
+    pub failures: Option<&'a FailureFolder>,
 }
 
 impl Solve<'_> {
@@ -55,12 +60,14 @@ impl Solve<'_> {
         let Some(measurement) = &self.settings.improvement else {
             let answer = planner.solve_on(1);
             row.fill(&answer);
+            self.record_failure(row, &answer);
             return answer.map_or(Ok(()), |solution| self.write_path(&solution));
         };
         let watch = Watch::new(measurement.times());
         let planner = watch.on(measurement.apply(planner));
         let answer = planner.solve_on(1);
         row.fill(&answer);
+        self.record_failure(row, &answer);
         let Ok(solution) = &answer else { return Ok(()) };
         let was_stopped = solution.report.improvement.as_ref().is_some_and(|improvement| improvement.stopped);
         if was_stopped && self.token.is_cancelled() {
@@ -86,10 +93,39 @@ impl Solve<'_> {
             .scheduler(Arc::clone(self.scheduler))
             .cancelled_by(self.token.clone())
             .time_limit(self.settings.time_limit.saturating_sub(self.entry.load_time()));
+        let planner = if self.failures.is_some() { planner.record() } else { planner };
         Ok(match self.memory_limit {
             Some(limit) => planner.memory_limit(limit),
             None => planner,
         })
+    }
+
+    /// Records a solve that found no path, where that is asked for; a recording that cannot be written is told in the row.
+    fn record_failure(&self, row: &mut Row, answer: &Result<Solution, NoSolution>) {
+        let (Some(failures), Some(scene), Err(none)) = (self.failures, self.entry.scene(), answer) else { return };
+        if matches!(none.reason, NoSolutionReason::Cancelled | NoSolutionReason::Threads { .. }) {
+            return;
+        }
+        let Some(file) = failures.next(&self.entry.file_stem(), self.seed) else { return };
+        let written = save::model_names(scene, &file)
+            .map_err(RecordingError::from)
+            .and_then(|models| Recording::of(&self.context(&models, &none.model.graph), answer).save(&file));
+        if let Err(error) = written {
+            let told = if row.message.is_empty() { String::new() } else { format!("{}; ", row.message) };
+            row.message = format!("{told}recording not written: {error}");
+        }
+    }
+
+    /// What files say besides a path.
+    fn context<'b>(&'b self, models: &'b FileNames, graph: &'b ConstraintGraph) -> PathContext<'b> {
+        PathContext {
+            problem: &self.entry.model().problem,
+            graph,
+            models,
+            seed: self.seed,
+            scheduler: self.scheduler.name(),
+            simd: self.settings.search.level.name(),
+        }
     }
 
     fn write_path(&self, solution: &Solution) -> Result<(), String> {
@@ -101,15 +137,7 @@ impl Solve<'_> {
         let Some(scene) = self.entry.scene() else { return Ok(()) };
         let file = record::path_file(self.out, &self.entry.file_stem(), self.seed);
         let models = save::model_names(scene, &file)?;
-        let context = PathContext {
-            problem: &self.entry.model().problem,
-            graph: &solution.model.graph,
-            models: &models,
-            seed: self.seed,
-            scheduler: self.scheduler.name(),
-            simd: self.settings.search.level.name(),
-        };
-        save::save(&write_path(&context, &solution.path), &file)
+        save::save(&write_path(&self.context(&models, &solution.model.graph), &solution.path), &file)
     }
 }
 

@@ -2,9 +2,17 @@
 //!
 //! Names of transitions are those of HPP (`robot/hand > box/top | f`). Files and JSON keep them; text shows what they mean.
 
-use foliate_components::graph::{ConstraintGraph, Transition, TransitionKind};
+use foliate_components::graph::{
+    ConstraintGraph, ConstraintId, ConstraintKind, Opening, Transition, TransitionId, TransitionKind,
+};
 use foliate_components::robot::Robot;
 use std::collections::{HashMap, HashSet};
+
+/// Who holds what in a state, by the whole names: `robot/hand holds box/top, what else its name says`.
+#[must_use]
+pub fn situation(name: &str) -> String {
+    ShortNames::default().state(name).join(", ")
+}
 
 /// What a transition does: `robot/hand grasps box/top`.
 #[must_use]
@@ -100,6 +108,36 @@ impl ShortNames {
     }
 }
 
+/// What a transition passes: where its legs end, but for the last.
+#[must_use]
+pub fn waypoints(graph: &ConstraintGraph, id: TransitionId) -> Vec<String> {
+    let legs = &graph.transition(id).legs;
+    let what = |constraints: &[ConstraintId]| {
+        let kinds: Vec<ConstraintKind> = constraints.iter().map(|&c| graph.constraint(c).kind).collect();
+        let word = |kind: &ConstraintKind| match kind {
+            ConstraintKind::Pregrasp { .. } => Some((0, "before the grasp".to_owned())),
+            ConstraintKind::Preplacement { .. } => Some((1, "over the place".to_owned())),
+            ConstraintKind::Grasp { .. } => Some((2, "at the grasp".to_owned())),
+            ConstraintKind::Placement { .. } => Some((3, "at the place".to_owned())),
+            ConstraintKind::Finger { opening, .. } => Some((4, opening_words(*opening).to_owned())),
+            ConstraintKind::Given { .. } | ConstraintKind::Rest { .. } | ConstraintKind::JointRest { .. } => None,
+        };
+        let best = kinds.iter().filter_map(word).min();
+        let own = || constraints.first().map(|&c| graph.constraint(c).name.clone());
+        best.map(|(_, word)| word).or_else(own).unwrap_or_else(|| "waypoint".into())
+    };
+    let inner = legs.len().saturating_sub(1);
+    legs[..inner].iter().map(|leg| what(&leg.target)).collect()
+}
+
+fn opening_words(opening: Opening) -> &'static str {
+    match opening {
+        Opening::Travel => "hand as it travels",
+        Opening::Wide | Opening::Ready { .. } => "hand open",
+        Opening::Closed { .. } => "hand closed",
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -139,6 +177,7 @@ mod tests {
             ["hand holds box", "s/hand holds lid/a"]
         );
         assert_eq!(names.state("free"), ["nothing is held"]);
+        assert_eq!(situation("r/hand grasps box/top : lid on box"), "r/hand holds box/top, lid on box");
         assert_eq!(names.transition("r/hand < box/top, box on tray | 0-1"), "hand releases box, box on tray");
         assert_eq!(names.transition("r/hand > box/top | f_12"), "hand grasps box");
         assert_eq!(names.transition("Loop | f"), "moves within the state");

@@ -4,11 +4,11 @@
 
 use crate::path_file::document::{AttachmentEntry, PartEntry, PathFile, SegmentEntry};
 use crate::path_file::error::PathFileError;
+use crate::path_file::names::columns;
 use crate::path_file::read::read;
 use crate::planner::trajectory::curve::Interpolation;
 use crate::planner::trajectory::error::TrajectoryError;
 use crate::planner::trajectory::trajectory::Trajectory;
-use crate::scene::assemble::names::configuration::coordinate_names;
 use crate::scene::load::{disabled_pairs, read_model};
 use crate::scene::mesh::formats::triangles::UpAxis;
 use crate::scene::reading::error::{SceneError, quoted};
@@ -20,7 +20,6 @@ use foliate_components::robot::configuration::Group;
 use foliate_components::robot::model::{GripperModel, HandleModel, Model, SurfaceModel};
 use foliate_components::robot::{DisabledPair, PartKind, PartPlacement, Robot, RootJoint};
 use glam::DVec3;
-use std::collections::HashMap;
 use std::path::Path;
 
 /// The format whose motions are straight, with or without times.
@@ -83,6 +82,8 @@ pub struct LoadedPath {
     states: Vec<String>,
     transitions: Vec<String>,
     interpolation: Interpolation,
+    /// For each coordinate of the robot its place in a row of the file.
+    columns: Vec<Option<usize>>,
 }
 
 impl LoadedPath {
@@ -126,15 +127,24 @@ impl LoadedPath {
             true => Interpolation::Linear,
             false => Interpolation::Hermite,
         };
-        let columns = columns(file, &robot)?;
-        let reader = Reader { robot: &robot, columns, width: file.coordinates.len(), interpolation };
+        let columns = columns(&file.coordinates, &robot).map_err(|(place, message)| malformed(place, message))?;
+        let reader = Reader { robot: &robot, columns: &columns, width: file.coordinates.len(), interpolation };
         let segments: Result<Vec<Segment>, LoadPathError> =
             file.segments.iter().enumerate().map(|(index, segment)| reader.segment(index, segment)).collect();
         let path = ManipulationPath { segments: segments?, certificate: Certificate::default() };
         let states = file.segments.iter().map(|segment| segment.state.clone()).collect();
         let transitions = file.segments.iter().map(|segment| segment.transition.clone()).collect();
         let ignored_pairs = ignored_pairs(file, &robot);
-        Ok(Self { robot, path, models, ignored_pairs, warnings, states, transitions, interpolation })
+        Ok(Self { robot, path, models, ignored_pairs, warnings, states, transitions, interpolation, columns })
+    }
+
+    /// A row of numbers by the coordinates of the file, in the order of the robot's coordinates.
+    ///
+    /// # Panics
+    /// If the row is shorter than the coordinates of the file.
+    #[must_use]
+    pub fn in_order<T: Copy + Default>(&self, row: &[T]) -> Vec<T> {
+        self.columns.iter().map(|column| column.map_or_else(T::default, |column| row[column])).collect()
     }
 
     /// By segment the name of its state.
@@ -272,38 +282,10 @@ fn documents(file: &PathFile, part: &str, model: &mut Model) -> Result<(), LoadP
     Ok(())
 }
 
-/// For each coordinate of the robot its place in a knot; none for an environment's joint that the file does not name, which stands at
-/// zero.
-fn columns(file: &PathFile, robot: &Robot) -> Result<Vec<Option<usize>>, LoadPathError> {
-    let places: HashMap<&str, usize> = file.coordinates.iter().enumerate().map(|(i, n)| (n.as_str(), i)).collect();
-    let still = |name: &str| {
-        let part = name.split('/').next().and_then(|part| robot.part(part));
-        part.is_some_and(|part| robot.parts[part.at()].kind == PartKind::Environment)
-    };
-    let names = coordinate_names(robot);
-    let mut known = vec![false; file.coordinates.len()];
-    let mut columns = Vec::with_capacity(names.len());
-    for name in &names {
-        let place = places.get(name.as_str()).copied();
-        if place.is_none() && !still(name) {
-            return Err(malformed("coordinates", format!("`{}` is missing", quoted(name))));
-        }
-        place.into_iter().for_each(|place| known[place] = true);
-        columns.push(place);
-    }
-    match known.iter().position(|known| !known) {
-        None => Ok(columns),
-        Some(index) => {
-            let message = format!("`{}` is no coordinate of a part", quoted(&file.coordinates[index]));
-            Err(malformed(format!("coordinates[{index}]"), message))
-        }
-    }
-}
-
 /// Reads the segments of a file.
 struct Reader<'a> {
     robot: &'a Robot,
-    columns: Vec<Option<usize>>,
+    columns: &'a [Option<usize>],
     /// Numbers of a knot in the file.
     width: usize,
     interpolation: Interpolation,

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use std::marker::PhantomData;
 
 /// The path of the value that ends or is cut off at a line and column (counted from 1, in bytes).
-pub(super) fn json_path(text: &str, line: usize, column: usize) -> String {
+pub(crate) fn json_path(text: &str, line: usize, column: usize) -> String {
     let start: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
     let end = (start + column).saturating_sub(1).min(text.len());
     let mut walk = Walk { steps: Vec::new() };

@@ -65,7 +65,7 @@ fn text(path: &Path) -> std::io::Result<String> {
 }
 
 /// Refuses what would take far more memory than its text.
-fn counts(text: &str) -> std::io::Result<()> {
+pub(crate) fn counts(text: &str) -> std::io::Result<()> {
     let (mut lists, mut tables) = (0_usize, 0_usize);
     for byte in text.bytes() {
         lists += usize::from(byte == b'[');

@@ -1,6 +1,7 @@
 //! What a solve answers: a certified path, or why there is none.
 
 use crate::planner::report::Report;
+use crate::planner::search_record::SearchRecord;
 use crate::planner::trajectory::curve::Interpolation;
 use crate::planner::trajectory::error::TrajectoryError;
 use crate::planner::trajectory::trajectory::Trajectory;
@@ -23,6 +24,8 @@ pub struct Solution {
     /// The model whose graph the path's ids are of: the planner's own, or, where its graph is lazy, as far as this search has
     /// made it grow.
     pub model: PlanningModel,
+    /// What is kept of the search, where the planner was asked to record ([`Planner::record`](crate::Planner::record)).
+    pub record: Option<Arc<SearchRecord>>,
 }
 
 impl Solution {
@@ -70,6 +73,9 @@ pub struct NoSolution {
     /// The model whose graph the report names: the planner's own, or, where its graph is lazy, as far as this search has made it
     /// grow.
     pub model: PlanningModel,
+    /// What is kept of the search, where the planner was asked to record ([`Planner::record`](crate::Planner::record)); none where it
+    /// crashed or did not begin.
+    pub record: Option<Arc<SearchRecord>>,
 }
 
 /// Why a solve gave no path.

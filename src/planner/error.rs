@@ -36,6 +36,10 @@ pub enum Error {
     #[cfg(feature = "scene")]
     #[error(transparent)]
     PathFile(#[from] crate::path_file::PathFileError),
+    /// A recording cannot be read or written.
+    #[cfg(feature = "scene")]
+    #[error(transparent)]
+    Recording(#[from] crate::recording::RecordingError),
     /// A batch cannot be run.
     #[cfg(feature = "scene")]
     #[error(transparent)]

@@ -4,6 +4,7 @@ use crate::memory::MemoryLimit;
 use crate::planner::answer::{NoSolution, NoSolutionReason, Solution};
 use crate::planner::refinement::{BetterPath, Refinement};
 use crate::planner::report::Report;
+use crate::planner::search_record::{DEFAULT_RECORDING_BYTES, SearchRecord};
 use foliate_components::graph::ConstraintGraph;
 use foliate_components::outcome::SearchOutcome;
 use foliate_components::path::ManipulationPath;
@@ -36,6 +37,8 @@ pub struct Planner {
     events: EventSink,
     graph_time: Duration,
     refinement: Refinement,
+    /// How large a recording of a search may be, where its searches are to be recorded, bytes.
+    recording: Option<u64>,
     /// Solves that have begun.
     solves: AtomicU64,
 }
@@ -96,6 +99,7 @@ impl Planner {
             events: EventSink::default(),
             graph_time: Duration::ZERO,
             refinement: Refinement::default(),
+            recording: None,
             solves: AtomicU64::new(0),
         }
     }
@@ -197,6 +201,20 @@ impl Planner {
         self
     }
 
+    /// Keeps what a recording needs of each search, for a file of at most [`DEFAULT_RECORDING_BYTES`]: [`Solution::record`],
+    /// [`NoSolution::record`]. Answers are the same. `foliate::recording::Recording` makes a file of it.
+    #[must_use]
+    pub fn record(self) -> Self {
+        self.record_within(DEFAULT_RECORDING_BYTES)
+    }
+
+    /// As [`Self::record`], for a file of at most so many bytes. Of a roadmap that is larger the first nodes are kept.
+    #[must_use]
+    pub fn record_within(mut self, bytes: u64) -> Self {
+        self.recording = Some(bytes);
+        self
+    }
+
     /// Lets solves be cancelled by a token that others may hold too.
     #[must_use]
     pub fn cancelled_by(mut self, token: CancelToken) -> Self {
@@ -239,7 +257,9 @@ impl Planner {
         let memory = self.memory_limit.map(MemoryLimit::guard);
         let stop = StopSignal { deadline, token: self.token.clone(), memory };
         let events = self.events.of_solve(solve);
-        Search::new(&self.model, self.scheduler.as_ref(), self.search_settings(), stop, events)
+        let mut settings = self.search_settings();
+        settings.log |= self.recording.is_some();
+        Search::new(&self.model, self.scheduler.as_ref(), settings, stop, events)
     }
 
     /// The settings of a search, within the limit of memory.
@@ -271,18 +291,19 @@ impl Planner {
         let outcome = search.run();
         let path = search.path();
         let solve_time = started.elapsed();
+        let record = self.recording.map(|bytes| Arc::new(SearchRecord::of(&mut search, bytes)));
         let mut report = Report { graph_time: self.graph_time, solve_time, ..Report::on(&mut search, path.as_ref()) };
         let model = search.model().clone();
         if let (Some(path), Some(found), SearchOutcome::Solved) = (&path, &self.refinement.found, &outcome) {
             found(&model, path);
         }
         match path.filter(|_| outcome == SearchOutcome::Solved) {
-            Some(path) if self.refinement.first => Ok(Solution { path, report, model }),
+            Some(path) if self.refinement.first => Ok(Solution { path, report, model, record }),
             Some(path) => {
                 let (model, path) = self.refine((model, path), started, &mut report);
-                Ok(Solution { path, report, model })
+                Ok(Solution { path, report, model, record })
             }
-            None => Err(NoSolution { reason: NoSolutionReason::of(outcome), report: Box::new(report), model }),
+            None => Err(NoSolution { reason: NoSolutionReason::of(outcome), report: Box::new(report), model, record }),
         }
     }
 
@@ -329,7 +350,7 @@ impl Planner {
     /// The answer of a solve that has no search to report on.
     fn without_search(&self, solve: SolveId, reason: NoSolutionReason, solve_time: Duration) -> NoSolution {
         let report = Report { solve, graph_time: self.graph_time, solve_time, ..Report::default() };
-        NoSolution { reason, report: Box::new(report), model: self.model.clone() }
+        NoSolution { reason, report: Box::new(report), model: self.model.clone(), record: None }
     }
 
     /// Solves on `threads` threads of its own; the answer is the same for any number.

@@ -33,4 +33,5 @@ pub use crate::view::html::page::Page;
 pub use crate::view::pages::base::ViewOptions;
 pub use crate::view::pages::of_model::page_of_model;
 pub use crate::view::pages::of_path::{page_of_path, page_of_solution};
+pub use crate::view::pages::of_recording::page_of_recording;
 pub use crate::view::pages::of_scene::{model_of_scene, page_of_scene};

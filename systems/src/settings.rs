@@ -76,6 +76,8 @@ pub struct SearchSettings {
     pub regrasp_share: f64,
     /// Steps between two reports of feedback to the host; 0 for one at the end only.
     pub feedback_interval: u64,
+    /// Keeps a log for a recording of the search ([`SearchLog`](crate::exploration::search_log::SearchLog)). No part of the answer.
+    pub log: bool,
 }
 
 impl SearchSettings {
@@ -118,6 +120,7 @@ impl Default for SearchSettings {
             goal_interval: 64,
             regrasp_share: 0.5,
             feedback_interval: 64,
+            log: false,
         }
     }
 }

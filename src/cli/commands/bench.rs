@@ -50,6 +50,9 @@ pub(crate) struct Arguments {
     /// improvement.csv of another run: its shortest durations are known too
     #[arg(long, value_name = "FILE.csv", requires = "BudgetArguments")]
     best: Option<PathBuf>,
+    /// Record solves that find no path, as SCENE-SEED.search in this folder; the first hundred to end
+    #[arg(long, value_name = "DIR")]
+    record_failures: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) tuning: Tuning,
     /// One JSON object instead of text
@@ -88,6 +91,10 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
         Some(limit) => batch.memory_limit(limit),
         None => batch,
     };
+    let batch = match &arguments.record_failures {
+        Some(folder) => batch.record_failures(folder.clone()),
+        None => batch,
+    };
     let tell = |row: &Row| {
         if !arguments.json {
             say(&line(row));
@@ -98,6 +105,9 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
         false => batch.run(&arguments.out, tell),
     };
     let rows = rows.map_err(refused)?;
+    if let (Some((recorded, failed)), Some(folder)) = (batch.failures_recorded(), &arguments.record_failures) {
+        say(&format!("{recorded} of {failed} failed solves are recorded in {}\n", folder.display()));
+    }
     let table = batch.table(&rows);
     match arguments.json {
         true => print_json(&object(&table, &rows))?,

@@ -1,6 +1,7 @@
 //! `foliate demo`: the embedded scene, explained.
 
 use crate::cli::commands::solve::arguments::SearchArguments;
+use crate::cli::commands::solve::record::RecordArguments;
 use crate::cli::commands::solve::run;
 use crate::cli::commands::solve::{story, summary};
 use crate::cli::commands::view::answered::ViewArguments;
@@ -19,11 +20,13 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "PATH.json")]
     out: Option<PathBuf>,
     #[command(flatten)]
+    record: RecordArguments,
+    #[command(flatten)]
     view: ViewArguments,
 }
 
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
-    if let Some(out) = &arguments.out {
+    for out in arguments.out.iter().chain(&arguments.record.record) {
         run::writable(out)?;
     }
     arguments.view.check()?;
@@ -33,6 +36,7 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
         Err(cut) => return cut.tell("demo", started.elapsed(), false),
     };
     let planner = arguments.search.planner(tables)?.time_limit(limit.saturating_sub(started.elapsed()));
+    let planner = arguments.record.apply(planner);
     let model = planner.model();
     print(&format!(
         "{}.\n\n\
@@ -45,6 +49,7 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     ));
     let (planner, mut answer) = run::solve(planner, &arguments.search, true)?;
     let _measured = answer.measure_clearance();
+    arguments.record.write(&scene, &planner, &answer, &arguments.search)?;
     let report = answer.report();
     let Ok(solution) = &answer.0 else {
         print(&format!("No answer: {} after {} candidates.\n", answer.name(), report.candidates));

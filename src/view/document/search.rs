@@ -18,7 +18,9 @@ pub struct SearchEntry {
     pub step: Offset,
     /// `edge_count` pairs of nodes: 32-bit.
     pub edges: Offset,
-    /// How many edges.
+    /// By edge the step in which it was certified: 32-bit.
+    pub edge_step: Offset,
+    /// How many edges; all of them are certified.
     pub edge_count: usize,
     /// What the trees are called.
     pub trees: Vec<String>,

@@ -1,8 +1,10 @@
-//! The graph of a problem, as far as a picture needs it; and the graph that a path has passed.
+//! The graph of a problem, as far as a picture needs it; the graph that a path has passed, and that of a recording.
 
 use crate::path_file::loaded_path::LoadedPath;
+use crate::planner::recording::Recording;
 use foliate_components::graph::{ConstraintGraph, Fingers, State, StateId, Transition, TransitionKind};
 use foliate_components::problem::Problem;
+use foliate_components::robot::{GripperIndex, HandleIndex};
 use foliate_systems::planning_model::graph::checks::GraphError;
 use foliate_systems::planning_model::graph::enumeration::build_constraint_graph;
 use foliate_systems::planning_model::{Model, ModelError, PlanningModel};
@@ -50,17 +52,7 @@ pub(crate) fn passed(path: &LoadedPath) -> ConstraintGraph {
     let mut graph = ConstraintGraph::new(Vec::new());
     let mut states: HashMap<&str, StateId> = HashMap::new();
     for name in path.states() {
-        states.entry(name).or_insert_with(|| {
-            graph.add_state(State {
-                name: name.clone(),
-                written: None,
-                grasps: Vec::new(),
-                fingers: Fingers::Still,
-                manifold: Vec::new(),
-                foliation: Vec::new(),
-                priority: 0,
-            })
-        });
+        states.entry(name).or_insert_with(|| graph.add_state(named_state(name)));
     }
     let names = path.states().iter().zip(path.transitions());
     let segments: Vec<(&String, &String)> = names.collect();
@@ -71,19 +63,48 @@ pub(crate) fn passed(path: &LoadedPath) -> ConstraintGraph {
         let to = next.map_or(from, |(state, _)| states[state.as_str()]);
         if graph.transition_named(name).is_none() {
             let kind = if from == to { TransitionKind::Loop } else { TransitionKind::Regular };
-            let (legs, adds) = (Vec::new(), Vec::new());
-            graph.transitions.push(Transition {
-                name: (*name).clone(),
-                from,
-                to,
-                kind,
-                weight: 1.0,
-                legs,
-                adds,
-                reverse: None,
-            });
+            graph.transitions.push(bare_transition(name, (from, to), kind));
         }
     }
     graph.index();
     graph
+}
+
+/// The graph of a recording: states and transitions with their places in it as numbers, and no constraints.
+pub(crate) fn recorded(recording: &Recording) -> ConstraintGraph {
+    let mut graph = ConstraintGraph::new(Vec::new());
+    for row in &recording.head.states {
+        // Who holds what is in the name; a picture asks how many do.
+        let grasps = row.name.matches(" grasps ").map(|_| (GripperIndex(0), HandleIndex(0))).collect();
+        let fingers = if row.passed_through { Fingers::Free } else { Fingers::Still };
+        graph.add_state(State { grasps, fingers, ..named_state(&row.name) });
+    }
+    for row in &recording.head.transitions {
+        let kind = match row.kind.as_str() {
+            "loop" => TransitionKind::Loop,
+            "crossed" => TransitionKind::Crossed,
+            _ => TransitionKind::Regular,
+        };
+        graph.transitions.push(bare_transition(&row.name, (StateId(row.from), StateId(row.to)), kind));
+    }
+    graph.index();
+    graph
+}
+
+/// A state of which nothing is known but its name.
+fn named_state(name: &str) -> State {
+    State {
+        name: name.to_owned(),
+        written: None,
+        grasps: Vec::new(),
+        fingers: Fingers::Still,
+        manifold: Vec::new(),
+        foliation: Vec::new(),
+        priority: 0,
+    }
+}
+
+fn bare_transition(name: &str, (from, to): (StateId, StateId), kind: TransitionKind) -> Transition {
+    let (name, legs, adds) = (name.to_owned(), Vec::new(), Vec::new());
+    Transition { name, from, to, kind, weight: 1.0, legs, adds, reverse: None }
 }

@@ -1,13 +1,11 @@
 //! Which states and transitions are shown, and what they are called.
 
-use crate::inspection::words::ShortNames;
+use crate::inspection::words::{self, ShortNames};
 use crate::view::document::graph::{GraphEntry, StateEntry, TransitionEntry, TransitionKindEntry};
 use crate::view::graph::bundles::Drawing;
 use crate::view::graph::layout::{Placed, place};
 use crate::view::graph::lines::LOOP;
-use foliate_components::graph::{
-    ConstraintGraph, ConstraintId, ConstraintKind, Opening, StateId, Transition, TransitionId, TransitionKind,
-};
+use foliate_components::graph::{ConstraintGraph, StateId, Transition, TransitionId, TransitionKind};
 use std::collections::{BTreeMap, HashMap, VecDeque};
 
 /// Most states of one picture.
@@ -64,7 +62,7 @@ pub fn picture(graph: &ConstraintGraph, names: &ShortNames, options: &PictureOpt
     drawing.add_lines(&depth, |bundle| {
         let first = bundle.down.first().or(bundle.up.first()).copied();
         let words = first.filter(|_| labelled).map(words).unwrap_or_default();
-        let waypoints = first.filter(|_| options.waypoints).map(|id| waypoints(graph, id)).unwrap_or_default();
+        let waypoints = first.filter(|_| options.waypoints).map(|id| words::waypoints(graph, id)).unwrap_or_default();
         let is_down = !bundle.down.is_empty();
         (words, if is_down { waypoints } else { waypoints.into_iter().rev().collect() })
     });
@@ -91,7 +89,7 @@ pub fn picture(graph: &ConstraintGraph, names: &ShortNames, options: &PictureOpt
             points,
             tried: None,
             succeeded: None,
-            waypoints: waypoints(graph, id),
+            waypoints: words::waypoints(graph, id),
         }
     };
     let transitions = transitions.iter().map(&mut entry).collect();
@@ -196,33 +194,4 @@ fn subject(name: &str) -> String {
     let bare = name.split_once(" | ").map_or(name, |(bare, _)| bare);
     let bare = bare.split_once(", ").map_or(bare, |(bare, _)| bare);
     bare.replace(" < ", " > ")
-}
-
-/// What the legs of a transition end at, but for the last.
-fn waypoints(graph: &ConstraintGraph, id: TransitionId) -> Vec<String> {
-    let legs = &graph.transition(id).legs;
-    let what = |constraints: &[ConstraintId]| {
-        let kinds: Vec<ConstraintKind> = constraints.iter().map(|&c| graph.constraint(c).kind).collect();
-        let word = |kind: &ConstraintKind| match kind {
-            ConstraintKind::Pregrasp { .. } => Some((0, "before the grasp".to_owned())),
-            ConstraintKind::Preplacement { .. } => Some((1, "over the place".to_owned())),
-            ConstraintKind::Grasp { .. } => Some((2, "at the grasp".to_owned())),
-            ConstraintKind::Placement { .. } => Some((3, "at the place".to_owned())),
-            ConstraintKind::Finger { opening, .. } => Some((4, opening_words(*opening).to_owned())),
-            ConstraintKind::Given { .. } | ConstraintKind::Rest { .. } | ConstraintKind::JointRest { .. } => None,
-        };
-        let best = kinds.iter().filter_map(word).min();
-        let own = || constraints.first().map(|&c| graph.constraint(c).name.clone());
-        best.map(|(_, word)| word).or_else(own).unwrap_or_else(|| "waypoint".into())
-    };
-    let inner = legs.len().saturating_sub(1);
-    legs[..inner].iter().map(|leg| what(&leg.target)).collect()
-}
-
-fn opening_words(opening: Opening) -> &'static str {
-    match opening {
-        Opening::Travel => "hand as it travels",
-        Opening::Wide | Opening::Ready { .. } => "hand open",
-        Opening::Closed { .. } => "hand closed",
-    }
 }

@@ -40,7 +40,7 @@ impl<'a> Placed<'a> {
     }
 
     /// What a pair of shapes has to tell; nothing where one is a placeholder.
-    fn collision(&self, shapes: [ShapeIndex; 2], words: String) -> Option<CollisionEntry> {
+    pub fn collision(&self, shapes: [ShapeIndex; 2], words: String) -> Option<CollisionEntry> {
         if shapes.iter().any(|&shape| self.is_placeholder(shape)) {
             return None;
         }
@@ -88,12 +88,39 @@ impl<'a> Placed<'a> {
                 let told = |pair: &CollidingPair| self.collision([pair.shapes.0, pair.shapes.1], pair.to_string());
                 document.collisions.extend(pairs.iter().filter_map(told));
             }
-            other => document.violations.push(self.violation(other)),
+            other => document.violations.push(self.violation(&Violation::of(other))),
         }
     }
 
-    fn violation(&self, why: &Infeasibility) -> ViolationEntry {
-        let mut words = why.to_string();
+    /// An entry of what keeps the configuration from being a start or goal.
+    pub fn violation(&self, of: &Violation<'_>) -> ViolationEntry {
+        let words = match self.at {
+            WhereEntry::Named(name) => format!("the {name} is infeasible: {}", of.words),
+            WhereEntry::Numbers(_) => of.words.clone(),
+        };
+        let joint = of.coordinate.and_then(|coordinate| {
+            let name = coordinate.rsplit_once(" of ").map_or(coordinate, |(_, name)| name);
+            self.robot.joint(name).map(|joint| joint.at())
+        });
+        // A bound of a joint is seen at what the joint moves.
+        let moved = |joint: usize| self.robot.links.iter().position(|link| link.joint.is_some_and(|j| j.at() == joint));
+        let links = joint.and_then(moved).map(|link| vec![link]);
+        let Violation { value, limit, .. } = *of;
+        ViolationEntry { configuration: self.at.clone(), words, value, limit, joint, links, points: None }
+    }
+}
+
+/// Something that is wrong at a configuration, other than a collision.
+pub(crate) struct Violation<'a> {
+    pub words: String,
+    pub value: Option<f64>,
+    pub limit: Option<f64>,
+    /// The coordinate that it is about, as messages name it.
+    pub coordinate: Option<&'a str>,
+}
+
+impl<'a> Violation<'a> {
+    fn of(why: &'a Infeasibility) -> Self {
         let (value, limit, coordinate) = match why {
             Infeasibility::OutOfBounds { coordinate, value, bounds: (low, high), .. } => {
                 (Some(*value), Some(if value < low { *low } else { *high }), Some(coordinate))
@@ -105,16 +132,6 @@ impl<'a> Placed<'a> {
             Infeasibility::NoState { nearest: Some(nearest), .. } => (Some(nearest.residual), None, None),
             _ => (None, None, None),
         };
-        if let WhereEntry::Named(name) = self.at {
-            words = format!("the {name} is infeasible: {words}");
-        }
-        let joint = coordinate.and_then(|coordinate| {
-            let name = coordinate.rsplit_once(" of ").map_or(coordinate.as_str(), |(_, name)| name);
-            self.robot.joint(name).map(|joint| joint.at())
-        });
-        // A bound of a joint is seen at what the joint moves.
-        let moved = |joint: usize| self.robot.links.iter().position(|link| link.joint.is_some_and(|j| j.at() == joint));
-        let links = joint.and_then(moved).map(|link| vec![link]);
-        ViolationEntry { configuration: self.at.clone(), words, value, limit, joint, links, points: None }
+        Self { words: why.to_string(), value, limit, coordinate: coordinate.map(String::as_str) }
     }
 }

@@ -30,12 +30,24 @@ use foliate_kernels::collision::{CollisionScene, PairRule};
 use std::collections::HashSet;
 
 /// A path with the names of its segments' states and transitions.
-struct Told<'a> {
+pub(crate) struct Told<'a> {
     robot: &'a Robot,
     path: &'a ManipulationPath,
     interpolation: Interpolation,
     states: Vec<&'a str>,
     transitions: Vec<String>,
+}
+
+impl<'a> Told<'a> {
+    pub fn of_loaded(path: &'a LoadedPath) -> Self {
+        Self {
+            robot: &path.robot,
+            path: &path.path,
+            interpolation: path.interpolation(),
+            states: path.states().iter().map(String::as_str).collect(),
+            transitions: path.transitions().to_vec(),
+        }
+    }
 }
 
 /// The page of a path file.
@@ -63,13 +75,7 @@ pub fn page_of_path(
         page.warn("the constraint graph has only the states and transitions that the path passes");
     }
     let graph = whole.unwrap_or_else(|| passed(path));
-    let told = Told {
-        robot,
-        path: &path.path,
-        interpolation: path.interpolation(),
-        states: path.states().iter().map(String::as_str).collect(),
-        transitions: path.transitions().to_vec(),
-    };
+    let told = Told::of_loaded(path);
     let collision = CollisionScene::new(robot, &PairRule { ignored: &path.ignored_pairs, ..PairRule::default() });
     add_motion(&mut page, &told, &graph, &collision)?;
     if let Some(checked) = report {
@@ -105,7 +111,7 @@ pub fn page_of_solution(
 }
 
 /// Adds the motion, its ends as ghosts, and the graph that it passes through.
-fn add_motion(
+pub(crate) fn add_motion(
     page: &mut Page,
     told: &Told<'_>,
     graph: &ConstraintGraph,

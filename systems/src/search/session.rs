@@ -3,6 +3,7 @@
 use crate::events::{EventSink, StopSignal};
 use crate::exploration::roadmap_query::roadmap_in;
 use crate::exploration::roots::{Ending, GivenRoots, Roots};
+use crate::exploration::search_log::note_step;
 use crate::exploration::{memory, writer};
 use crate::goals::sampler::GoalSampler;
 use crate::goals::systems::add_start_and_goals;
@@ -57,6 +58,7 @@ impl Search {
     ) -> Self {
         let mut world = empty_world(model, settings, stop, events);
         let ending = add_roots(&mut world).err();
+        note_step(&mut world);
         let schedule = scheduler.schedule(&mut world);
         Self { world, schedule, ending }
     }
@@ -69,6 +71,7 @@ impl Search {
         let mut world = empty_world(model, settings, beside.resource::<StopSignal>().clone(), events);
         let (start, goals) = roots_in(beside);
         add_start_and_goals(&mut world, start, goals);
+        note_step(&mut world);
         world.insert_resource(beside.resource::<GoalSampler>().clone());
         let schedule = scheduler.schedule(&mut world);
         Self { world, schedule, ending: None }
@@ -104,10 +107,12 @@ impl Search {
             if let Some(AnswerIn(world)) = self.world.remove_resource() {
                 self.world = *world;
             }
+            note_step(&mut self.world);
             if self.ending == Some(SearchOutcome::Solved) {
                 leave_out_excursions(&mut self.world);
                 self.leave_out_regrasps();
                 self.expand_backwards();
+                note_step(&mut self.world);
             }
         }
         self.ending.as_ref()
@@ -144,6 +149,7 @@ impl Search {
             settings.seed = stream(settings.seed, Purpose::REGRASP, tried.len() as u64, 0).random();
             settings.max_bytes = settings.max_bytes.saturating_sub(self.bytes()).max(1);
             settings.max_steps = left.min(STEPS_OF_CHANGE * u64::from(stretch.changes));
+            settings.log = false;
             let stop = self.world.resource::<StopSignal>().clone();
             let mut world = empty_world(self.model(), settings, stop, EventSink::default());
             regrasps::look_for_fewer(&self.world, stretch, &mut world);

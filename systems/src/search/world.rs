@@ -10,6 +10,7 @@ use crate::exploration::neighbours::index::Neighbours;
 use crate::exploration::reached_leaves::ReachedLeaves;
 use crate::exploration::roadmap_query::{insert_roadmap, roadmap_in};
 use crate::exploration::roots::{Ending, GivenRoots, Roots};
+use crate::exploration::search_log::SearchLog;
 use crate::exploration::writer;
 use crate::goals::sampler::GoalSampler;
 use crate::goals::systems::add_start_and_goals;
@@ -58,6 +59,9 @@ pub(crate) fn empty_world(
     world.init_resource::<GoalSampler>();
     world.init_resource::<PlacementPool>();
     world.insert_resource(Neighbours::new(model, &settings));
+    if settings.log {
+        world.init_resource::<SearchLog>();
+    }
     world.insert_resource(settings);
     world.insert_resource(stop);
     world.insert_resource(events);

@@ -5,17 +5,21 @@ use crate::exploration::edges::{Connection, Connections, Obstacle};
 use crate::exploration::entities::{EntityTable, NewNodes};
 use crate::exploration::memory::Compiled;
 use crate::exploration::roadmap_query::roadmap_in;
+use crate::exploration::search_log::{RefusedEdge, SearchLog, note_collision};
 use crate::exploration::writer::{
     Born, add_edge, add_node, add_unvalidated_edge, count_in, intern_leaf, take_unvalidated_edge, validate_edge,
 };
 use crate::planning_model::model::PlanningModel;
 use crate::schedule::StepCounter;
+use crate::settings::SearchSettings;
+use crate::step::validation::certify_or_find;
 use bevy_ecs::prelude::{Mut, World};
 use foliate_components::candidate::{Candidate, CandidateArena, CommitAs, LegParameter, PlannedLeg};
 use foliate_components::graph::leaf::{Leaf, LeafId, LeafIndex, ParameterId};
 use foliate_components::graph::{ConstraintId, TransitionId};
 use foliate_components::outcome::{Rejection, TransitionStatistics};
 use foliate_components::roadmap::{Motion, NodeId, RoadmapStore, UnvalidatedEdge};
+use foliate_kernels::collision::CollisionScratch;
 
 /// Turns what is certified of each candidate into a node and an edge, and counts how each ended.
 pub fn commit_extensions(world: &mut World) {
@@ -71,10 +75,34 @@ pub fn commit_connections(world: &mut World) {
             verdict => {
                 world.despawn(entity);
                 if let Some(Err(obstacle)) = verdict {
+                    log_refused(world, &edge, obstacle);
                     count_obstacle(world, edge.transition, obstacle);
                 }
             }
         }
+    }
+}
+
+/// Keeps a refused edge in the log, where the search has one, and of a pair that is new there the configuration at which it was found
+/// too close: the motion is certified once more for it.
+fn log_refused(world: &mut World, edge: &UnvalidatedEdge, obstacle: Obstacle) {
+    let step = world.resource::<StepCounter>().step;
+    let Some(mut log) = world.get_resource_mut::<SearchLog>() else { return };
+    log.note_refused(RefusedEdge { from: edge.from, to: edge.to, along: edge.transition, step });
+    let Some(pair) = obstacle.blocked_by.map(|pair| (edge.transition, pair)).filter(|&pair| log.wants(pair)) else {
+        return;
+    };
+    let (model, settings) = (world.resource::<PlanningModel>(), world.resource::<SearchSettings>());
+    let leaves = world.resource::<LeafIndex>();
+    let find = |motion: &Motion| {
+        let leaf = leaves.leaf(motion.leaf);
+        let (along, attachments) = ((motion.transition, leaf.state), model.attachments_of_leaf(leaf, leaves));
+        let mut scratch = CollisionScratch::default();
+        scratch.set_level(settings.level);
+        certify_or_find(model, settings, along, &attachments, &motion.knots, &mut scratch).err()?.at
+    };
+    if let Some(q) = edge.motions.iter().find(|motion| motion.leg == obstacle.leg).and_then(find) {
+        note_collision(world, pair, &q);
     }
 }
 
@@ -104,6 +132,9 @@ pub(crate) fn count(world: &mut World, candidate: &Candidate, kept: bool, comple
     }
     if let Some(reason) = candidate.rejected {
         statistics.count_rejection(reason, candidate.blocked_by);
+    }
+    if let (Some(pair), Some(q)) = (candidate.blocked_by, &candidate.blocked_at) {
+        note_collision(world, (transition, pair), q);
     }
     if is_first {
         world.resource_scope(|world, mut compiled: Mut<'_, Compiled>| {

@@ -45,6 +45,7 @@ pub fn leave_out_first_legs(
             if let Some(pair) = breaks_margin(&model, &settings, first, (collision, X_WJ)) {
                 candidate.reject(Rejection::WaypointBlocked(0));
                 candidate.blocked_by = Some(model.pair_shapes(pair));
+                candidate.blocked_at = settings.log.then(|| first.knots.as_slice().into());
             }
         },
     );

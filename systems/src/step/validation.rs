@@ -176,12 +176,62 @@ fn certify_leg(
     scratch: &mut CollisionScratch,
 ) -> bool {
     let pairs = model.pairs(transition, leg.state, rigid_attachments);
-    let Some(blocked_by) = certified_prefix(model, settings, pairs, rigid_attachments, leg, scratch) else {
+    let Some(blocked) = certified_prefix(model, settings, pairs, rigid_attachments, leg, scratch) else {
         return true;
     };
     candidate.rejected = Some(Rejection::MotionBlocked(leg.leg as u8));
-    candidate.blocked_by = blocked_by.map(|c| model.pair_shapes(c.pair));
+    candidate.blocked_by = blocked.contact.map(|c| model.pair_shapes(c.pair));
+    candidate.blocked_at = blocked.at;
     false
+}
+
+/// What ends the certified part of a motion.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Blocked {
+    /// The pair that was found too close, if one was.
+    pub contact: Option<Contact>,
+    /// The configuration at which it was found, where the search keeps a log.
+    pub at: Option<Box<[f64]>>,
+}
+
+impl Blocked {
+    /// What was found at a place of a polyline, in pieces from its start.
+    fn new(
+        model: &PlanningModel,
+        settings: &SearchSettings,
+        rigid_attachments: &[RigidAttachment],
+        knots: &[f64],
+        (contact, at): (Option<Contact>, f64),
+    ) -> Self {
+        let is_kept = settings.log && contact.is_some();
+        Self { contact, at: is_kept.then(|| configuration_at(model, rigid_attachments, knots, at).into()) }
+    }
+}
+
+/// The configuration at a place of a polyline, in pieces from its start, with what is carried where its carriers have it.
+fn configuration_at(model: &PlanningModel, rigid_attachments: &[RigidAttachment], knots: &[f64], at: f64) -> Vec<f64> {
+    let space = &model.problem.robot.space;
+    let size = space.size();
+    let last_piece = (knots.len() / size).saturating_sub(2);
+    let piece = (at as usize).min(last_piece);
+    let start = piece * size;
+    let mut q = vec![0.0; size];
+    space.interpolate(
+        &knots[start..start + size],
+        &knots[start + size..start + 2 * size],
+        (at - piece as f64).clamp(0.0, 1.0),
+        &mut q,
+    );
+    carry(model, rigid_attachments, &mut q);
+    q
+}
+
+/// Writes carried objects where their carriers have them.
+fn carry(model: &PlanningModel, rigid_attachments: &[RigidAttachment], q: &mut [f64]) {
+    let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
+    model.kinematics.forward(q, &mut X_WJ);
+    model.kinematics.carry(q, rigid_attachments, &mut X_WJ);
+    model.kinematics.write_back(rigid_attachments, &X_WJ, q);
 }
 
 /// Cuts a leg's knots to the certified prefix; where that is not all of it, what is in the way.
@@ -192,7 +242,7 @@ pub(crate) fn certified_prefix(
     rigid_attachments: &[RigidAttachment],
     leg: &mut PlannedLeg,
     scratch: &mut CollisionScratch,
-) -> Option<Option<Contact>> {
+) -> Option<Blocked> {
     let size = model.problem.robot.space.size();
     let certificate = certificate_settings(settings, false);
     let knots = &leg.knots;
@@ -202,12 +252,13 @@ pub(crate) fn certified_prefix(
             leg.clearance = min_clearance_lower_bound;
             None
         }
-        PolylineVerdict::FreeUntil { piece, t, blocked_by } => {
+        PolylineVerdict::FreeUntil { piece, t, blocked_by, blocked_at } => {
+            let blocked = Blocked::new(model, settings, rigid_attachments, knots, (blocked_by, blocked_at));
             // The proof holds for the prefix; how much more clearance it has is not known of a motion that ends in front of
             // something.
             leg.clearance = settings.clearance_guard;
             cut(model, rigid_attachments, leg, piece * size, t);
-            Some(blocked_by)
+            Some(blocked)
         }
     }
 }
@@ -229,10 +280,7 @@ fn cut(model: &PlanningModel, rigid_attachments: &[RigidAttachment], leg: &mut P
     if moved < LEAST_PROGRESS {
         return;
     }
-    let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
-    model.kinematics.forward(&end, &mut X_WJ);
-    model.kinematics.carry(&end, rigid_attachments, &mut X_WJ);
-    model.kinematics.write_back(rigid_attachments, &X_WJ, &mut end);
+    carry(model, rigid_attachments, &mut end);
     leg.knots.extend_from_slice(&end);
 }
 
@@ -251,12 +299,27 @@ pub fn certify_whole(
     knots: &[f64],
     scratch: &mut CollisionScratch,
 ) -> Result<f64, Option<(ShapeIndex, ShapeIndex)>> {
+    certify_or_find(model, settings, (transition, state), rigid_attachments, knots, scratch)
+        .map_err(|blocked| blocked.contact.map(|c| model.pair_shapes(c.pair)))
+}
+
+/// As [`certify_whole`]; where it is not certified, also where on the way that was found.
+pub(crate) fn certify_or_find(
+    model: &PlanningModel,
+    settings: &SearchSettings,
+    (transition, state): (TransitionId, StateId),
+    rigid_attachments: &[RigidAttachment],
+    knots: &[f64],
+    scratch: &mut CollisionScratch,
+) -> Result<f64, Blocked> {
     let pairs = model.pairs(transition, state, rigid_attachments);
     let certificate = certificate_settings(settings, true);
     match certify_polyline(&model.collision, &model.kinematics, rigid_attachments, knots, pairs, &certificate, scratch)
     {
         PolylineVerdict::Free { min_clearance_lower_bound } => Ok(min_clearance_lower_bound),
-        PolylineVerdict::FreeUntil { blocked_by, .. } => Err(blocked_by.map(|c| model.pair_shapes(c.pair))),
+        PolylineVerdict::FreeUntil { blocked_by, blocked_at, .. } => {
+            Err(Blocked::new(model, settings, rigid_attachments, knots, (blocked_by, blocked_at)))
+        }
     }
 }
 

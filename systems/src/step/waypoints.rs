@@ -114,7 +114,7 @@ pub fn check_waypoints(
     for batch in &batches.batches[..batches.used] {
         for (&place, blocked) in batch.candidates.iter().zip(&batch.blocked) {
             let (candidate, legs) = &mut alive[place];
-            refuse(&model, candidate, legs, *blocked);
+            refuse(&model, &settings, candidate, legs, *blocked);
         }
     }
     let is_stopped = stop.is_raised();
@@ -135,13 +135,16 @@ fn asked_along(model: &PlanningModel, candidate: &Candidate) -> Option<Transitio
     candidate.transition.filter(|&t| model.graph.transition(t).kind != TransitionKind::Loop)
 }
 
-/// Appends where the legs end. One that steering cut short ends at no waypoint; where it starts says as much about its leaf.
+/// Appends where the legs end.
 fn write_waypoints(model: &PlanningModel, whole: bool, legs: &[PlannedLeg], waypoints: &mut Vec<f64>) {
-    let size = model.problem.robot.space.size();
-    for (index, leg) in legs.iter().enumerate() {
-        let at = if whole || index + 1 < legs.len() { leg.knots.len() - size } else { 0 };
-        waypoints.extend_from_slice(&leg.knots[at..at + size]);
-    }
+    (0..legs.len()).for_each(|leg| waypoints.extend_from_slice(waypoint(model, whole, legs, leg)));
+}
+
+/// Where a leg ends. One that steering cut short ends at no waypoint; where it starts says as much about its leaf.
+fn waypoint<'a>(model: &PlanningModel, whole: bool, legs: &'a [PlannedLeg], leg: usize) -> &'a [f64] {
+    let (size, knots) = (model.problem.robot.space.size(), &legs[leg].knots);
+    let at = if whole || leg + 1 < legs.len() { knots.len() - size } else { 0 };
+    &knots[at..at + size]
 }
 
 /// Asks the verdicts of a batch.
@@ -161,11 +164,13 @@ fn judge(model: &PlanningModel, settings: &SearchSettings, batch: &mut Batch, co
 /// Rejects a candidate that has a waypoint in collision.
 fn refuse(
     model: &PlanningModel,
+    settings: &SearchSettings,
     candidate: &mut Candidate,
     legs: &[PlannedLeg],
     blocked: Option<(usize, Contact)>,
 ) -> bool {
     let Some((leg, contact)) = blocked else { return false };
+    candidate.blocked_at = settings.log.then(|| waypoint(model, candidate.is_alive(), legs, leg).into());
     candidate.reject(Rejection::WaypointBlocked(legs[leg].leg as u8));
     candidate.blocked_by = Some(model.pair_shapes(contact.pair));
     true
@@ -184,5 +189,5 @@ pub(crate) fn waypoints_are_free(
     write_waypoints(model, candidate.is_alive(), legs, &mut batch.waypoints);
     judge(model, settings, &mut batch, collision);
     let blocked = batch.blocked.first().copied().flatten();
-    !refuse(model, candidate, legs, blocked)
+    !refuse(model, settings, candidate, legs, blocked)
 }

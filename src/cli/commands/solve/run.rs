@@ -3,6 +3,7 @@
 use crate::cli::commands::solve::answer::Answer;
 use crate::cli::commands::solve::arguments::SearchArguments;
 use crate::cli::commands::solve::coverage::LeftOut;
+use crate::cli::commands::solve::record::RecordArguments;
 use crate::cli::commands::solve::summary::Loaded;
 use crate::cli::commands::solve::{summary, summary_json};
 use crate::cli::commands::view::answered::ViewArguments;
@@ -28,6 +29,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "PATH.json")]
     out: Option<PathBuf>,
     #[command(flatten)]
+    record: RecordArguments,
+    #[command(flatten)]
     view: ViewArguments,
     /// Print between which shapes the least clearance is, and where on the path
     #[arg(long)]
@@ -42,7 +45,7 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
     let started = Instant::now();
-    if let Some(out) = &arguments.out {
+    for out in arguments.out.iter().chain(&arguments.record.record) {
         writable(out)?;
     }
     arguments.view.check()?;
@@ -61,6 +64,7 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     }
     // The limit is that of everything, reading included.
     let planner = arguments.search.planner(tables)?.time_limit(limit.saturating_sub(load_time));
+    let planner = arguments.record.apply(planner);
     for snapped in &planner.model().snapped {
         say(&format!("warning: {snapped}\n"));
     }
@@ -70,6 +74,7 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     if let (Some(out), Ok(solution)) = (&arguments.out, &answer.0) {
         write(out, &scene, &planner, solution, &arguments.search)?;
     }
+    arguments.record.write(&scene, &planner, &answer, &arguments.search)?;
     let left_out = arguments.pairs.then_some(&left_out);
     let loaded = Loaded { scene: &scene, load_time, clearance: clearance.as_ref(), left_out };
     if arguments.json {

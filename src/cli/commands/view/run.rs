@@ -1,4 +1,4 @@
-//! Makes the page of a path, a scene or a model.
+//! Makes the page of a path, a recorded search, a scene or a model.
 
 use crate::cli::commands::solve::arguments::deadline;
 use crate::cli::commands::view::written;
@@ -7,18 +7,21 @@ use crate::cli::console::loading::{Cut, Failure};
 use crate::cli::console::print::{Ending, Refusal, print, say};
 use foliate::check::{CheckOptions, check};
 use foliate::output;
-use foliate::path_file::{LoadPathError, LoadedPath, save};
+use foliate::path_file::{LoadPathError, LoadedPath, PathFile, save};
+use foliate::recording::Recording;
 use foliate::scene::{PackagePath, Scene, UpAxis, read_model};
 use foliate::systems::events::StopSignal;
-use foliate::view::{Page, ViewOptions, Visuals, model_of_scene, page_of_model, page_of_path, page_of_scene};
+use foliate::view::{
+    Page, ViewOptions, Visuals, model_of_scene, page_of_model, page_of_path, page_of_recording, page_of_scene,
+};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Writes a page that shows a path, a scene or a model: one HTML file, to be opened in a browser
+/// Writes a page that shows a path, a recorded search, a scene or a model: one HTML file, to be opened in a browser
 #[derive(clap::Args, Clone)]
 pub(crate) struct Arguments {
-    /// A path file, a shipped scene's name, a scene file, or a URDF
-    #[arg(value_name = "PATH.json|SCENE|ROBOT.urdf")]
+    /// A path file, a recording of a search, a shipped scene's name, a scene file, or a URDF
+    #[arg(value_name = "PATH.json|FILE.search|SCENE|ROBOT.urdf")]
     what: String,
     /// The SRDF of a URDF: grippers, handles, and which links may touch
     #[arg(long, value_name = "FILE")]
@@ -57,6 +60,9 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
 }
 
 fn page(arguments: &Arguments, packages: &PackagePath, limit: Duration, stop: &StopSignal) -> Result<Page, Failure> {
+    if Recording::is_one(Path::new(&arguments.what)) {
+        return of_recording(arguments, packages, stop);
+    }
     let extension = Path::new(&arguments.what).extension().and_then(|e| e.to_str()).unwrap_or_default();
     match extension.to_ascii_lowercase().as_str() {
         "json" => of_path(arguments, packages, limit, stop),
@@ -97,10 +103,7 @@ fn of_path(arguments: &Arguments, packages: &PackagePath, limit: Duration, stop:
     let place = Path::new(&arguments.what);
     let file = save::read(place).map_err(|e| Refusal(e.to_string()))?;
     let folder = place.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let path = LoadedPath::of_file(&file, folder, &shown).map_err(|error| match error {
-        LoadPathError::Model { error, .. } if error.stopped.is_some() => Failure::from(*error),
-        other => Refusal(format!("{}: {other}", place.display())).into(),
-    })?;
+    let path = loaded(&file, place, folder, &shown)?;
     let visuals = Visuals::of_path(&path, &shown)?;
     let scene = file.scene_file.as_ref().and_then(|scene| named_scene(&scene.file, folder, &shown));
     let report = (!arguments.no_check).then(|| {
@@ -112,6 +115,28 @@ fn of_path(arguments: &Arguments, packages: &PackagePath, limit: Duration, stop:
     }
     page_of_path((&file, &path), scene.as_ref(), report.as_ref(), &visuals, &options(arguments))
         .map_err(|e| Refusal(format!("{}: {e}", place.display())).into())
+}
+
+fn of_recording(arguments: &Arguments, packages: &PackagePath, stop: &StopSignal) -> Result<Page, Failure> {
+    let shown = loading::until(packages, stop).with_placeholders();
+    let place = Path::new(&arguments.what);
+    let recording = Recording::read(place).map_err(|e| Refusal(e.to_string()))?;
+    let folder = place.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let path = loaded(&recording.head.path, place, folder, &shown)?;
+    let visuals = Visuals::of_path(&path, &shown)?;
+    if stop.is_raised() {
+        return Err(Failure::Stopped);
+    }
+    page_of_recording(&recording, &path, &visuals, &options(arguments))
+        .map_err(|e| Refusal(format!("{}: {e}", place.display())).into())
+}
+
+/// The path of a file on the robot of its models.
+fn loaded(file: &PathFile, place: &Path, folder: &Path, packages: &PackagePath) -> Result<LoadedPath, Failure> {
+    LoadedPath::of_file(file, folder, packages).map_err(|error| match error {
+        LoadPathError::Model { error, .. } if error.stopped.is_some() => Failure::from(*error),
+        other => Refusal(format!("{}: {other}", place.display())).into(),
+    })
 }
 
 /// The scene that a path file names: a shipped one, or a file beside it.

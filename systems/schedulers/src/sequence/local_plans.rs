@@ -14,6 +14,7 @@ use foliate_systems::events::StopSignal;
 use foliate_systems::exploration::edges::Connection;
 use foliate_systems::exploration::entities::EntityTable;
 use foliate_systems::exploration::roadmap_query::RoadmapQuery;
+use foliate_systems::exploration::search_log::SearchLog;
 use foliate_systems::planning_model::model::PlanningModel;
 use foliate_systems::runtime::parallel::each;
 use foliate_systems::runtime::random::{Purpose, stream};
@@ -86,6 +87,7 @@ pub fn plan_joins(
     mut plans: ResMut<'_, LocalPlans>,
     table: Res<'_, EntityTable>,
     mut statistics: Query<'_, '_, &mut TransitionStatistics>,
+    mut log: Option<ResMut<'_, SearchLog>>,
     buffers: Local<'_, ScratchPool<LeafScratch>>,
 ) {
     let roadmap = roadmap.view();
@@ -113,6 +115,10 @@ pub fn plan_joins(
             && let Ok(mut statistics) = statistics.get_mut(table.transitions[along.at()])
         {
             attempts.iter().for_each(|attempt| count(&mut statistics, attempt));
+            let blocked = attempts.iter().filter_map(|attempt| attempt.blocked_by.zip(attempt.blocked_at.as_deref()));
+            if let Some(log) = &mut log {
+                blocked.for_each(|(pair, q)| log.note_collision((along, pair), q));
+            }
         }
         if let Some(PlannedMotion { from, to, motion }) = planned {
             plans.made.push(Connection { from, to, verdict: Some(Ok(vec![motion])) });

@@ -53,11 +53,13 @@ pub struct LeafScratch {
     pub(super) work: u64,
     /// What became of the motions.
     pub(super) attempts: Vec<MotionAttempt>,
+    /// Where the motion that was tried last was found blocked, where the search keeps a log.
+    blocked_at: Option<Box<[f64]>>,
     pub(super) X_WJ: Vec<Pose>,
 }
 
 /// What became of a motion that was tried, for statistics.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct MotionAttempt {
     /// Why it does not arrive.
     pub rejected: Option<Rejection>,
@@ -65,6 +67,8 @@ pub struct MotionAttempt {
     pub is_kept: bool,
     /// The pair of shapes that stopped it, if one did.
     pub blocked_by: Option<(ShapeIndex, ShapeIndex)>,
+    /// The configuration at which that pair was found too close, where the search keeps a log.
+    pub blocked_at: Option<Box<[f64]>>,
 }
 
 /// A certified motion from a configuration towards another one.
@@ -143,6 +147,7 @@ impl<'a> LeafSpace<'a> {
     pub fn extend(&self, from: &[f64], to: &[f64], scratch: &mut LeafScratch) -> Option<Extension> {
         scratch.collision.set_level(self.settings.level);
         scratch.work += 1;
+        scratch.blocked_at = None;
         let motion =
             if self.is_implicit { self.projected(from, to, scratch) } else { self.straight(from, to, scratch) };
         let is_out = |motion: &Extension| self.model.object_out_of_bounds(motion.end(from.len()));
@@ -157,7 +162,8 @@ impl<'a> LeafSpace<'a> {
             Err(Stopped::Blocked(pair)) => (Some(Rejection::MotionBlocked(0)), *pair),
         };
         let motion = motion.ok().filter(|_| rejected != Some(Rejection::OutOfBounds(0)));
-        scratch.attempts.push(MotionAttempt { rejected, is_kept: motion.is_some(), blocked_by });
+        let blocked_at = scratch.blocked_at.take().filter(|_| blocked_by.is_some());
+        scratch.attempts.push(MotionAttempt { rejected, is_kept: motion.is_some(), blocked_by, blocked_at });
         motion
     }
 
@@ -178,6 +184,11 @@ impl<'a> LeafSpace<'a> {
         scratch.found.clear();
         verdicts.first_in_rows(&scratch.samples, &[SAMPLES], &mut scratch.collision, &mut scratch.found);
         let hit = scratch.found[0];
+        if let Some((place, _)) = hit.filter(|_| self.settings.log) {
+            let mut q = scratch.samples[place * size..][..size].to_vec();
+            self.carry(&mut q, scratch);
+            scratch.blocked_at = Some(q.into());
+        }
         let end = match hit {
             None => to.to_vec(),
             Some((0, contact)) => return Err(Stopped::Blocked(Some(self.model.pair_shapes(contact.pair)))),
@@ -188,15 +199,18 @@ impl<'a> LeafSpace<'a> {
             }
         };
         let (along, knots) = ((self.transition, self.state), [from, &end].concat());
-        let clearance = validation::certify_whole(
+        let certified = validation::certify_or_find(
             self.model,
             self.settings,
             along,
             &self.rigid_attachments,
             &knots,
             &mut scratch.collision,
-        )
-        .map_err(Stopped::Blocked)?;
+        );
+        let clearance = certified.map_err(|blocked| {
+            scratch.blocked_at = blocked.at;
+            Stopped::Blocked(blocked.contact.map(|contact| self.model.pair_shapes(contact.pair)))
+        })?;
         let blocked_by = hit.map(|(_, contact)| contact.pair);
         Ok(Extension { knots, clearance, residual: 0.0, arrives: hit.is_none(), blocked_by })
     }
@@ -220,7 +234,8 @@ impl<'a> LeafSpace<'a> {
         );
         let PlannedLeg { knots, clearance, residual, .. } = leg;
         let arrives = is_whole && blocked.is_none();
-        let blocked_by = blocked.flatten().map(|contact| contact.pair);
+        let blocked_by = blocked.as_ref().and_then(|blocked| blocked.contact).map(|contact| contact.pair);
+        scratch.blocked_at = blocked.and_then(|blocked| blocked.at);
         if knots.len() <= from.len() {
             return Err(Stopped::Blocked(blocked_by.map(|pair| model.pair_shapes(pair))));
         }

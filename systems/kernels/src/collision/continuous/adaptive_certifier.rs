@@ -37,6 +37,8 @@ pub(crate) struct AdaptiveCertifier<'a> {
     /// Nothing beyond is of interest, in pieces.
     pub(crate) limit: f64,
     pub(crate) blocked_by: Option<Contact>,
+    /// Where `blocked_by` was sampled, in pieces.
+    pub(crate) blocked_at: f64,
     pub(crate) blocked: bool,
     pub(crate) min_clearance: f64,
     samples: u32,
@@ -69,6 +71,7 @@ impl<'a> AdaptiveCertifier<'a> {
             hit: f64::INFINITY,
             limit: f64::from(pieces),
             blocked_by: None,
+            blocked_at: 0.0,
             blocked: false,
             min_clearance: f64::INFINITY,
             samples: 0,
@@ -232,9 +235,9 @@ impl<'a> AdaptiveCertifier<'a> {
                 Outcome::Collides(contact) => {
                     // A pair that does not move collides from the start on.
                     let moves = scratch.motion_samples.moves_between(active);
-                    self.cut(if moves { interval.middle() } else { 0.0 }, Some(contact));
+                    self.cut(if moves { interval.middle() } else { 0.0 }, Some((contact, interval.middle())));
                 }
-                Outcome::Doubtful(contact) => self.cut(interval.left(), Some(contact)),
+                Outcome::Doubtful(contact) => self.cut(interval.left(), Some((contact, interval.middle()))),
             }
             if self.given_up() {
                 return;
@@ -323,14 +326,19 @@ impl<'a> AdaptiveCertifier<'a> {
         }
     }
 
-    fn cut(&mut self, t: f64, contact: Option<Contact>) {
+    /// Nothing beyond `t` is of interest, because of what was found at a sample, where something was.
+    fn cut(&mut self, t: f64, contact: Option<(Contact, f64)>) {
         self.blocked = true;
         if contact.is_some() {
             self.hit = self.hit.min(t);
         }
         if t < self.limit {
             self.limit = t;
-            self.blocked_by = contact.or(self.blocked_by);
+            if let Some((contact, at)) = contact {
+                (self.blocked_by, self.blocked_at) = (Some(contact), at);
+            } else if self.blocked_by.is_none() {
+                self.blocked_at = t;
+            }
         }
     }
 }

@@ -30,6 +30,8 @@ pub enum PolylineVerdict {
         /// The pair that ends it, with its clearance at the sample that did; none where a configuration is not finite
         /// or the samples ran out.
         blocked_by: Option<Contact>,
+        /// Where that sample is, in pieces from the start of the polyline; where there is none, the end of what is proved.
+        blocked_at: f64,
     },
 }
 
@@ -54,7 +56,7 @@ pub fn certify_polyline(
     let size = scene.space.size();
     let pieces = (knots.len() / size).saturating_sub(1);
     if !knots.iter().all(|x| x.is_finite()) {
-        return PolylineVerdict::FreeUntil { piece: 0, t: 0.0, blocked_by: None };
+        return PolylineVerdict::FreeUntil { piece: 0, t: 0.0, blocked_by: None, blocked_at: 0.0 };
     }
     if pieces == 0 {
         return PolylineVerdict::Free { min_clearance_lower_bound: f64::INFINITY };
@@ -66,5 +68,10 @@ pub fn certify_polyline(
     }
     let limit = if settings.all_or_nothing { 0.0 } else { certifier.limit.max(0.0) };
     let piece = (limit as usize).min(pieces.saturating_sub(1));
-    PolylineVerdict::FreeUntil { piece, t: (limit - piece as f64).clamp(0.0, 1.0), blocked_by: certifier.blocked_by }
+    PolylineVerdict::FreeUntil {
+        piece,
+        t: (limit - piece as f64).clamp(0.0, 1.0),
+        blocked_by: certifier.blocked_by,
+        blocked_at: certifier.blocked_at.clamp(0.0, pieces as f64),
+    }
 }
