@@ -6,7 +6,7 @@
 
 mod common;
 
-use common::skip::{chromium, node_with};
+use common::skip::browser;
 use foliate::scene::shipped_scenes;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -69,8 +69,7 @@ static LOOKING: Mutex<()> = Mutex::new(());
 
 /// Writes pages and looks at them, where there are node and Chromium to look with.
 fn seen(test: &str, write: impl Fn(&Path) -> Vec<PathBuf>) {
-    let Some((node, modules)) = node_with("puppeteer-core", test) else { return };
-    let Some(chromium) = chromium(test) else { return };
+    let Some((node, modules, chromium)) = browser(test) else { return };
     let _alone = LOOKING.lock().unwrap_or_else(PoisonError::into_inner);
     let folder = folder(test);
     look(&folder, &write(&folder), (&node, &modules), &chromium);

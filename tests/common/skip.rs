@@ -46,25 +46,35 @@ pub fn python_with(modules: &str, test: &str) -> Option<PathBuf> {
 /// The interpreter `node` and the folder with a package of npm: `FOLIATE_NODE_MODULES`, or `node_modules` here. Without them it says
 /// that the test is skipped.
 pub fn node_with(package: &str, test: &str) -> Option<(PathBuf, PathBuf)> {
-    let folder = std::env::var_os("FOLIATE_NODE_MODULES").map_or(PathBuf::from("node_modules"), PathBuf::from);
-    let has_node = Command::new("node").arg("--version").output().is_ok_and(|o| o.status.success());
-    if has_node && folder.join(package).is_dir() {
-        return Some((PathBuf::from("node"), folder));
-    }
-    let why = format!("there is no node with {package} in {} (npm install {package})", folder.display());
-    skipped(Needs::Node, test, &why);
-    None
-}
-
-/// The program of Chromium: `FOLIATE_CHROMIUM`, or where Debian installs it. Without it the function says that the test is skipped.
-pub fn chromium(test: &str) -> Option<PathBuf> {
-    let named = std::env::var_os("FOLIATE_CHROMIUM").map(PathBuf::from);
-    let usual = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].map(PathBuf::from);
-    let found = named.into_iter().chain(usual).find(|program| program.is_file());
+    let found = installed(package);
     if found.is_none() {
-        skipped(Needs::Browser, test, "there is no chromium (apt install chromium, or FOLIATE_CHROMIUM)");
+        skipped(Needs::Node, test, &format!("there is no node with {package} (npm install {package})"));
     }
     found
+}
+
+/// What looks at pages: the interpreter `node`, the folder with the package puppeteer-core, and the program of Chromium:
+/// `FOLIATE_CHROMIUM`, or where Debian installs it. Without them it says that the test is skipped.
+pub fn browser(test: &str) -> Option<(PathBuf, PathBuf, PathBuf)> {
+    let named = std::env::var_os("FOLIATE_CHROMIUM").map(PathBuf::from);
+    let usual = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].map(PathBuf::from);
+    let chromium = named.into_iter().chain(usual).find(|program| program.is_file());
+    let found = installed("puppeteer-core").zip(chromium).map(|((node, modules), chromium)| (node, modules, chromium));
+    if found.is_none() {
+        skipped(
+            Needs::Browser,
+            test,
+            "there is no chromium, or no puppeteer-core (apt install chromium, npm install puppeteer-core)",
+        );
+    }
+    found
+}
+
+/// The interpreter `node` and the folder with a package of npm.
+fn installed(package: &str) -> Option<(PathBuf, PathBuf)> {
+    let folder = std::env::var_os("FOLIATE_NODE_MODULES").map_or(PathBuf::from("node_modules"), PathBuf::from);
+    let has_node = Command::new("node").arg("--version").output().is_ok_and(|o| o.status.success());
+    (has_node && folder.join(package).is_dir()).then(|| (PathBuf::from("node"), folder))
 }
 
 fn imports(python: &Path, modules: &str) -> bool {

@@ -6,6 +6,7 @@ use crate::cli::commands::solve::run;
 use crate::cli::commands::solve::{story, summary};
 use crate::cli::commands::view::answered::ViewArguments;
 use crate::cli::console::loading;
+use crate::cli::console::outputs;
 use crate::cli::console::print::{Ending, Refusal, print};
 use foliate::scene::PackagePath;
 use std::path::PathBuf;
@@ -26,10 +27,7 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
-    for out in arguments.out.iter().chain(&arguments.record.record) {
-        run::writable(out)?;
-    }
-    arguments.view.check()?;
+    outputs::check([], arguments.out.iter().chain(&arguments.record.record).chain(arguments.view.file()))?;
     let (started, limit) = (Instant::now(), arguments.search.deadline()?);
     let (scene, tables) = match loading::scene("demo", packages, limit)? {
         Ok(loaded) => loaded,
@@ -53,7 +51,7 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     let report = answer.report();
     let Ok(solution) = &answer.0 else {
         print(&format!("No answer: {} after {} candidates.\n", answer.name(), report.candidates));
-        arguments.view.write(&scene, &planner, &answer, (packages, print))?;
+        arguments.view.write(&scene, &planner, &answer, (packages, print));
         return run::ending(&answer);
     };
     let (path, certificate) = (&solution.path, solution.certificate());
@@ -81,6 +79,6 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
         run::write(out, &scene, &planner, solution, &arguments.search)?;
         print(&format!("The path is in {}; prove it again: foliate check {}\n", out.display(), out.display()));
     }
-    arguments.view.write(&scene, &planner, &answer, (packages, print))?;
+    arguments.view.write(&scene, &planner, &answer, (packages, print));
     run::ending(&answer)
 }

@@ -2,6 +2,7 @@
 
 use crate::cli::console::loading;
 use crate::cli::console::loading::{Cut, Failure};
+use crate::cli::console::outputs;
 use crate::cli::console::print::{Ending, Refusal, print, say};
 use foliate::export::{ExportError, ExportOptions, Exported, Format, export};
 use foliate::output;
@@ -46,7 +47,7 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
             return Err(Refusal(format!("{name}: no format is called so; name one with --to")));
         }
     };
-    output::check(&arguments.out).map_err(|e| Refusal(format!("{}: {e}", arguments.out.display())))?;
+    outputs::check(arguments.path.to_str(), [&arguments.out])?;
     let limit = crate::cli::commands::solve::arguments::deadline(arguments.time_limit)?;
     let (mine, packages) = (arguments.clone(), packages.clone());
     let worked = loading::beside(limit, Duration::ZERO, move |stop| {

@@ -1,6 +1,7 @@
 //! `foliate graph`: the constraint graph of a scene as text, as a picture, as DOT or Mermaid.
 
 use crate::cli::console::loading;
+use crate::cli::console::outputs;
 use crate::cli::console::print::{Ending, Refusal, print};
 use foliate::components::graph::{ConstraintGraph, TransitionKind};
 use foliate::components::problem::Problem;
@@ -40,9 +41,7 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
-    if let Some(out) = &arguments.out {
-        output::check(out).map_err(|e| Refusal(format!("{}: {e}", out.display())))?;
-    }
+    outputs::check([&*arguments.scene], &arguments.out)?;
     let (mine, packages) = (arguments.clone(), packages.clone());
     let Ok(text) = loading::beside(Duration::MAX, Duration::ZERO, move |stop| {
         let scene = Scene::load(&mine.scene, &loading::until(&packages, stop))?;

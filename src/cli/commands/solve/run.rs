@@ -8,6 +8,7 @@ use crate::cli::commands::solve::summary::Loaded;
 use crate::cli::commands::solve::{summary, summary_json};
 use crate::cli::commands::view::answered::ViewArguments;
 use crate::cli::console::loading;
+use crate::cli::console::outputs;
 use crate::cli::console::print::{Ending, Refusal, print, print_json, say};
 use foliate::path_file::{PathContext, save, write_path};
 use foliate::scene::{PackagePath, Scene};
@@ -45,10 +46,10 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
     let started = Instant::now();
-    for out in arguments.out.iter().chain(&arguments.record.record) {
-        writable(out)?;
-    }
-    arguments.view.check()?;
+    outputs::check(
+        [&*arguments.scene],
+        arguments.out.iter().chain(&arguments.record.record).chain(arguments.view.file()),
+    )?;
     let limit = arguments.search.deadline()?;
     let (scene, tables) = match loading::scene(&arguments.scene, packages, limit)? {
         Ok(loaded) => loaded,
@@ -84,13 +85,8 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     }
     // What a program reads is one object.
     let tell = if arguments.json { say } else { print };
-    arguments.view.write(&scene, &planner, &answer, (packages, tell))?;
+    arguments.view.write(&scene, &planner, &answer, (packages, tell));
     ending(&answer)
-}
-
-/// Refuses a place where no path could be written before anything is searched.
-pub(crate) fn writable(out: &Path) -> Result<(), Refusal> {
-    output::check(out).map_err(|error| Refusal(format!("{}: {error}", out.display())))
 }
 
 /// How a command ends that searched.

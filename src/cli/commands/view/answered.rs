@@ -2,9 +2,8 @@
 
 use crate::cli::commands::solve::answer::Answer;
 use crate::cli::commands::view::written;
-use crate::cli::console::print::Refusal;
+use crate::cli::console::print::{Refusal, say};
 use foliate::Planner;
-use foliate::output;
 use foliate::scene::{PackagePath, Scene};
 use foliate::view::{Page, ViewOptions, Visuals, page_of_scene, page_of_solution};
 use std::path::PathBuf;
@@ -19,16 +18,19 @@ pub(crate) struct ViewArguments {
 }
 
 impl ViewArguments {
-    /// Refuses a place where no page could be written before anything is searched.
-    pub fn check(&self) -> Result<(), Refusal> {
-        match &self.view {
-            Some(Some(out)) => output::check(out).map_err(|error| Refusal(format!("{}: {error}", out.display()))),
-            _ => Ok(()),
+    /// The file that is named for the page.
+    pub fn file(&self) -> Option<&PathBuf> {
+        self.view.as_ref()?.as_ref()
+    }
+
+    /// Writes the page, where one is asked for. Why there is none is said: the answer stays what it is.
+    pub fn write(&self, scene: &Scene, planner: &Planner, answer: &Answer, told: (&PackagePath, fn(&str))) {
+        if let Err(Refusal(why)) = self.try_to_write(scene, planner, answer, told) {
+            say(&format!("error: there is no page: {why}\n"));
         }
     }
 
-    /// Writes the page, where one is asked for.
-    pub fn write(
+    fn try_to_write(
         &self,
         scene: &Scene,
         planner: &Planner,

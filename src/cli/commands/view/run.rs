@@ -4,9 +4,9 @@ use crate::cli::commands::solve::arguments::deadline;
 use crate::cli::commands::view::written;
 use crate::cli::console::loading;
 use crate::cli::console::loading::{Cut, Failure};
+use crate::cli::console::outputs;
 use crate::cli::console::print::{Ending, Refusal, print, say};
 use foliate::check::{CheckOptions, check};
-use foliate::output;
 use foliate::path_file::{LoadPathError, LoadedPath, PathFile, save};
 use foliate::recording::Recording;
 use foliate::scene::{PackagePath, Scene, UpAxis, read_model};
@@ -41,9 +41,7 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
-    if let Some(out) = &arguments.out {
-        output::check(out).map_err(|e| Refusal(format!("{}: {e}", out.display())))?;
-    }
+    outputs::check([&*arguments.what].into_iter().chain(arguments.srdf.as_deref()), &arguments.out)?;
     let limit = deadline(arguments.time_limit)?;
     let (mine, packages) = (arguments.clone(), packages.clone());
     let worked = loading::beside(limit, Duration::ZERO, move |stop| page(&mine, &packages, limit, stop))?;
