@@ -178,6 +178,15 @@ fn a_path_file_makes_a_page_with_the_verdict() {
         page_of_path((file, &path), Some(&scene), Some(&report), &visuals, &ViewOptions::default()).unwrap()
     };
     let good = page(&file);
+    // Path files do not carry the directions of approach: those of the page are the scene's.
+    for handle in &good.document.documents.handles {
+        let known = scene.problem.robot.handle(&handle.name).map(|index| &scene.problem.robot.handles[index.at()]);
+        assert_eq!(handle.approach, known.map(|known| known.approaching_direction.to_array()), "{}", handle.name);
+    }
+    let path = LoadedPath::of_file(&file, &folder, &packages).unwrap();
+    let visuals = Visuals::of_path(&path, &packages).unwrap();
+    let alone = page_of_path((&file, &path), None, None, &visuals, &ViewOptions::default()).unwrap();
+    assert!(alone.document.documents.handles.iter().all(|handle| handle.approach.is_none()));
     let path = good.document.path.as_ref().unwrap();
     assert_eq!((path.verdict.as_deref(), path.refused.len()), (Some("proved"), 0));
     assert!(!path.timed && path.velocities.is_none());

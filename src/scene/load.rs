@@ -177,11 +177,17 @@ pub(crate) fn read_visuals(
 ) -> Result<(Vec<visuals::LinkVisuals>, Vec<SceneError>), SceneError> {
     // Nothing is searched in them that a cache could keep.
     let packages = &packages.clone().with_mesh_cache(None);
+    let mut warnings = Vec::new();
     let urdf = match *urdf {
         VisualSource::Name(name) => open(name, packages)?,
-        VisualSource::Again(file) => source::again(file)?,
+        VisualSource::Again(file) => {
+            let now = source::again(file)?;
+            if now.file.sha256 != file.sha256 {
+                warnings.push(SceneError::new(&now.label, "file", "has changed since it was read"));
+            }
+            now
+        }
     };
-    let mut warnings = Vec::new();
     let mut meshes = meshes::Meshes::new(packages);
     let base = urdf.file.base();
     let mut context = read::Context::new(&mut meshes, &base, up_axis, &mut warnings);

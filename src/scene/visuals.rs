@@ -114,7 +114,7 @@ impl Visuals {
             for read in links {
                 let Some(link) = robot.link(&format!("{}/{}", part.name, read.link)) else { continue };
                 let shapes = &mut self.links[link.at()];
-                // A part with visuals shows nothing where it has none: collision shapes there are in the way of nothing to see.
+                // A part with visuals shows nothing on a link that has none: a collision shape there could hide visuals of other links.
                 if keeps && ((read.incomplete && !shapes.is_empty()) || !has_any) {
                     continue;
                 }

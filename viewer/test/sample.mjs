@@ -94,7 +94,6 @@ const DOCUMENTS = {
         { name: "box/bottom", link: 7, pose: [0, 0, 0, 0, 0, 0, 1], kind: "contact", polygon: [[-0.03, -0.03, -0.045], [0.03, -0.03, -0.045], [0.03, 0.03, -0.045], [-0.03, 0.03, -0.045]] },
         { name: "room/top", link: 8, pose: [0, 0, 0, 0, 0, 0, 1], kind: "support", polygon: [[0.37, -0.62, TABLE], [0.83, -0.62, TABLE], [0.83, 0.62, TABLE], [0.37, 0.62, TABLE]] },
     ],
-    frames: [{ name: "arm/base", link: 0, pose: [0, 0, 0, 0, 0, 0, 1] }],
 };
 
 /** Kinds: path, refused (a path that the check refuses), scene, search, model. */
@@ -123,7 +122,7 @@ export function sample(kind = "path") {
         graph: kind === "model" ? null : sampleGraph(hasPath),
         path: isPath ? samplePath(blob, kind === "refused") : null,
         collisions: kind === "scene" ? [{ configuration: "goal", links: [7, 9], depth: 0.0032, point: [0.7, 0.1, 0.45], points: [[0.7, 0.1, 0.45], [0.68, 0.12, 0.45]], words: "box/body and room/ball collide, 3.20 mm deep" }] : [],
-        violations: kind === "scene" ? [{ configuration: "start", words: "box lies on the table: off by 0.0123, allowed 0.0001", value: 0.0123, limit: 0.0001, links: [7], points: [[0.55, -0.42, 0.41], [0.55, -0.42, 0.4]] }] : [],
+        violations: kind === "scene" ? [{ configuration: "start", words: "box lies on the table: off by 0.0123, allowed 0.0001", value: 0.0123, limit: 0.0001, links: [7] }] : [],
         search: hasPath ? sampleSearch(blob, corners().map((corner) => corner.q)) : null,
     };
     return { view, binary: blob.bytes() };

@@ -21,7 +21,7 @@ export function sampleGraph(counted) {
         const [x, y] = centre(s);
         return [[x - 22, y + 23], [x - 34, y + 74], [x + 34, y + 74], [x + 22, y + 23]];
     };
-    const transition = (id, from, to, name, words, kind, points, tried, succeeded, waypoints) => ({ id, from, to, name, words, kind, points, curve: true, tried: counted ? tried : null, succeeded: counted ? succeeded : null, waypoints });
+    const transition = (id, from, to, name, words, kind, points, tried, succeeded, waypoints) => ({ id, from, to, name, words, kind, points, tried: counted ? tried : null, succeeded: counted ? succeeded : null, waypoints });
     const transitions = [
         transition(0, 0, 2, "free to pregrasp", "the hand moves above the box", "regular", between(0, 2, 20), 420, 260, ["pregrasp"]),
         transition(1, 2, 1, "pregrasp to grasp", "the hand grasps the box", "regular", between(2, 1, 20), 310, 40),

@@ -46,6 +46,4 @@ pub struct ViolationEntry {
     pub joint: Option<usize>,
     /// The links that it is about.
     pub links: Option<Vec<usize>>,
-    /// Two points in the world that should be one, or at a given distance.
-    pub points: Option<[[f64; 3]; 2]>,
 }

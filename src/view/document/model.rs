@@ -129,7 +129,7 @@ pub struct JointEntry {
     pub velocity: Option<f64>,
 }
 
-/// Grippers, handles, surfaces and frames.
+/// Grippers, handles and surfaces.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct DocumentsEntry {
     /// Grippers.
@@ -138,8 +138,6 @@ pub struct DocumentsEntry {
     pub handles: Vec<HandleEntry>,
     /// Contact surfaces.
     pub surfaces: Vec<SurfaceEntry>,
-    /// Frames that a scene names, in their links.
-    pub frames: Vec<FrameEntry>,
 }
 
 /// A frame on a link.
@@ -162,7 +160,7 @@ pub struct HandleEntry {
     pub link: usize,
     /// `link_from_handle`.
     pub pose: PoseRow,
-    /// The direction in which a gripper comes, in the handle's frame.
+    /// The direction in which a gripper comes, in the handle's frame; none where it is not known: path files do not carry it.
     pub approach: Option<[f64; 3]>,
     /// Which of tx ty tz rx ry rz of the handle in the gripper a grasp makes zero.
     pub mask: [bool; 6],

@@ -57,7 +57,7 @@ pub struct Document {
     pub coordinates: Vec<String>,
     /// A configuration in which everything is shown that no other is given for.
     pub neutral: Vec<f64>,
-    /// Grippers, handles, surfaces, frames.
+    /// Grippers, handles, surfaces.
     pub documents: DocumentsEntry,
     /// The start.
     pub start: Option<Vec<f64>>,

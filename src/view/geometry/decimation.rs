@@ -14,7 +14,7 @@ use std::collections::{BinaryHeap, HashMap};
 
 /// How much more the edge of a hole weighs than a triangle as long on each side.
 const WALL: f64 = 10.0;
-/// A triangle that a contraction turns by more than this cosine says is not turned.
+/// A contraction is refused if it turns a triangle so far that the cosine of the angle is not above this.
 const TURN: f64 = 0.2;
 
 /// A contraction: its cost as bits (costs are at least 0, so that bits have the order of numbers), what goes, what stays, and how often both
@@ -84,8 +84,7 @@ impl Decimation {
         }
         let mut edges: Vec<((u32, u32), (u32, u32))> = edges.into_iter().collect();
         edges.sort_unstable();
-        for &((a, b), (count, triangle)) in edges.iter().filter(|(_, (count, _))| *count != 2) {
-            let _how_many = count;
+        for &((a, b), (_, triangle)) in edges.iter().filter(|(_, (count, _))| *count != 2) {
             let (p, q) = (self.positions[a as usize], self.positions[b as usize]);
             let normal = self.normal(triangle);
             let wall = Quadric::plane((q - p).cross(normal).normalize_or_zero(), p, WALL * p.distance_squared(q));

@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// Most triangles of a page, where nothing else is asked.
 pub const TRIANGLES: usize = 200_000;
 /// A mesh of fewer triangles stays as it is.
-const SMALL: usize = 200;
+pub(crate) const SMALL: usize = 200;
 /// The first cost of contractions that is allowed, m²: 0.02 mm squared. Then twice as much, until there are few enough.
 const FIRST_COST: f64 = 4e-10;
 /// Nothing is taken farther from the surface than the root of the cost times this.
@@ -70,8 +70,9 @@ impl MeshStore {
         let count = |grids: &[Option<GridMesh>]| grids.iter().flatten().map(|grid| grid.triangles.len()).sum::<usize>();
         let reduced = if count(&grids) > triangles { reduce(grids, triangles) } else { grids };
         let deviations = self.meshes.par_iter().zip(&reduced);
-        let deviations: Vec<f64> =
-            deviations.map(|(mesh, grid)| grid.as_ref().map_or(0.0, |grid| deviation(mesh, grid))).collect();
+        let deviations: Vec<f64> = deviations
+            .map(|(mesh, grid)| grid.as_ref().map_or_else(|| diagonal(mesh), |grid| deviation(mesh, grid)))
+            .collect();
         let mut stored = StoredMeshes::default();
         for ((mesh, grid), deviation) in self.meshes.iter().zip(reduced).zip(deviations) {
             let entry = entry(mesh, &grid.unwrap_or_default(), deviation, blob);
@@ -112,6 +113,13 @@ fn reduce(grids: Vec<Option<GridMesh>>, triangles: usize) -> Vec<Option<GridMesh
         cost *= 2.0;
     }
     decimations.into_par_iter().map(|decimation| decimation.map(Decimation::finish)).collect()
+}
+
+/// The diagonal of the box around a mesh, metres: how much is not shown of a mesh of which nothing is left.
+fn diagonal(mesh: &Mesh) -> f64 {
+    let low = mesh.vertices.iter().copied().reduce(DVec3::min);
+    let high = mesh.vertices.iter().copied().reduce(DVec3::max);
+    low.zip(high).map_or(0.0, |(low, high)| low.distance(high))
 }
 
 /// How far the vertices of a mesh are from the triangles that are shown, metres, at most.

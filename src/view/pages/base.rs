@@ -5,7 +5,7 @@ use crate::scene::reading::error::SceneError;
 use crate::scene::visuals::Visuals;
 use crate::view::document::page::{Document, FORMAT, PageKind};
 use crate::view::geometry::blob::Blob;
-use crate::view::geometry::mesh_store::{MeshStore, TRIANGLES};
+use crate::view::geometry::mesh_store::{MeshStore, SMALL, TRIANGLES};
 use crate::view::html::page::Page;
 use crate::view::parts::{documents, tree};
 use foliate_components::robot::{Robot, SurfaceIndex};
@@ -13,7 +13,7 @@ use foliate_components::robot::{Robot, SurfaceIndex};
 /// What a page shows apart from what it is about.
 #[derive(Clone, Debug)]
 pub struct ViewOptions {
-    /// Most triangles of all meshes of a page together; meshes are reduced until they have no more.
+    /// Most triangles of all meshes of a page together; meshes are reduced until they have no more, but none below 200 triangles.
     pub triangles: usize,
 }
 
@@ -60,7 +60,22 @@ pub(crate) fn base(
     };
     let mut page = Page { document, blob };
     visuals.warnings.iter().map(SceneError::to_string).for_each(|warning| page.warn(warning));
+    let (shown, asked) = (page.document.triangles[1], options.triangles);
+    if shown > asked {
+        page.warn(format!(
+            "{shown} triangles are shown, more than the {asked} asked for: meshes are not reduced further (none below {SMALL})"
+        ));
+    }
     page
+}
+
+/// Corrects the directions of approach of a page whose robot is read from a path file, which does not carry them: they are those of
+/// the scene, where that is known, and not shown otherwise.
+pub(crate) fn approach_as_in(page: &mut Page, scene: Option<&Robot>) {
+    for handle in &mut page.document.documents.handles {
+        let known = scene.and_then(|robot| Some(&robot.handles[robot.handle(&handle.name)?.at()]));
+        handle.approach = known.map(|known| known.approaching_direction.to_array());
+    }
 }
 
 impl Page {

@@ -35,7 +35,8 @@ impl<'a> Placed<'a> {
         PlacedSolid { geometry: &self.robot.shapes[shape.at()].geometry, solid: &solid.solid, pose }
     }
 
-    fn is_placeholder(&self, shape: ShapeIndex) -> bool {
+    /// Whether a shape stands for a mesh that could not be read.
+    pub fn is_placeholder(&self, shape: ShapeIndex) -> bool {
         matches!(&self.robot.shapes[shape.at()].geometry, Geometry::Mesh(mesh) if mesh.placeholder)
     }
 
@@ -86,10 +87,23 @@ impl<'a> Placed<'a> {
         match why {
             Infeasibility::Collision(pairs) => {
                 let told = |pair: &CollidingPair| self.collision([pair.shapes.0, pair.shapes.1], pair.to_string());
-                document.collisions.extend(pairs.iter().filter_map(told));
+                let told: Vec<CollisionEntry> = pairs.iter().filter_map(told).collect();
+                if told.is_empty() {
+                    document.warnings.push(self.undecided());
+                }
+                document.collisions.extend(told);
             }
             other => document.violations.push(self.violation(&Violation::of(other))),
         }
+    }
+
+    /// What is said where only placeholders collide.
+    fn undecided(&self) -> String {
+        let what = match self.at {
+            WhereEntry::Named(name) => format!("the {name}"),
+            WhereEntry::Numbers(_) => "a goal".to_owned(),
+        };
+        format!("whether {what} is feasible is not decided: a mesh is missing, and only the box in its place collides")
     }
 
     /// An entry of what keeps the configuration from being a start or goal.
@@ -106,7 +120,7 @@ impl<'a> Placed<'a> {
         let moved = |joint: usize| self.robot.links.iter().position(|link| link.joint.is_some_and(|j| j.at() == joint));
         let links = joint.and_then(moved).map(|link| vec![link]);
         let Violation { value, limit, .. } = *of;
-        ViolationEntry { configuration: self.at.clone(), words, value, limit, joint, links, points: None }
+        ViolationEntry { configuration: self.at.clone(), words, value, limit, joint, links }
     }
 }
 

@@ -43,10 +43,14 @@ pub fn page_of_model(
     let placed = Placed::new(&robot, &scene, &q, WhereEntry::Numbers(q.clone()));
     page.document.collisions = placed.collisions();
     let link = |shape: ShapeIndex| robot.shapes[shape.at()].link.at();
-    let pairs: BTreeSet<[usize; 2]> = scene.pairs().iter().map(|pair| [link(pair.first), link(pair.second)]).collect();
+    // A box in the place of a mesh that is missing says nothing about collisions.
+    let is_known = |shapes: [ShapeIndex; 2]| !shapes.iter().any(|&shape| placed.is_placeholder(shape));
+    let known = scene.pairs().iter().filter(|pair| is_known([pair.first, pair.second]));
+    let pairs: BTreeSet<[usize; 2]> = known.map(|pair| [link(pair.first), link(pair.second)]).collect();
     page.document.pairs = (pairs.len() <= MOST_PAIRS).then(|| pairs.into_iter().collect());
     let shape = |shape: ShapeIndex| robot.shapes[shape.at()].name.as_str();
-    for (a, b) in inspect_pairs(&robot).map(|found| found.always_colliding).unwrap_or_default() {
+    let always = inspect_pairs(&robot).map(|found| found.always_colliding).unwrap_or_default();
+    for (a, b) in always.into_iter().filter(|&(a, b)| is_known([a, b])) {
         page.warn(format!("{} and {} collide wherever the joints are", shape(a), shape(b)));
     }
     Ok(page)

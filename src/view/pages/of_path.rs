@@ -22,7 +22,7 @@ use crate::view::motion::own_times::TimedMotion;
 use crate::view::motion::refusals::refusals;
 use crate::view::motion::sampling::samples;
 use crate::view::motion::segments::{GraphPlaces, events, segments};
-use crate::view::pages::base::{ViewOptions, base};
+use crate::view::pages::base::{ViewOptions, approach_as_in, base};
 use foliate_components::graph::{ConstraintGraph, StateId};
 use foliate_components::path::ManipulationPath;
 use foliate_components::robot::Robot;
@@ -66,6 +66,7 @@ pub fn page_of_path(
 ) -> Result<Page, TrajectoryError> {
     let robot = &path.robot;
     let mut page = base((&file.scene, PageKind::Path), robot, visuals, None, options);
+    approach_as_in(&mut page, scene.map(|scene| &scene.problem.robot));
     path.warnings.iter().map(SceneError::to_string).for_each(|warning| page.warn(warning));
     page.tell("scheduler", &file.scheduler);
     page.tell("seed", file.seed.to_string());

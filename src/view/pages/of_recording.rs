@@ -13,7 +13,7 @@ use crate::view::document::search::{FunnelEntry, FunnelPairEntry, SearchEntry};
 use crate::view::graph::grown::recorded;
 use crate::view::graph::picture::{PictureOptions, picture};
 use crate::view::html::page::Page;
-use crate::view::pages::base::{ViewOptions, base};
+use crate::view::pages::base::{ViewOptions, approach_as_in, base};
 use crate::view::pages::findings::{Placed, Violation};
 use crate::view::pages::of_path::{Told, add_motion};
 use foliate_components::graph::StateId;
@@ -39,6 +39,7 @@ pub fn page_of_recording(
 ) -> Result<Page, TrajectoryError> {
     let (head, robot) = (&recording.head, &path.robot);
     let mut page = base((&head.path.scene, PageKind::Search), robot, visuals, None, options);
+    approach_as_in(&mut page, None);
     page.document.warnings.extend(path.warnings.iter().map(SceneError::to_string));
     page.tell("scheduler", &head.path.scheduler);
     page.tell("seed", head.path.seed.to_string());

@@ -12,6 +12,8 @@ use crate::view::graph::picture::{PictureOptions, picture};
 use crate::view::html::page::Page;
 use crate::view::pages::base::{ViewOptions, base};
 use crate::view::pages::findings::Placed;
+use foliate_components::graph::StateId;
+use foliate_components::infeasibility::Infeasibility;
 use foliate_components::pose::pose_to_array;
 use foliate_components::problem::{Goal, PartialGoal, Problem};
 use foliate_components::robot::Source;
@@ -95,15 +97,18 @@ fn shown_goal(problem: &Problem, goal: &Goal) -> Vec<f64> {
 /// Adds what is wrong with start and goals, and the graph.
 fn add_model(page: &mut Page, mut model: PlanningModel, problem: &Problem) {
     let settings = SearchSettings::default();
-    let mut around = Vec::new();
+    // An infeasible start may lie in a state all the same: the graph begins there.
+    let start = model.reach(&problem.start, settings.classification_tolerance);
+    let mut around: Vec<StateId> = start.into_iter().collect();
     let at = |name| WhereEntry::Named(name);
-    match reach_start(&mut model, &settings, &problem.start) {
-        Ok(root) => around.push(root.state),
-        Err(why) if problem.start.len() == problem.robot.space.size() => {
+    let infeasible = reach_start(&mut model, &settings, &problem.start).err();
+    match &infeasible {
+        None => {}
+        Some(why) if problem.start.len() == problem.robot.space.size() => {
             let placed = Placed::new(&problem.robot, &model.collision, &problem.start, at("start"));
-            placed.tell(&why, &mut page.document);
+            placed.tell(why, &mut page.document);
         }
-        Err(why) => page.warn(format!("the start is infeasible: {why}")),
+        Some(why) => page.warn(format!("the start is infeasible: {why}")),
     }
     for (number, goal) in problem.goals.iter().enumerate() {
         let Goal::Configuration(q) = goal else { continue };
@@ -121,7 +126,11 @@ fn add_model(page: &mut Page, mut model: PlanningModel, problem: &Problem) {
         grow(&mut model, start);
     }
     if model.graph.lazy && around.is_empty() {
-        page.warn("the constraint graph is large and grows from the start, which lies in no state: none is shown");
+        let why = match infeasible {
+            Some(Infeasibility::WrongLength { .. } | Infeasibility::NotFinite { .. }) => "is no configuration",
+            _ => "lies in no state",
+        };
+        page.warn(format!("the constraint graph is large and grows from the start, which {why}: none is shown"));
         return;
     }
     around.sort_unstable();

@@ -30,10 +30,5 @@ pub(crate) fn documents(robot: &Robot, supports: Option<&[SurfaceIndex]>) -> Doc
             polygon: polygon.iter().map(|&corner| surface.points[corner as usize].to_array()).collect(),
         })
     });
-    DocumentsEntry {
-        grippers: grippers.collect(),
-        handles: handles.collect(),
-        surfaces: surfaces.collect(),
-        frames: Vec::new(),
-    }
+    DocumentsEntry { grippers: grippers.collect(), handles: handles.collect(), surfaces: surfaces.collect() }
 }

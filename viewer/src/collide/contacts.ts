@@ -42,7 +42,9 @@ export class Contacts {
     }
 
     private partsOf(link: number): Part[] {
-        return this.view.links[link]!.collision.map(({ shape, pose }) => {
+        // A box in the place of a missing mesh says nothing about contacts.
+        const known = this.view.links[link]!.collision.filter((c) => !c.missing);
+        return known.map(({ shape, pose }) => {
             const geometry = this.geometries.of(shape);
             let tree = this.trees.get(geometry);
             if (!tree) this.trees.set(geometry, (tree = new TriangleTree(geometry)));

@@ -64,7 +64,7 @@ export interface Link {
     joint: number | null;
     joint_from_link: Pose;
     visual: { shape: Shape; pose: Pose; color?: Rgba | null; missing?: string | null }[];
-    collision: { shape: Shape; pose: Pose }[];
+    collision: { shape: Shape; pose: Pose; missing?: string | null }[];
 }
 
 export interface Joint {
@@ -95,7 +95,6 @@ export interface Features {
     grippers?: Feature[] | null;
     handles?: (Feature & { approach?: Vec3 | null; mask?: boolean[] | null })[] | null;
     surfaces?: (Feature & { kind: string; polygon: Vec3[] })[] | null;
-    frames?: Feature[] | null;
 }
 
 export interface GraphState {
@@ -118,7 +117,6 @@ export interface GraphTransition {
     words?: string | null;
     kind: "loop" | "regular" | "crossed";
     points: [number, number][];
-    curve?: boolean | null;
     tried?: number | null;
     succeeded?: number | null;
     waypoints?: string[] | null;
@@ -140,6 +138,8 @@ export interface Segment {
     state: number | null;
     transition?: number | null;
     words: string;
+    /** What it ends at, where that is a waypoint of its transition. */
+    waypoint?: string | null;
     colour: number;
     /** Who holds what: gripper and handle. */
     held?: [string, string][] | null;
@@ -147,6 +147,8 @@ export interface Segment {
 
 export interface PathEvent {
     time: number;
+    /** How long everything stands still from then on, seconds. */
+    dwell?: number | null;
     kind: string;
     words: string;
     gripper?: string | null;
@@ -192,7 +194,6 @@ export interface Violation {
     value?: number | null;
     limit?: number | null;
     links?: number[] | null;
-    points?: [Vec3, Vec3] | null;
 }
 
 export interface FunnelPair {

@@ -40,8 +40,8 @@ export class Path {
     readonly duration: number;
     private readonly starts: number[];
     private readonly width: number;
-    /** Joints whose coordinates are not interpolated number by number. */
-    private readonly curved: Joint[];
+    /** Joints whose rotation is not interpolated number by number. */
+    private readonly flyers: Joint[];
 
     constructor(
         view: ViewDocument,
@@ -55,7 +55,7 @@ export class Path {
         this.velocitySize = own.reduce((sum, joint) => sum + velocitySizeOf(joint), 0);
         const at = data.velocities ?? null;
         this.velocities = at === null ? null : arrays.float32(at, data.samples * this.velocitySize);
-        this.curved = own.filter((joint) => joint.type === "planar" || joint.type === "freeflyer");
+        this.flyers = own.filter((joint) => joint.type === "freeflyer");
         this.starts = data.segments.map((segment) => segment.from);
         this.duration = data.duration;
         const c = data.clearance;
@@ -70,7 +70,7 @@ export class Path {
             : null;
     }
 
-    /** Writes the configuration at a time: free-flyers turn at even speed, angles of planar joints the short way. */
+    /** Writes the configuration at a time: numbers go straight, the rotations of free-flyers turn at even speed. */
     configurationAt(t: number, out: Float64Array): void {
         const n = this.width;
         const k = Math.min(indexAt(this.times, t), Math.max(this.times.length - 2, 0));
@@ -81,14 +81,9 @@ export class Path {
         const b = next * n;
         const q = this.configurations;
         for (let i = 0; i < n; i++) out[i] = q[a + i]! + s * (q[b + i]! - q[a + i]!);
-        for (const joint of this.curved) {
+        for (const joint of this.flyers) {
             const i = joint.q!;
-            if (joint.type === "freeflyer") {
-                Quaternion.slerpFlat(out as unknown as number[], i + 3, q as unknown as number[], a + i + 3, q as unknown as number[], b + i + 3, s);
-            } else {
-                const turn = q[b + i + 2]! - q[a + i + 2]!;
-                out[i + 2] = q[a + i + 2]! + s * Math.atan2(Math.sin(turn), Math.cos(turn));
-            }
+            Quaternion.slerpFlat(out as unknown as number[], i + 3, q as unknown as number[], a + i + 3, q as unknown as number[], b + i + 3, s);
         }
     }
 

@@ -101,11 +101,7 @@ function edge(transition: GraphTransition, most: number): Edge {
 
 function route(transition: GraphTransition): string {
     const [first, ...rest] = transition.points.map(([x, y]) => `${x.toFixed(1)} ${y.toFixed(1)}`);
-    if (!first) return "";
-    if (!transition.curve) return `M${first}L${rest.join("L")}`;
-    let d = `M${first}`;
-    for (let i = 0; i + 2 < rest.length; i += 3) d += `C${rest[i]} ${rest[i + 1]} ${rest[i + 2]}`;
-    return d;
+    return first ? `M${first}L${rest.join("L")}` : "";
 }
 
 function markers(): SVGDefsElement {

@@ -59,7 +59,7 @@ function collisionMark(collision: Collision, words: string): Mark {
 }
 
 function violationMark(violation: Violation): Mark {
-    return { links: violation.links ?? [], points: violation.points ?? [], number: numbers(violation), words: violation.words };
+    return { links: violation.links ?? [], points: [], number: numbers(violation), words: violation.words };
 }
 
 function numbers({ value, limit }: Violation): string {

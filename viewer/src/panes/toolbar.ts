@@ -33,7 +33,7 @@ function switches(model: Model): HTMLElement[] {
         surfaces: !!features.surfaces?.length,
         roadmap: !!view.search?.count,
     };
-    has.names = !!(has.grippers || has.handles || has.surfaces || features.frames?.length);
+    has.names = !!(has.grippers || has.handles || has.surfaces);
     return (Object.entries(SWITCHES) as [SwitchName, string][])
         .filter(([name]) => has[name] ?? true)
         .map(([name, words]) => {

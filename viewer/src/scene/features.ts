@@ -1,4 +1,4 @@
-/** Grippers, handles with approach arrows, contact surfaces and frames, each on its link. */
+/** Grippers, handles with approach arrows and contact surfaces, each on its link; frames of links. */
 import {
     ArrowHelper,
     BufferGeometry,
@@ -45,7 +45,6 @@ export class FeaturesLayer {
         this.layer("grippers", features.grippers ?? [], (g) => this.gripper(g.pose));
         this.layer("handles", features.handles ?? [], (hd) => this.handle(hd.pose, hd.approach ?? null));
         this.layer("surfaces", features.surfaces ?? [], (s) => surface(s.polygon, SURFACE[s.kind] ?? SURFACE["contact"]!));
-        this.layer("frames", features.frames ?? [], (f) => this.triad(f.pose, 1.4));
         this.linkFrames();
     }
 

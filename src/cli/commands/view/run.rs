@@ -32,7 +32,7 @@ pub(crate) struct Arguments {
     /// Do not check the path
     #[arg(long)]
     no_check: bool,
-    /// Most triangles of all meshes of the page together; meshes are reduced until they have no more
+    /// Most triangles of all meshes of the page together; meshes are reduced until they have no more, but none below 200
     #[arg(long, value_name = "N", default_value_t = ViewOptions::default().triangles)]
     triangles: usize,
     /// Seconds after which to give up
