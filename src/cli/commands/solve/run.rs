@@ -13,7 +13,7 @@ use crate::cli::console::print::{Ending, Refusal, print, print_json, say};
 use foliate::path_file::{PathContext, save, write_path};
 use foliate::scene::{PackagePath, Scene};
 use foliate::systems::events::{SearchEvent, SolveEvent};
-use foliate::{NoSolution, NoSolutionReason, Planner, Solution, output};
+use foliate::{NoSolution, NoSolutionReason, Planner, Solution};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
