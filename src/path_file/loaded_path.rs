@@ -2,7 +2,7 @@
 //!
 //! The models are read and composed; nothing is proved. Coordinates are found by name.
 
-use crate::path_file::document::{AttachmentEntry, PartEntry, PathFile, SegmentEntry};
+use crate::path_file::document::{AttachmentEntry, PartEntry, PathFile, SegmentEntry, SurfaceEntry};
 use crate::path_file::error::PathFileError;
 use crate::path_file::names::columns;
 use crate::path_file::read::read;
@@ -110,7 +110,7 @@ impl LoadedPath {
             warnings.extend(read.warnings);
             let mut model = read.model;
             if let Some(srdf) = &entry.srdf {
-                // What touches where it may has no say in what the path is.
+                // An unreadable SRDF does not change the path: it only says which links may touch.
                 match disabled_pairs(&model, &located(srdf, folder), packages) {
                     Ok(pairs) => model.disabled_pairs = pairs,
                     Err(error) if error.stopped.is_some() => return Err(refused(error)),
@@ -276,10 +276,24 @@ fn documents(file: &PathFile, part: &str, model: &mut Model) -> Result<(), LoadP
     for (name, entry) in &file.documents.surfaces {
         let Some(own) = local(name) else { continue };
         let link = on("surfaces", name, &entry.link)?;
+        whole(name, entry)?;
         let points = entry.points.iter().map(|&point| DVec3::from_array(point)).collect();
         model.surfaces.push(SurfaceModel { name: own, link, points, polygons: entry.polygons.clone() });
     }
     Ok(())
+}
+
+/// Refuses a surface that has points without a place, or polygons without an area.
+fn whole(name: &str, entry: &SurfaceEntry) -> Result<(), LoadPathError> {
+    let place = |key: &str, number| format!("documents.surfaces[\"{}\"].{key}[{number}]", quoted(name));
+    if let Some(number) = entry.points.iter().position(|point| !point.iter().all(|x| x.is_finite())) {
+        return Err(malformed(place("points", number), "is not finite"));
+    }
+    let fits = |polygon: &Vec<u32>| polygon.len() > 2 && polygon.iter().all(|&i| (i as usize) < entry.points.len());
+    match entry.polygons.iter().position(|polygon| !fits(polygon)) {
+        Some(number) => Err(malformed(place("polygons", number), "wants three or more indices of points")),
+        None => Ok(()),
+    }
 }
 
 /// Reads the segments of a file.

@@ -9,7 +9,7 @@ use foliate_systems::planning_model::graph::checks::GraphError;
 use foliate_systems::planning_model::graph::enumeration::build_constraint_graph;
 use foliate_systems::planning_model::{Model, ModelError, PlanningModel};
 use foliate_systems::settings::SearchSettings;
-use std::collections::{HashMap, VecDeque};
+use std::collections::{HashMap, HashSet, VecDeque};
 use std::sync::Arc;
 
 /// A large graph grows until so many states have come into being.
@@ -36,7 +36,7 @@ pub fn grown_graph(problem: &Problem) -> Result<ConstraintGraph, ModelError> {
 /// Expands states from one on, the nearest first, until there are many.
 pub(crate) fn grow(model: &mut PlanningModel, start: StateId) {
     let mut queue = VecDeque::from([start]);
-    let mut seen = std::collections::HashSet::from([start]);
+    let mut seen = HashSet::from([start]);
     while let Some(state) = queue.pop_front() {
         if model.graph.states.len() > STATES {
             break;
@@ -56,12 +56,17 @@ pub(crate) fn passed(path: &LoadedPath) -> ConstraintGraph {
     }
     let names = path.states().iter().zip(path.transitions());
     let segments: Vec<(&String, &String)> = names.collect();
-    for (index, (state, name)) in segments.iter().enumerate() {
+    // A transition may have several segments, and ends in the state of the next that is another.
+    let mut nexts = vec![None; segments.len()];
+    for index in (1..segments.len()).rev() {
+        let (state, name) = segments[index];
+        nexts[index - 1] = if segments[index - 1].1 == name { nexts[index] } else { Some(states[state.as_str()]) };
+    }
+    let mut seen = HashSet::new();
+    for ((state, name), next) in segments.iter().zip(nexts) {
         let from = states[state.as_str()];
-        // A transition may have several segments, and ends in the state of the next that is another.
-        let next = segments[index..].iter().find(|(_, other)| other != name);
-        let to = next.map_or(from, |(state, _)| states[state.as_str()]);
-        if graph.transition_named(name).is_none() {
+        let to = next.unwrap_or(from);
+        if seen.insert(name.as_str()) {
             let kind = if from == to { TransitionKind::Loop } else { TransitionKind::Regular };
             graph.transitions.push(bare_transition(name, (from, to), kind));
         }

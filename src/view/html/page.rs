@@ -23,7 +23,8 @@ impl Page {
     /// One HTML file that needs no other and asks no server. The same page gives the same bytes.
     ///
     /// # Errors
-    /// A number is not finite where JSON has none.
+    /// The document cannot be written as JSON. A number that is not finite is no error here: JSON has `null` for it. The functions that
+    /// make pages of paths refuse such numbers.
     pub fn html(&self) -> Result<String, serde_json::Error> {
         let json = serde_json::to_vec(&self.document)?;
         let title = escaped(&self.document.title);

@@ -5,9 +5,10 @@ use crate::planner::trajectory::trajectory::Trajectory;
 use crate::view::document::path::ClearanceEntry;
 use crate::view::geometry::blob::Blob;
 use foliate_components::Pose;
-use foliate_components::robot::{JointIndex, ShapeIndex};
+use foliate_components::robot::shape::Geometry;
+use foliate_components::robot::{JointIndex, Robot, ShapeIndex};
 use foliate_kernels::collision::distance::witness::witnesses;
-use foliate_kernels::collision::{CollisionScene, DistanceQuery, PairId, pair_clearance};
+use foliate_kernels::collision::{CollisionScene, DistanceQuery, PairId, contained, pair_clearance};
 use glam::DVec3;
 
 /// Most moments that are measured.
@@ -31,15 +32,27 @@ pub(crate) fn clearance(
     let robot = trajectory.robot();
     let count = ((trajectory.duration() * RATE).ceil() as usize).clamp(1, MOMENTS);
     let at = |number: usize| trajectory.start() + trajectory.duration() * number as f64 / count as f64;
-    let moving: Vec<Vec<PairId>> =
-        (0..trajectory.path().segments.len()).map(|segment| moving_pairs(trajectory, scene, segment)).collect();
+    let mut moving: Option<(usize, Vec<PairId>)> = None;
     let mut poses = trajectory.poses();
     let (mut times, mut found): (Vec<f64>, Vec<Nearest>) = (Vec::new(), Vec::new());
     for number in 0..=count {
         let time = at(number);
         poses.place(time);
-        let pairs = &moving[trajectory.segment_at(time).index];
-        if let Some(nearest) = nearest(scene, pairs, poses.bodies(), found.last().map(|last| last.pair)) {
+        let segment = trajectory.moment(time).segment;
+        let is_new = moving.as_ref().is_none_or(|(before, _)| *before != segment);
+        let (_, pairs) = match moving.take().filter(|_| !is_new) {
+            Some(same) => moving.insert(same),
+            None => moving.insert((segment, moving_pairs(trajectory, scene, segment))),
+        };
+        // What starts outside and never touches stays outside.
+        let last = found.last();
+        let asks = is_new || last.is_some_and(|last| last.distance <= 0.0);
+        let inside = pairs.iter().copied().find(|&pair| asks && contained(scene, pair, poses.bodies()));
+        let nearest = match inside {
+            Some(pair) => Some(Nearest { pair, distance: 0.0, points: None }),
+            None => nearest(scene, pairs, poses.bodies(), last.map(|last| last.pair)),
+        };
+        if let Some(nearest) = nearest {
             times.push(time - trajectory.start());
             found.push(nearest);
         }
@@ -71,14 +84,24 @@ pub(crate) fn clearance(
     })
 }
 
-/// The pairs that move against each other along a segment.
+/// Whether pairs of a scene are left out because a box stands for a mesh that cannot be read.
+pub(crate) fn leaves_out(robot: &Robot, scene: &CollisionScene) -> bool {
+    scene.pairs().iter().any(|pair| is_placeholder(robot, pair.first) || is_placeholder(robot, pair.second))
+}
+
+fn is_placeholder(robot: &Robot, shape: ShapeIndex) -> bool {
+    matches!(&robot.shapes[shape.at()].geometry, Geometry::Mesh(mesh) if mesh.placeholder)
+}
+
+/// The pairs that move against each other along a segment, without those of placeholders.
 fn moving_pairs(trajectory: &Trajectory<'_>, scene: &CollisionScene, segment: usize) -> Vec<PairId> {
     let rigid = trajectory.rigid_bodies(segment);
     let one_with = |body: Option<JointIndex>| body.and_then(|body| rigid[body.at()]);
     let moves = |id: &PairId| {
         let pair = scene.pairs()[id.at()];
         let body = |shape: ShapeIndex| one_with(scene.solids()[shape.at()].body);
-        body(pair.first) != body(pair.second)
+        let is_left_out = [pair.first, pair.second].iter().any(|&shape| is_placeholder(trajectory.robot(), shape));
+        !is_left_out && body(pair.first) != body(pair.second)
     };
     (0..scene.pairs().len() as u32).map(PairId).filter(moves).collect()
 }
@@ -102,6 +125,9 @@ fn nearest(scene: &CollisionScene, pairs: &[PairId], X_WJ: &[Pose], before: Opti
         (&solid.solid, solid.body.map_or(Pose::identity(), |body| X_WJ[body.at()]) * solid.X_JS)
     };
     let ((a, X_WA), (b, X_WB)) = (placed(first), placed(second));
+    if contained(scene, pair, X_WJ) {
+        return Some(Nearest { pair, distance: 0.0, points: None });
+    }
     let points = witnesses(a, &X_WA, b, &X_WB, distance);
     let distance = if distance.is_finite() { distance } else { 0.0 };
     Some(Nearest { pair, distance, points })

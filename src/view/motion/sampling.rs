@@ -1,5 +1,6 @@
 //! Samples of a motion that may be joined by straight lines.
 
+use crate::planner::trajectory::error::TrajectoryError;
 use crate::planner::trajectory::poses::Poses;
 use crate::planner::trajectory::trajectory::Trajectory;
 use foliate_components::robot::configuration::{ConfigurationSpace, Group};
@@ -23,39 +24,51 @@ pub(crate) struct Samples {
     pub deviation: f64,
 }
 
-/// Samples at the ends of all segments and as many between as it takes.
-pub(crate) fn samples(trajectory: &Trajectory<'_>) -> Samples {
-    let (mut off, mut longest) = (OFF, LONGEST);
+/// Samples at the ends of all segments and as many between as it takes, as far as there is room.
+///
+/// # Errors
+/// More segments than there is room for.
+pub(crate) fn samples(trajectory: &Trajectory<'_>) -> Result<Samples, TrajectoryError> {
+    let allowed = NUMBERS / trajectory.robot().space.size().max(1);
+    let segments = trajectory.path().segments.len();
+    if segments >= allowed {
+        let message = "a page has no room for so many segments of so many coordinates";
+        return Err(TrajectoryError::Malformed { segment: allowed.saturating_sub(1), message });
+    }
+    let mut off = OFF;
+    let mut longest = LONGEST.max(trajectory.duration() / (allowed - segments) as f64);
     loop {
-        let samples = sampled(trajectory, off, longest);
-        if samples.times.len() * trajectory.robot().space.size() <= NUMBERS || off > 1.0 {
-            return samples;
+        if let Some(samples) = sampled(trajectory, (off, longest), allowed) {
+            return Ok(samples);
         }
-        off *= 4.0;
+        // Numbers of which the straight lines are metres off are nothing to look at: what counts then is that this ends soon.
+        off *= if off > 1.0 { 1e6 } else { 4.0 };
         longest *= 4.0;
     }
 }
 
-fn sampled(trajectory: &Trajectory<'_>, off: f64, longest: f64) -> Samples {
+/// None where it takes more samples than are allowed. Without cuts it takes one more than there are segments.
+fn sampled(trajectory: &Trajectory<'_>, (off, longest): (f64, f64), allowed: usize) -> Option<Samples> {
     let mut sampler = Sampler {
         poses: trajectory.poses(),
         space: &trajectory.robot().space,
         start: trajectory.start(),
         off,
         longest,
+        left: allowed,
         samples: Samples::default(),
     };
     let segments = trajectory.segments();
     for segment in &segments {
         let (from, to) = (sampler.at(segment.start), sampler.before(segment.start, segment.end));
-        sampler.push(segment.start, from.clone());
-        sampler.between((segment.start, from), (segment.end, to), 0);
+        sampler.push(segment.start, from.clone())?;
+        sampler.between((segment.start, from), (segment.end, to), 0)?;
     }
     if let Some(last) = segments.last() {
         let q = sampler.at(last.end);
-        sampler.push(last.end, q);
+        sampler.push(last.end, q)?;
     }
-    sampler.samples
+    Some(sampler.samples)
 }
 
 struct Sampler<'t> {
@@ -64,6 +77,8 @@ struct Sampler<'t> {
     start: f64,
     off: f64,
     longest: f64,
+    /// How many samples may still be made.
+    left: usize,
     samples: Samples,
 }
 
@@ -78,7 +93,9 @@ impl Sampler<'_> {
         self.at(if to > from { to.next_down() } else { to })
     }
 
-    fn push(&mut self, time: f64, q: Vec<f64>) {
+    /// None where no more may be made.
+    fn push(&mut self, time: f64, q: Vec<f64>) -> Option<()> {
+        self.left = self.left.checked_sub(1)?;
         let time = time - self.start;
         // In single precision two times may be one; the later sample is nearer to what follows.
         if self.samples.times.last().is_some_and(|last| *last as f32 >= time as f32) {
@@ -87,10 +104,11 @@ impl Sampler<'_> {
         }
         self.samples.times.push(time);
         self.samples.configurations.push(q);
+        Some(())
     }
 
-    /// Samples between two, which are there or will be.
-    fn between(&mut self, from: (f64, Vec<f64>), to: (f64, Vec<f64>), cuts: u32) {
+    /// Samples between two, which are there or will be; none where no more may be made.
+    fn between(&mut self, from: (f64, Vec<f64>), to: (f64, Vec<f64>), cuts: u32) -> Option<()> {
         let at = |share: f64| from.0 + share * (to.0 - from.0);
         let middle = self.at(at(0.5));
         let mut off = distance(self.space, &from.1, &to.1, 0.5, &middle);
@@ -100,12 +118,12 @@ impl Sampler<'_> {
         }
         if cuts == CUTS || (off <= self.off && to.0 - from.0 <= self.longest) {
             self.samples.deviation = self.samples.deviation.max(off);
-            return;
+            return Some(());
         }
         let middle = (at(0.5), middle);
-        self.between(from, middle.clone(), cuts + 1);
-        self.push(middle.0, middle.1.clone());
-        self.between(middle, to, cuts + 1);
+        self.between(from, middle.clone(), cuts + 1)?;
+        self.push(middle.0, middle.1.clone())?;
+        self.between(middle, to, cuts + 1)
     }
 }
 

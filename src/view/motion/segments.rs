@@ -38,12 +38,10 @@ pub(crate) fn segments(
     let all = trajectory.segments();
     let mut colours: HashMap<&str, usize> = HashMap::new();
     let start = trajectory.start();
-    let one = |index: usize, other: usize| {
-        transitions.get(index).is_some() && transitions.get(index) == transitions.get(other)
-    };
+    let changes = changes(&all);
+    let runs = runs(transitions, all.len());
     let entry = |segment: &TrajectorySegment<'_>| {
-        let before = (0..segment.index).rev().take_while(|&other| one(segment.index, other)).count();
-        let behind = (segment.index + 1..all.len()).take_while(|&other| one(segment.index, other)).count();
+        let (number, count) = runs[segment.index];
         let transition = transitions.get(segment.index).and_then(|name| places.transitions.get(name)).copied();
         let next = colours.len();
         let colour = *colours.entry(trajectory.segment_state(segment.index)).or_insert(next);
@@ -52,8 +50,8 @@ pub(crate) fn segments(
             to: segment.end - start,
             state: places.states.get(segment.state).copied(),
             transition,
-            waypoint: places.waypoint(transition, before, before + 1 + behind),
-            words: words(trajectory, &all, segment.index, names),
+            waypoint: places.waypoint(transition, number, count),
+            words: words(trajectory, (&all, &changes), segment.index, names),
             colour,
             held: segment.held.iter().map(|held| [held.gripper.to_owned(), held.handle.to_owned()]).collect(),
         }
@@ -61,8 +59,34 @@ pub(crate) fn segments(
     all.iter().map(entry).collect()
 }
 
+/// By segment its place among those of its transition that follow each other, and how many these are.
+fn runs(transitions: &[String], count: usize) -> Vec<(usize, usize)> {
+    let mut runs = Vec::with_capacity(count);
+    while runs.len() < count {
+        let first = runs.len();
+        let name = transitions.get(first);
+        let same = (first..count).take_while(|&other| name.is_some() && transitions.get(other) == name).count().max(1);
+        runs.extend((0..same).map(|number| (number, same)));
+    }
+    runs
+}
+
+/// By segment the next one in which hands hold something else.
+fn changes(all: &[TrajectorySegment<'_>]) -> Vec<Option<usize>> {
+    let mut changes = vec![None; all.len()];
+    for index in (1..all.len()).rev() {
+        changes[index - 1] = if all[index].held == all[index - 1].held { changes[index] } else { Some(index) };
+    }
+    changes
+}
+
 /// What happens along a segment.
-fn words(trajectory: &Trajectory<'_>, all: &[TrajectorySegment<'_>], index: usize, names: &ShortNames) -> String {
+fn words(
+    trajectory: &Trajectory<'_>,
+    (all, changes): (&[TrajectorySegment<'_>], &[Option<usize>]),
+    index: usize,
+    names: &ShortNames,
+) -> String {
     let robot = trajectory.robot();
     let segment = &all[index];
     if let Some(words) = fingers_move(trajectory, all, index, names) {
@@ -74,7 +98,7 @@ fn words(trajectory: &Trajectory<'_>, all: &[TrajectorySegment<'_>], index: usiz
             objects.push(held.object);
         }
     }
-    let next = all[index + 1..].iter().find(|other| other.held != segment.held);
+    let next = changes[index].map(|other| &all[other]);
     let clause = |object: &&str| {
         let holders: Vec<&Held<'_>> = segment.held.iter().filter(|held| held.object == *object).collect();
         let hands: Vec<&str> = holders.iter().map(|held| names.of_name(held.gripper)).collect();

@@ -17,7 +17,7 @@ use crate::view::geometry::blob::Blob;
 use crate::view::graph::grown::{grown_graph, passed};
 use crate::view::graph::picture::{PictureOptions, picture};
 use crate::view::html::page::Page;
-use crate::view::motion::clearance::clearance;
+use crate::view::motion::clearance::{clearance, leaves_out};
 use crate::view::motion::own_times::TimedMotion;
 use crate::view::motion::refusals::refusals;
 use crate::view::motion::sampling::samples;
@@ -71,7 +71,10 @@ pub fn page_of_path(
     page.tell("scheduler", &file.scheduler);
     page.tell("seed", file.seed.to_string());
     let whole = scene.and_then(|scene| grown_graph(&scene.problem).ok());
-    let whole = whole.filter(|graph| path.transitions().iter().all(|name| graph.transition_named(name).is_some()));
+    let whole = whole.filter(|graph| {
+        let known: HashSet<&str> = graph.transitions.iter().map(|transition| transition.name.as_str()).collect();
+        path.transitions().iter().all(|name| known.contains(name.as_str()))
+    });
     if whole.is_none() {
         page.warn("the constraint graph has only the states and transitions that the path passes");
     }
@@ -118,6 +121,7 @@ pub(crate) fn add_motion(
     graph: &ConstraintGraph,
     collision: &CollisionScene,
 ) -> Result<(), TrajectoryError> {
+    fits(told.path)?;
     let short = ShortNames::of(told.robot, graph);
     let around = path_states(graph, told);
     let picture = picture(graph, &short, &PictureOptions { around, ..PictureOptions::default() });
@@ -128,7 +132,14 @@ pub(crate) fn add_motion(
     places.waypoints.extend(picture.transitions.iter().map(|transition| transition.waypoints.clone()));
     let timed = TimedMotion::new(told.robot, told.path, told.interpolation);
     let trajectory = Trajectory::new(told.robot, &timed.path, told.states.clone(), timed.interpolation)?;
-    let samples = samples(&trajectory);
+    if !is_f32(trajectory.duration()) {
+        return Err(TrajectoryError::Malformed { segment: told.path.segments.len() - 1, message: TOO_LARGE });
+    }
+    let samples = samples(&trajectory)?;
+    if let Some(number) = samples.configurations.iter().position(|q| !q.iter().copied().all(is_f32)) {
+        let segment = trajectory.moment(trajectory.start() + samples.times[number]).segment;
+        return Err(TrajectoryError::Malformed { segment, message: TOO_LARGE });
+    }
     let document = &mut page.document;
     document.start = samples.configurations.first().cloned();
     document.goal = samples.configurations.last().cloned();
@@ -155,7 +166,29 @@ pub(crate) fn add_motion(
         verdict: None,
         refused: Vec::new(),
     });
+    if leaves_out(told.robot, collision) {
+        page.warn("the clearance leaves out the boxes that stand for meshes that cannot be read");
+    }
     Ok(())
+}
+
+const TOO_LARGE: &str =
+    "its times, or numbers of its motion, are too large for a page: they are written in single precision";
+
+fn is_f32(x: f64) -> bool {
+    (x as f32).is_finite()
+}
+
+/// Refuses numbers that a page cannot hold.
+fn fits(path: &ManipulationPath) -> Result<(), TrajectoryError> {
+    let is_fit = |segment: &foliate_components::path::Segment| {
+        let rates = segment.timing.iter().flat_map(|timing| timing.velocities.iter());
+        segment.knots.iter().chain(rates).flatten().copied().all(is_f32)
+    };
+    match path.segments.iter().position(|segment| !is_fit(segment)) {
+        Some(segment) => Err(TrajectoryError::Malformed { segment, message: TOO_LARGE }),
+        None => Ok(()),
+    }
 }
 
 /// The states of the graph that a path is in, and those that its transitions join.
