@@ -119,7 +119,7 @@ fn reduce(grids: Vec<Option<GridMesh>>, triangles: usize) -> Vec<Option<GridMesh
 fn diagonal(mesh: &Mesh) -> f64 {
     let low = mesh.vertices.iter().copied().reduce(DVec3::min);
     let high = mesh.vertices.iter().copied().reduce(DVec3::max);
-    low.zip(high).map_or(0.0, |(low, high)| low.distance(high))
+    low.zip(high).map_or(0.0, |(low, high)| low.distance(high)).min(f64::MAX)
 }
 
 /// How far the vertices of a mesh are from the triangles that are shown, metres, at most.
@@ -157,5 +157,23 @@ fn entry(mesh: &Mesh, shown: &GridMesh, deviation: f64, blob: &mut Blob) -> Mesh
         wide,
         of: mesh.triangles.len(),
         deviation,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mesh_of_which_nothing_is_left_deviates_by_its_size() {
+        let mut store = MeshStore::default();
+        store.number(&Arc::new(Mesh::new(
+            String::new(),
+            vec![DVec3::ZERO, DVec3::new(0.3, 0.4, 0.0)],
+            vec![[0, 1, 1]],
+        )));
+        let stored = store.write(10, &mut Blob::default());
+        assert_eq!(stored.triangles, [1, 0]);
+        assert!((stored.deviation - 0.5).abs() < 1e-12, "{}", stored.deviation);
     }
 }
