@@ -198,7 +198,7 @@ impl SearchRecord {
     }
 
     /// Keeps the first nodes, as many as fit into so many bytes together with the edges between them.
-    pub(crate) fn fit(&mut self, bytes: u64) {
+    pub fn fit(&mut self, bytes: u64) {
         let count = first_that_fit(bytes, self.width, self.nodes.len(), &self.edges);
         self.nodes_left_out += (self.nodes.len() - count) as u64;
         self.nodes.truncate(count);

@@ -1,9 +1,9 @@
 //! What does it cost to record a search?
 //!
-//! `cargo run --release -p foliate_benches --bin recording [-- SCENE… --seeds N --steps N]`. First paths on one thread, with a recording and without
-//! it in turn, for each seed; the last line of a scene is of a search that never ends: trees of `mrrt` that are not joined, for `--steps` steps.
-//! Processor time, since the machine may be busy. What the search takes more, and apart from it what it takes to make the recording of its
-//! answer and the bytes of the file.
+//! `cargo run --release -p foliate_benches --bin recording [-- SCENE… --seeds N --steps N --rounds N]`. First paths on one thread, without a
+//! recording and with it in turn, all seeds in each round; the second line of a scene is of a search that never ends: trees of `mrrt` that are not
+//! joined, for `--steps` steps. Processor time of a solve with the copy that is kept of its roadmap, since the machine may be busy; median of the
+//! rounds, and what a recording takes more. Apart from that the time on the clock in which the file is made of it, and its bytes.
 #![forbid(unsafe_code)]
 
 use bevy_ecs::prelude::{Schedule, World};
@@ -20,6 +20,7 @@ use foliate_systems::settings::SearchSettings;
 use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Instant;
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
@@ -43,11 +44,12 @@ impl Scheduler for Apart {
 fn main() -> Result<()> {
     one_thread();
     let mut arguments = std::env::args().skip(1);
-    let (mut scenes, mut seeds, mut steps) = (Vec::new(), 10, 400);
+    let (mut scenes, mut seeds, mut steps, mut rounds) = (Vec::new(), 10, 400, 11);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--seeds" => seeds = arguments.next().ok_or("--seeds N")?.parse()?,
             "--steps" => steps = arguments.next().ok_or("--steps N")?.parse()?,
+            "--rounds" => rounds = arguments.next().ok_or("--rounds N")?.parse()?,
             scene => scenes.push(scene.to_owned()),
         }
     }
@@ -62,55 +64,72 @@ fn main() -> Result<()> {
         match Entry::load(scene, &PackagePath::from_environment(&[])) {
             Err(error) => println!("{scene}: skipped: {error}"),
             Ok(entry) => {
-                measure(scene, &entry, Sequence, seeds, 0);
-                measure(&format!("{scene}, apart"), &entry, Apart, (seeds / 3).max(3), steps);
+                let entry = &entry;
+                measure(scene, &Searched { entry, scheduler: Arc::new(Sequence), seeds, steps: 0 }, rounds);
+                let apart = Searched { entry, scheduler: Arc::new(Apart), seeds: seeds.div_ceil(5), steps };
+                measure(&format!("{scene}, apart"), &apart, rounds);
             }
         }
     }
     Ok(())
 }
 
-/// Processor time of solves in milliseconds, and the last answer.
-fn solve(entry: &Entry, scheduler: &Arc<dyn Scheduler>, seed: u64, steps: u64, is_recorded: bool) -> (f64, Answer) {
-    let settings = SearchSettings::default().with(|s| (s.seed, s.max_steps) = (seed, steps));
-    let planner = Planner::from_model(entry.model().clone()).settings(settings).first_path();
-    let planner = planner.scheduler(Arc::clone(scheduler));
-    let planner = if is_recorded { planner.record() } else { planner };
-    let began = processor_time();
-    let answer = planner.solve();
-    ((processor_time() - began).as_secs_f64() * 1e3, answer)
-}
-
 type Answer = std::result::Result<Solution, NoSolution>;
 
-fn measure(name: &str, entry: &Entry, scheduler: impl Scheduler + 'static, seeds: u64, steps: u64) {
-    let scheduler: Arc<dyn Scheduler> = Arc::new(scheduler);
-    let _warm = solve(entry, &scheduler, 1, steps, true);
-    let (mut off, mut on, mut more, mut made) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    let (mut nodes, mut bytes, mut pairs) = (Vec::new(), Vec::new(), Vec::new());
-    for seed in 1..=seeds {
-        // In turn, and every other seed the other way round; the least of three of each, since others use the machine.
-        let mut least = [f64::INFINITY; 2];
-        let mut recorded = None;
-        for round in 0..6 {
-            let is_recorded = (seed + round) % 2 == 0;
-            let (time, answer) = solve(entry, &scheduler, seed, steps, is_recorded);
-            least[usize::from(is_recorded)] = least[usize::from(is_recorded)].min(time);
-            if is_recorded {
-                recorded = Some(answer);
-            }
+/// What is searched, and how.
+struct Searched<'a> {
+    entry: &'a Entry,
+    scheduler: Arc<dyn Scheduler>,
+    seeds: u64,
+    steps: u64,
+}
+
+impl Searched<'_> {
+    fn solve(&self, seed: u64, is_recorded: bool) -> Answer {
+        let settings = SearchSettings::default().with(|s| (s.seed, s.max_steps) = (seed, self.steps));
+        let planner = Planner::from_model(self.entry.model().clone()).settings(settings).first_path();
+        let planner = planner.scheduler(Arc::clone(&self.scheduler));
+        let planner = if is_recorded { planner.record() } else { planner };
+        planner.solve()
+    }
+
+    /// Processor time of so many solves of all seeds, milliseconds for each.
+    fn time(&self, times: u64, is_recorded: bool) -> f64 {
+        let began = processor_time();
+        for seed in (0..times).flat_map(|_| 1..=self.seeds) {
+            drop(self.solve(seed, is_recorded));
         }
-        let [without, with] = least;
+        (processor_time() - began).as_secs_f64() * 1e3 / (times * self.seeds) as f64
+    }
+}
+
+/// Systems tell the processor time of a thread in steps of some milliseconds: what is measured at once takes so long, seconds.
+const AT_ONCE: f64 = 0.6;
+
+fn measure(name: &str, searched: &Searched<'_>, rounds: u64) {
+    // The first solves compile what all share.
+    searched.time(1, true);
+    let began = Instant::now();
+    searched.time(1, false);
+    let times = (AT_ONCE / began.elapsed().as_secs_f64()).ceil().max(1.0) as u64;
+    let (mut off, mut on, mut more) = (Vec::new(), Vec::new(), Vec::new());
+    for round in 0..rounds {
+        // In turn, and every other round the other way round.
+        let first = round % 2 == 1;
+        let taken = [searched.time(times, first), searched.time(times, !first)];
+        let [without, with] = if first { [taken[1], taken[0]] } else { taken };
         off.push(without);
         on.push(with);
         more.push(100.0 * (with / without - 1.0));
-        let Some(answer) = recorded else { continue };
+    }
+    let (mut nodes, mut made, mut bytes, mut pairs) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for seed in 1..=searched.seeds {
+        let answer = searched.solve(seed, true);
         nodes.push(Report::of(&answer).nodes as f64);
-        let began = processor_time();
-        let recording = recording(entry, &answer);
-        let length = recording.to_bytes().map_or(0, |bytes| bytes.len());
-        made.push((processor_time() - began).as_secs_f64() * 1e3);
-        bytes.push(length as f64);
+        let began = Instant::now();
+        let recording = recording(searched.entry, &answer);
+        bytes.push(recording.to_bytes().map_or(0, |bytes| bytes.len()) as f64);
+        made.push(began.elapsed().as_secs_f64() * 1e3);
         pairs.push(recording.head.collisions as f64);
     }
     let [low, middle, high] = [0.25, 0.5, 0.75].map(|share| quantile(&mut more, share));
