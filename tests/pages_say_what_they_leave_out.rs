@@ -125,11 +125,12 @@ fn sheet(side: usize) -> String {
     text
 }
 
-/// A model of one visual mesh.
+/// A model of one visual mesh; without a collision shape it would have a warning.
 fn model_of_mesh(folder: &Path, mesh: &str) -> String {
     std::fs::write(folder.join("sheet.obj"), mesh).unwrap();
     let urdf = folder.join("sheet.urdf");
-    let text = r#"<robot name="r"><link name="l"><visual><geometry><mesh filename="sheet.obj"/></geometry></visual></link></robot>"#;
+    let text = r#"<robot name="r"><link name="l"><visual><geometry><mesh filename="sheet.obj"/></geometry></visual>
+      <collision><geometry><sphere radius="1"/></geometry></collision></link></robot>"#;
     std::fs::write(&urdf, text).unwrap();
     urdf.to_string_lossy().into_owned()
 }
