@@ -1,9 +1,10 @@
 //! What does it cost to record a search?
 //!
 //! `cargo run --release -p foliate_benches --bin recording [-- SCENE… --seeds N --steps N --rounds N]`. First paths on one thread, without a
-//! recording and with it in turn, all seeds in each round; the second line of a scene is of a search that never ends: trees of `mrrt` that are not
-//! joined, for `--steps` steps. Processor time of a solve with the copy that is kept of its roadmap, since the machine may be busy; median of the
-//! rounds, and what a recording takes more. Apart from that the time on the clock in which the file is made of it, and its bytes.
+//! recording and with it in turn; the second line of a scene is of a search that never ends: trees of `mrrt` that are not joined, for
+//! `--steps` steps. Of each seed the least time on the clock of so many rounds counts, since others use the machine: what a recording takes more
+//! of all seeds together, and the median over seeds with quartiles. The copy that is kept of the roadmap is part of it. Apart from that the time in which
+//! the file is made of it, and its bytes.
 #![forbid(unsafe_code)]
 
 use bevy_ecs::prelude::{Schedule, World};
@@ -13,7 +14,7 @@ use foliate::path_file::{PathContext, save};
 use foliate::recording::Recording;
 use foliate::scene::PackagePath;
 use foliate::{NoSolution, Planner, Report, Solution};
-use foliate_benches::{one_thread, processor_time};
+use foliate_benches::one_thread;
 use foliate_schedulers::{Scheduler, mrrt::Mrrt, sequence::Sequence};
 use foliate_systems::schedule::SearchSet;
 use foliate_systems::settings::SearchSettings;
@@ -44,7 +45,7 @@ impl Scheduler for Apart {
 fn main() -> Result<()> {
     one_thread();
     let mut arguments = std::env::args().skip(1);
-    let (mut scenes, mut seeds, mut steps, mut rounds) = (Vec::new(), 10, 400, 11);
+    let (mut scenes, mut seeds, mut steps, mut rounds) = (Vec::new(), 10, 400, 30);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--seeds" => seeds = arguments.next().ok_or("--seeds N")?.parse()?,
@@ -57,8 +58,8 @@ fn main() -> Result<()> {
         scenes = ["demo", "baxter-case4", "pr2-manipulation-kitchen"].map(str::to_owned).to_vec();
     }
     println!(
-        "{:<34} {:>9} {:>9} {:>26} {:>8} {:>9} {:>8} {:>8}",
-        "search", "off ms", "on ms", "more % (quartiles)", "nodes", "make ms", "bytes", "pairs"
+        "{:<34} {:>9} {:>9} {:>34} {:>8} {:>9} {:>8} {:>8}",
+        "search", "off ms", "on ms", "more %: all, median (quartiles)", "nodes", "make ms", "bytes", "pairs"
     );
     for scene in &scenes {
         match Entry::load(scene, &PackagePath::from_environment(&[])) {
@@ -67,7 +68,7 @@ fn main() -> Result<()> {
                 let entry = &entry;
                 measure(scene, &Searched { entry, scheduler: Arc::new(Sequence), seeds, steps: 0 }, rounds);
                 let apart = Searched { entry, scheduler: Arc::new(Apart), seeds: seeds.div_ceil(5), steps };
-                measure(&format!("{scene}, apart"), &apart, rounds);
+                measure(&format!("{scene}, apart"), &apart, rounds.div_ceil(3));
             }
         }
     }
@@ -93,35 +94,40 @@ impl Searched<'_> {
         planner.solve()
     }
 
-    /// Processor time of so many solves of all seeds, milliseconds for each.
-    fn time(&self, times: u64, is_recorded: bool) -> f64 {
-        let began = processor_time();
-        for seed in (0..times).flat_map(|_| 1..=self.seeds) {
-            drop(self.solve(seed, is_recorded));
+    /// Time on the clock of a solve, milliseconds.
+    fn time(&self, seed: u64, is_recorded: bool) -> f64 {
+        let began = Instant::now();
+        let answer = self.solve(seed, is_recorded);
+        let taken = began.elapsed().as_secs_f64() * 1e3;
+        drop(answer);
+        taken
+    }
+
+    /// The least times of solves without and with a recording, in turn and every other round the other way round.
+    fn least(&self, seed: u64, rounds: u64) -> [f64; 2] {
+        let mut least = [f64::INFINITY; 2];
+        for round in 0..rounds {
+            for turn in 0..2 {
+                let is_recorded = (round + turn) % 2 == 1;
+                let at = usize::from(is_recorded);
+                least[at] = least[at].min(self.time(seed, is_recorded));
+            }
         }
-        (processor_time() - began).as_secs_f64() * 1e3 / (times * self.seeds) as f64
+        least
     }
 }
 
-/// Systems tell the processor time of a thread in steps of some milliseconds: what is measured at once takes so long, seconds.
-const AT_ONCE: f64 = 0.6;
-
 fn measure(name: &str, searched: &Searched<'_>, rounds: u64) {
     // The first solves compile what all share.
-    searched.time(1, true);
-    let began = Instant::now();
-    searched.time(1, false);
-    let times = (AT_ONCE / began.elapsed().as_secs_f64()).ceil().max(1.0) as u64;
+    (1..=searched.seeds).for_each(|seed| drop(searched.solve(seed, true)));
     let (mut off, mut on, mut more) = (Vec::new(), Vec::new(), Vec::new());
-    for round in 0..rounds {
-        // In turn, and every other round the other way round.
-        let first = round % 2 == 1;
-        let taken = [searched.time(times, first), searched.time(times, !first)];
-        let [without, with] = if first { [taken[1], taken[0]] } else { taken };
+    for seed in 1..=searched.seeds {
+        let [without, with] = searched.least(seed, rounds);
         off.push(without);
         on.push(with);
         more.push(100.0 * (with / without - 1.0));
     }
+    let all = 100.0 * (on.iter().sum::<f64>() / off.iter().sum::<f64>() - 1.0);
     let (mut nodes, mut made, mut bytes, mut pairs) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for seed in 1..=searched.seeds {
         let answer = searched.solve(seed, true);
@@ -133,10 +139,10 @@ fn measure(name: &str, searched: &Searched<'_>, rounds: u64) {
         pairs.push(recording.head.collisions as f64);
     }
     let [low, middle, high] = [0.25, 0.5, 0.75].map(|share| quantile(&mut more, share));
-    let spread = format!("{middle:+.2} ({low:+.2} .. {high:+.2})");
+    let spread = format!("{all:+.2}, {middle:+.2} ({low:+.2} .. {high:+.2})");
     let median = |numbers: &mut Vec<f64>| quantile(numbers, 0.5);
     println!(
-        "{name:<34} {:>9.2} {:>9.2} {spread:>26} {:>8.0} {:>9.2} {:>8.0} {:>8.0}",
+        "{name:<34} {:>9.2} {:>9.2} {spread:>34} {:>8.0} {:>9.2} {:>8.0} {:>8.0}",
         median(&mut off),
         median(&mut on),
         median(&mut nodes),
