@@ -1,7 +1,7 @@
 // Makes the pictures of README and docs from what the program answers: node pictures.mjs FOLIATE
 // FOLIATE is the program, built with its default features; the published models of Baxter are installed (foliate models --install).
 import { execFileSync } from "node:child_process";
-import { mkdtempSync, rmSync, statSync, writeFileSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { dirname, join, resolve } from "node:path";
@@ -23,7 +23,7 @@ const SCENE_WIDTH = 640;
 const DEMO_PAGE = { width: 980, height: 580 };
 const BAXTER_PAGE = { width: 1280, height: 800 };
 /** Bytes above which a picture makes README slow to load. */
-const MOST = { "demo.gif": 600_000, "baxter-case4.png": 250_000 };
+const MOST = { "demo.gif": 600_000, "baxter-case4.png": 250_000, "funnel.png": 250_000, "demo-graph.svg": 100_000 };
 
 /** Opens a page whose requests and errors would spoil the picture. */
 async function opened(browser, file, size) {
@@ -70,6 +70,19 @@ async function still(browser, file) {
     return sharp(picture).png({ palette: true, colours: 128, dither: 0, effort: 10, compressionLevel: 9 }).toBuffer();
 }
 
+/** The page of a recorded search: its roadmap, the funnel of the transition that was tried most, and where its most frequent pair collided. */
+async function funnel(browser, file) {
+    const page = await opened(browser, file, BAXTER_PAGE);
+    await page.$$eval("[role=tab]", (tabs) => tabs.find((tab) => tab.textContent.startsWith("Search")).click());
+    await page.$$eval(".funnel details", (rows) => (rows.find((row) => row.querySelector(".pair")).open = true));
+    await page.$eval(".funnel details[open] .pair", (pair) => pair.click());
+    await page.$eval(".funnel details[open]", (pairs) => pairs.parentElement.scrollIntoView({ block: "start" }));
+    await page.evaluate(() => window.foliate.frame());
+    const picture = Buffer.from(await page.screenshot());
+    await page.close();
+    return sharp(picture).png({ palette: true, colours: 128, dither: 0, effort: 10, compressionLevel: 9 }).toBuffer();
+}
+
 function keep(name, bytes) {
     if (bytes.length > MOST[name]) throw new Error(`${name} has ${bytes.length} bytes, ${MOST[name]} are allowed`);
     writeFileSync(join(figures, name), bytes);
@@ -83,13 +96,18 @@ async function main(program) {
     const file = (name) => join(folder, name);
     let browser;
     try {
+        foliate("graph", "demo", "--svg", "-o", file("demo-graph.svg"));
         foliate("demo", "--seed", SEED, "--view", file("demo.html"));
         foliate("solve", "baxter-case4", "--seed", SEED, "--out", file("baxter-case4.json"));
         // The page of a path file says that the check has proved it.
         foliate("view", file("baxter-case4.json"), "-o", file("baxter-case4.html"));
+        foliate("solve", "baxter-case4", "--first", "--seed", SEED, "--record", file("baxter-case4.search"));
+        foliate("view", file("baxter-case4.search"), "-o", file("search.html"));
         browser = await launch();
+        keep("demo-graph.svg", readFileSync(file("demo-graph.svg")));
         keep("demo.gif", await animation(browser, file("demo.html")));
         keep("baxter-case4.png", await still(browser, file("baxter-case4.html")));
+        keep("funnel.png", await funnel(browser, file("search.html")));
     } finally {
         await browser?.close();
         rmSync(folder, { recursive: true });
