@@ -213,3 +213,32 @@ fn costs() {
         );
     }
 }
+
+#[test]
+fn what_ends_a_proof_is_too_close_where_the_verdict_says_so() {
+    let bench = Bench::new();
+    let (mut rng, mut scratch) = (ChaCha8Rng::seed_from_u64(77), CollisionScratch::new());
+    let (mut cut, mut touching) = (0, 0);
+    for round in 0..60 {
+        let pieces = [2, 3, 40][round % 3];
+        let knots = bench.curve(&mut rng, pieces, 1.0, &mut scratch);
+        for all_or_nothing in [false, true] {
+            let settings = CertificateSettings { all_or_nothing, ..CertificateSettings::default() };
+            let verdict = bench.whole(&knots, &settings, &mut scratch);
+            let PolylineVerdict::FreeUntil { piece, t, blocked_by: Some(contact), blocked_at } = verdict else {
+                continue;
+            };
+            assert!(blocked_at <= pieces as f64 && blocked_at >= piece as f64 + t, "{verdict:?}");
+            let at = (blocked_at as usize).min(pieces - 1);
+            let (a, b) = knots[at * bench.size..(at + 2) * bench.size].split_at(bench.size);
+            let mut q = vec![0.0; bench.size];
+            bench.robot.space.interpolate(a, b, blocked_at - at as f64, &mut q);
+            let least = min_clearance(&bench.scene, &bench.poses(&q), std::iter::once(contact.pair)).unwrap().clearance;
+            let keep = settings.clearance_guard;
+            assert!(least <= keep + settings.resolution, "round {round}: {least} apart at {blocked_at}: {verdict:?}");
+            touching += usize::from(least <= keep);
+            cut += 1;
+        }
+    }
+    assert!(cut > 40 && 10 * touching >= 9 * cut, "{touching} of {cut}");
+}

@@ -12,7 +12,7 @@ use crate::exploration::writer::{
 use crate::planning_model::model::PlanningModel;
 use crate::schedule::StepCounter;
 use crate::settings::SearchSettings;
-use crate::step::validation::certify_or_find;
+use crate::step::validation::{carried, certify_or_find};
 use bevy_ecs::prelude::{Mut, World};
 use foliate_components::candidate::{Candidate, CandidateArena, CommitAs, LegParameter, PlannedLeg};
 use foliate_components::graph::leaf::{Leaf, LeafId, LeafIndex, ParameterId};
@@ -99,7 +99,8 @@ fn log_refused(world: &mut World, edge: &UnvalidatedEdge, obstacle: Obstacle) {
         let (along, attachments) = ((motion.transition, leaf.state), model.attachments_of_leaf(leaf, leaves));
         let mut scratch = CollisionScratch::default();
         scratch.set_level(settings.level);
-        certify_or_find(model, settings, along, &attachments, &motion.knots, &mut scratch).err()?.at
+        let found = certify_or_find(model, settings, along, &attachments, &motion.knots, &mut scratch).err()?;
+        found.at.map(|q| carried(model, &attachments, q))
     };
     if let Some(q) = edge.motions.iter().find(|motion| motion.leg == obstacle.leg).and_then(find) {
         note_collision(world, pair, &q);

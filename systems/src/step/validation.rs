@@ -1,6 +1,7 @@
 //! Set Validate: certifies the legs over the continuum and keeps the valid prefix (P1 Alg. 2 line 10).
 
 use crate::events::StopSignal;
+use crate::exploration::search_log::SearchLog;
 use crate::planning_model::model::PlanningModel;
 use crate::runtime::parallel::each;
 use crate::runtime::scratch_pool::ScratchPool;
@@ -43,6 +44,7 @@ pub fn certify_legs(
     settings: Res<'_, SearchSettings>,
     stop: Res<'_, StopSignal>,
     leaves: Res<'_, LeafIndex>,
+    log: Option<Res<'_, SearchLog>>,
     mut counter: ResMut<'_, StepCounter>,
     mut arena: ResMut<'_, CandidateArena>,
     mut candidates: Query<'_, '_, &mut Candidate>,
@@ -66,7 +68,7 @@ pub fn certify_legs(
                 candidate.reject(Rejection::Stopped);
             }
             if candidate.is_alive() || candidate.is_cut_short() {
-                **complete = certify_candidate(&model, &settings, &leaves, candidate, legs, scratch);
+                **complete = certify_candidate(&model, &settings, (&leaves, log.as_deref()), candidate, legs, scratch);
             } else {
                 legs.clear();
             }
@@ -78,7 +80,7 @@ pub fn certify_legs(
 fn certify_candidate(
     model: &PlanningModel,
     settings: &SearchSettings,
-    leaves: &LeafIndex,
+    (leaves, log): (&LeafIndex, Option<&SearchLog>),
     candidate: &mut Candidate,
     legs: &mut Vec<PlannedLeg>,
     scratch: &mut ValidationScratch,
@@ -96,7 +98,8 @@ fn certify_candidate(
     for index in 0..legs.len() {
         let leg = &mut legs[index];
         let rigid_attachments = model.attachments_of_leg(leg, leaves);
-        let free = certify_leg(model, settings, transition, &rigid_attachments, leg, candidate, &mut scratch.collision);
+        let free =
+            certify_leg(model, settings, (transition, log), &rigid_attachments, leg, candidate, &mut scratch.collision);
         if !free {
             let kept = if moves(model, leg) { index + 1 } else { index };
             legs.truncate(kept);
@@ -169,7 +172,7 @@ fn keep_margins(
 fn certify_leg(
     model: &PlanningModel,
     settings: &SearchSettings,
-    transition: TransitionId,
+    (transition, log): (TransitionId, Option<&SearchLog>),
     rigid_attachments: &[RigidAttachment],
     leg: &mut PlannedLeg,
     candidate: &mut Candidate,
@@ -181,7 +184,9 @@ fn certify_leg(
     };
     candidate.rejected = Some(Rejection::MotionBlocked(leg.leg as u8));
     candidate.blocked_by = blocked.contact.map(|c| model.pair_shapes(c.pair));
-    candidate.blocked_at = blocked.at;
+    // Of a pair that has its place in the log already none is looked for.
+    let wanted = candidate.blocked_by.zip(log).is_some_and(|(pair, log)| log.wants((transition, pair)));
+    candidate.blocked_at = blocked.at.filter(|_| wanted).map(|q| carried(model, rigid_attachments, q));
     false
 }
 
@@ -190,7 +195,7 @@ fn certify_leg(
 pub(crate) struct Blocked {
     /// The pair that was found too close, if one was.
     pub contact: Option<Contact>,
-    /// The configuration at which it was found, where the search keeps a log.
+    /// The configuration at which it was found, where the search keeps a log; what is carried is not yet where its carriers have it.
     pub at: Option<Box<[f64]>>,
 }
 
@@ -199,29 +204,29 @@ impl Blocked {
     fn new(
         model: &PlanningModel,
         settings: &SearchSettings,
-        rigid_attachments: &[RigidAttachment],
         knots: &[f64],
         (contact, at): (Option<Contact>, f64),
     ) -> Self {
         let is_kept = settings.log && contact.is_some();
-        Self { contact, at: is_kept.then(|| configuration_at(model, rigid_attachments, knots, at).into()) }
+        Self { contact, at: is_kept.then(|| configuration_at(model, knots, at)) }
     }
 }
 
-/// The configuration at a place of a polyline, in pieces from its start, with what is carried where its carriers have it.
-fn configuration_at(model: &PlanningModel, rigid_attachments: &[RigidAttachment], knots: &[f64], at: f64) -> Vec<f64> {
+/// The configuration at a place of a polyline, in pieces from its start.
+fn configuration_at(model: &PlanningModel, knots: &[f64], at: f64) -> Box<[f64]> {
     let space = &model.problem.robot.space;
     let size = space.size();
     let last_piece = (knots.len() / size).saturating_sub(2);
     let piece = (at as usize).min(last_piece);
     let start = piece * size;
     let mut q = vec![0.0; size];
-    space.interpolate(
-        &knots[start..start + size],
-        &knots[start + size..start + 2 * size],
-        (at - piece as f64).clamp(0.0, 1.0),
-        &mut q,
-    );
+    let t = (at - piece as f64).clamp(0.0, 1.0);
+    space.interpolate(&knots[start..start + size], &knots[start + size..start + 2 * size], t, &mut q);
+    q.into()
+}
+
+/// A configuration with what is carried where its carriers have it.
+pub(crate) fn carried(model: &PlanningModel, rigid_attachments: &[RigidAttachment], mut q: Box<[f64]>) -> Box<[f64]> {
     carry(model, rigid_attachments, &mut q);
     q
 }
@@ -253,7 +258,7 @@ pub(crate) fn certified_prefix(
             None
         }
         PolylineVerdict::FreeUntil { piece, t, blocked_by, blocked_at } => {
-            let blocked = Blocked::new(model, settings, rigid_attachments, knots, (blocked_by, blocked_at));
+            let blocked = Blocked::new(model, settings, knots, (blocked_by, blocked_at));
             // The proof holds for the prefix; how much more clearance it has is not known of a motion that ends in front of
             // something.
             leg.clearance = settings.clearance_guard;
@@ -318,7 +323,7 @@ pub(crate) fn certify_or_find(
     {
         PolylineVerdict::Free { min_clearance_lower_bound } => Ok(min_clearance_lower_bound),
         PolylineVerdict::FreeUntil { blocked_by, blocked_at, .. } => {
-            Err(Blocked::new(model, settings, rigid_attachments, knots, (blocked_by, blocked_at)))
+            Err(Blocked::new(model, settings, knots, (blocked_by, blocked_at)))
         }
     }
 }

@@ -208,7 +208,7 @@ impl<'a> LeafSpace<'a> {
             &mut scratch.collision,
         );
         let clearance = certified.map_err(|blocked| {
-            scratch.blocked_at = blocked.at;
+            scratch.blocked_at = blocked.at.map(|q| validation::carried(self.model, &self.rigid_attachments, q));
             Stopped::Blocked(blocked.contact.map(|contact| self.model.pair_shapes(contact.pair)))
         })?;
         let blocked_by = hit.map(|(_, contact)| contact.pair);
@@ -235,7 +235,8 @@ impl<'a> LeafSpace<'a> {
         let PlannedLeg { knots, clearance, residual, .. } = leg;
         let arrives = is_whole && blocked.is_none();
         let blocked_by = blocked.as_ref().and_then(|blocked| blocked.contact).map(|contact| contact.pair);
-        scratch.blocked_at = blocked.and_then(|blocked| blocked.at);
+        let at = blocked.and_then(|blocked| blocked.at);
+        scratch.blocked_at = at.map(|q| validation::carried(model, &self.rigid_attachments, q));
         if knots.len() <= from.len() {
             return Err(Stopped::Blocked(blocked_by.map(|pair| model.pair_shapes(pair))));
         }
