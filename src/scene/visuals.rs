@@ -40,7 +40,7 @@ impl Visuals {
         for shape in &robot.shapes {
             let joint_from_link = robot.links[shape.link.at()].joint_from_link;
             let link_from_visual = joint_from_link.inverse() * shape.joint_from_shape;
-            let (geometry, missing) = (shape.geometry.clone(), placeholder(&shape.geometry));
+            let (geometry, missing) = (shape.geometry.clone(), shape.geometry.missing_file().map(str::to_owned));
             links[shape.link.at()].push(Visual { link_from_visual, geometry, color: None, missing });
         }
         Self { links, warnings: Vec::new() }
@@ -120,7 +120,7 @@ impl Visuals {
                 }
                 let visual = |v: VisualModel| Visual {
                     link_from_visual: v.link_from_visual,
-                    missing: placeholder(&v.geometry),
+                    missing: v.geometry.missing_file().map(str::to_owned),
                     geometry: v.geometry,
                     color: v.color,
                 };
@@ -128,13 +128,5 @@ impl Visuals {
             }
         }
         Ok(())
-    }
-}
-
-/// The file that a solid stands for, where it could not be read.
-fn placeholder(geometry: &Geometry) -> Option<String> {
-    match geometry {
-        Geometry::Mesh(mesh) if mesh.placeholder => Some(mesh.source.clone()),
-        _ => None,
     }
 }

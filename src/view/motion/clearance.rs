@@ -5,7 +5,6 @@ use crate::planner::trajectory::trajectory::Trajectory;
 use crate::view::document::path::ClearanceEntry;
 use crate::view::geometry::blob::Blob;
 use foliate_components::Pose;
-use foliate_components::robot::shape::Geometry;
 use foliate_components::robot::{JointIndex, Robot, ShapeIndex};
 use foliate_kernels::collision::distance::witness::witnesses;
 use foliate_kernels::collision::{CollisionScene, DistanceQuery, PairId, contained, pair_clearance};
@@ -32,25 +31,24 @@ pub(crate) fn clearance(
     let robot = trajectory.robot();
     let count = ((trajectory.duration() * RATE).ceil() as usize).clamp(1, MOMENTS);
     let at = |number: usize| trajectory.start() + trajectory.duration() * number as f64 / count as f64;
-    let mut moving: Option<(usize, Vec<PairId>)> = None;
+    let (mut current, mut pairs) = (None, Vec::new());
     let mut poses = trajectory.poses();
     let (mut times, mut found): (Vec<f64>, Vec<Nearest>) = (Vec::new(), Vec::new());
     for number in 0..=count {
         let time = at(number);
         poses.place(time);
         let segment = trajectory.moment(time).segment;
-        let is_new = moving.as_ref().is_none_or(|(before, _)| *before != segment);
-        let (_, pairs) = match moving.take().filter(|_| !is_new) {
-            Some(same) => moving.insert(same),
-            None => moving.insert((segment, moving_pairs(trajectory, scene, segment))),
-        };
+        let is_new = current != Some(segment);
+        if is_new {
+            (current, pairs) = (Some(segment), moving_pairs(trajectory, scene, segment));
+        }
         // What starts outside and never touches stays outside.
         let last = found.last();
         let asks = is_new || last.is_some_and(|last| last.distance <= 0.0);
         let inside = pairs.iter().copied().find(|&pair| asks && contained(scene, pair, poses.bodies()));
         let nearest = match inside {
             Some(pair) => Some(Nearest { pair, distance: 0.0, points: None }),
-            None => nearest(scene, pairs, poses.bodies(), last.map(|last| last.pair)),
+            None => nearest(scene, &pairs, poses.bodies(), last.map(|last| last.pair)),
         };
         if let Some(nearest) = nearest {
             times.push(time - trajectory.start());
@@ -90,7 +88,7 @@ pub(crate) fn leaves_out(robot: &Robot, scene: &CollisionScene) -> bool {
 }
 
 fn is_placeholder(robot: &Robot, shape: ShapeIndex) -> bool {
-    matches!(&robot.shapes[shape.at()].geometry, Geometry::Mesh(mesh) if mesh.placeholder)
+    robot.shapes[shape.at()].geometry.missing_file().is_some()
 }
 
 /// The pairs that move against each other along a segment, without those of placeholders.

@@ -5,7 +5,6 @@ use crate::view::document::finding::{CollisionEntry, ViolationEntry, WhereEntry}
 use crate::view::document::page::Document;
 use foliate_components::Pose;
 use foliate_components::infeasibility::{CollidingPair, Infeasibility};
-use foliate_components::robot::shape::Geometry;
 use foliate_components::robot::{Robot, ShapeIndex};
 use foliate_kernels::collision::depth::{PlacedSolid, deepest};
 use foliate_kernels::collision::distance::witness::witnesses;
@@ -35,14 +34,9 @@ impl<'a> Placed<'a> {
         PlacedSolid { geometry: &self.robot.shapes[shape.at()].geometry, solid: &solid.solid, pose }
     }
 
-    /// Whether a shape stands for a mesh that could not be read.
-    pub fn is_placeholder(&self, shape: ShapeIndex) -> bool {
-        matches!(&self.robot.shapes[shape.at()].geometry, Geometry::Mesh(mesh) if mesh.placeholder)
-    }
-
     /// What a pair of shapes has to tell; nothing where one is a placeholder.
     pub fn collision(&self, shapes: [ShapeIndex; 2], words: String) -> Option<CollisionEntry> {
-        if shapes.iter().any(|&shape| self.is_placeholder(shape)) {
+        if shapes.iter().any(|shape| self.robot.shapes[shape.at()].geometry.missing_file().is_some()) {
             return None;
         }
         let [a, b] = shapes.map(|shape| self.solid(shape));

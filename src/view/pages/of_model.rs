@@ -44,7 +44,8 @@ pub fn page_of_model(
     page.document.collisions = placed.collisions();
     let link = |shape: ShapeIndex| robot.shapes[shape.at()].link.at();
     // A box in the place of a mesh that is missing says nothing about collisions.
-    let is_known = |shapes: [ShapeIndex; 2]| !shapes.iter().any(|&shape| placed.is_placeholder(shape));
+    let is_known =
+        |shapes: [ShapeIndex; 2]| shapes.iter().all(|shape| robot.shapes[shape.at()].geometry.missing_file().is_none());
     let known = scene.pairs().iter().filter(|pair| is_known([pair.first, pair.second]));
     let pairs: BTreeSet<[usize; 2]> = known.map(|pair| [link(pair.first), link(pair.second)]).collect();
     page.document.pairs = (pairs.len() <= MOST_PAIRS).then(|| pairs.into_iter().collect());

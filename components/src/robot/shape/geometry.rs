@@ -99,6 +99,15 @@ impl Mesh {
 }
 
 impl Geometry {
+    /// The file of a mesh that could not be read, where this is the box in its place ([`Mesh::placeholder`]).
+    #[must_use]
+    pub fn missing_file(&self) -> Option<&str> {
+        match self {
+            Self::Mesh(mesh) if mesh.placeholder => Some(&mesh.source),
+            _ => None,
+        }
+    }
+
     /// Radius of the smallest ball *about the shape's origin* that holds the solid.
     #[must_use]
     pub fn radius_about_origin(&self) -> f64 {
