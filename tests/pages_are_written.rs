@@ -388,3 +388,18 @@ fn boxes_lie_apart(graph: &Value, name: &str) {
         assert!(points.len() >= 2, "{name}: {transition}");
     }
 }
+
+#[test]
+fn the_graph_of_an_answer_says_how_often_transitions_were_tried_and_reached() {
+    let packages = PackagePath::default();
+    let scene = scene("demo", &packages);
+    let solution = solved(&scene, true);
+    let graph = page_of(&scene, &solution, &packages).document.graph.expect("a graph");
+    let mut known = 0;
+    for row in &solution.report.funnel {
+        let shown = graph.transitions.iter().find(|transition| transition.name == row.transition).expect("shown");
+        assert_eq!((shown.tried, shown.succeeded), (Some(row.statistics.attempts), Some(row.statistics.reached)));
+        known += 1;
+    }
+    assert!(known > 0 && graph.transitions.iter().filter(|t| t.tried.is_some()).count() == known);
+}

@@ -51,7 +51,7 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     let report = answer.report();
     let Ok(solution) = &answer.0 else {
         print(&format!("No answer: {} after {} candidates.\n", answer.name(), report.candidates));
-        arguments.view.write(&scene, &planner, &answer, (packages, print));
+        arguments.view.write(&scene, &answer, (packages, print));
         return run::ending(&answer);
     };
     let (path, certificate) = (&solution.path, solution.certificate());
@@ -79,6 +79,6 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
         run::write(out, &scene, &planner, solution, &arguments.search)?;
         print(&format!("The path is in {}; prove it again: foliate check {}\n", out.display(), out.display()));
     }
-    arguments.view.write(&scene, &planner, &answer, (packages, print));
+    arguments.view.write(&scene, &answer, (packages, print));
     run::ending(&answer)
 }

@@ -1,5 +1,6 @@
 //! What every page has: parts, links, joints, meshes, documents.
 
+use crate::planner::report::FunnelRow;
 use crate::scene::assemble::names::configuration::coordinate_names;
 use crate::scene::reading::error::SceneError;
 use crate::scene::visuals::Visuals;
@@ -9,6 +10,7 @@ use crate::view::geometry::mesh_store::{MeshStore, SMALL, TRIANGLES};
 use crate::view::html::page::Page;
 use crate::view::parts::{documents, tree};
 use foliate_components::robot::{Robot, SurfaceIndex};
+use std::collections::HashMap;
 
 /// What a page shows apart from what it is about.
 #[derive(Clone, Debug)]
@@ -79,6 +81,17 @@ pub(crate) fn approach_as_in(page: &mut Page, scene: Option<&Robot>) {
 }
 
 impl Page {
+    /// Says in the graph how often a search tried each transition, and how often it reached its target.
+    pub fn count_tries(&mut self, funnel: &[FunnelRow]) {
+        let rows: HashMap<&str, &FunnelRow> = funnel.iter().map(|row| (row.transition.as_str(), row)).collect();
+        for transition in self.document.graph.iter_mut().flat_map(|graph| &mut graph.transitions) {
+            if let Some(row) = rows.get(transition.name.as_str()) {
+                let counts = &row.statistics;
+                (transition.tried, transition.succeeded) = (Some(counts.attempts), Some(counts.reached));
+            }
+        }
+    }
+
     /// Adds a remark, once.
     pub fn warn(&mut self, text: impl Into<String>) {
         let text = text.into();

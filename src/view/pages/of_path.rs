@@ -111,6 +111,7 @@ pub fn page_of_solution(
         transitions: path.segments.iter().map(transition).collect(),
     };
     add_motion(&mut page, &told, graph, &model.collision)?;
+    page.count_tries(&solution.report.funnel);
     Ok(page)
 }
 

@@ -85,7 +85,7 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     }
     // What a program reads is one object.
     let tell = if arguments.json { say } else { print };
-    arguments.view.write(&scene, &planner, &answer, (packages, tell));
+    arguments.view.write(&scene, &answer, (packages, tell));
     ending(&answer)
 }
 

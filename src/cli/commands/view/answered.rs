@@ -3,7 +3,6 @@
 use crate::cli::commands::solve::answer::Answer;
 use crate::cli::commands::view::written;
 use crate::cli::console::print::{Refusal, say};
-use foliate::Planner;
 use foliate::scene::{PackagePath, Scene};
 use foliate::view::{Page, ViewOptions, Visuals, page_of_scene, page_of_solution};
 use std::path::PathBuf;
@@ -24,8 +23,8 @@ impl ViewArguments {
     }
 
     /// Writes the page, where one is asked for. Why there is none is said: the answer stays what it is.
-    pub fn write(&self, scene: &Scene, planner: &Planner, answer: &Answer, told: (&PackagePath, fn(&str))) {
-        if let Err(Refusal(why)) = self.try_to_write(scene, planner, answer, told) {
+    pub fn write(&self, scene: &Scene, answer: &Answer, told: (&PackagePath, fn(&str))) {
+        if let Err(Refusal(why)) = self.try_to_write(scene, answer, told) {
             say(&format!("error: there is no page: {why}\n"));
         }
     }
@@ -33,7 +32,6 @@ impl ViewArguments {
     fn try_to_write(
         &self,
         scene: &Scene,
-        planner: &Planner,
         answer: &Answer,
         (packages, tell): (&PackagePath, fn(&str)),
     ) -> Result<(), Refusal> {
@@ -43,7 +41,8 @@ impl ViewArguments {
         let page: Page = match &answer.0 {
             Ok(solution) => page_of_solution(solution, &visuals, &options).map_err(|e| Refusal(e.to_string()))?,
             Err(none) => {
-                let mut page = page_of_scene(scene, Ok(planner.model().clone()), &visuals, &options);
+                let mut page = page_of_scene(scene, Ok(answer.model().clone()), &visuals, &options);
+                page.count_tries(&none.report.funnel);
                 page.tell("answer", none.reason.to_string());
                 page
             }
