@@ -45,23 +45,27 @@ pub fn read(path: &Path) -> Result<PathFile, PathFileError> {
         })
 }
 
-/// The text of a regular file; a pipe would block, and a device has no end.
 fn text(path: &Path) -> std::io::Result<String> {
+    String::from_utf8(regular_file(path, CAP)?)
+        .map_err(|error| std::io::Error::other(format!("byte {} is not UTF-8", error.utf8_error().valid_up_to())))
+}
+
+/// The bytes of a regular file, at most `cap`; a pipe would block, and a device has no end.
+pub(crate) fn regular_file(path: &Path, cap: u64) -> std::io::Result<Vec<u8>> {
     let metadata = std::fs::metadata(path)?;
     if !metadata.is_file() {
         return Err(std::io::Error::other("is not a regular file"));
     }
-    let too_large = |size: u64| std::io::Error::other(format!("{size} bytes are more than the {CAP} that are read"));
-    if metadata.len() > CAP {
+    let too_large = |size: u64| std::io::Error::other(format!("{size} bytes are more than the {cap} that are read"));
+    if metadata.len() > cap {
         return Err(too_large(metadata.len()));
     }
     let mut content = Vec::with_capacity(metadata.len() as usize + 1);
-    File::open(path)?.take(CAP + 1).read_to_end(&mut content)?;
-    if content.len() as u64 > CAP {
+    File::open(path)?.take(cap + 1).read_to_end(&mut content)?;
+    if content.len() as u64 > cap {
         return Err(too_large(content.len() as u64));
     }
-    String::from_utf8(content)
-        .map_err(|error| std::io::Error::other(format!("byte {} is not UTF-8", error.utf8_error().valid_up_to())))
+    Ok(content)
 }
 
 /// Refuses what would take far more memory than its text.

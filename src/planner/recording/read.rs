@@ -2,7 +2,7 @@
 //! file.
 
 use crate::path_file::place::json_path;
-use crate::path_file::read::counts;
+use crate::path_file::read::{counts, regular_file};
 use crate::path_file::version;
 use crate::planner::recording::columns;
 use crate::planner::recording::document::{BlockedPairEntry, FORMAT, FunnelEntry, LEFT_OUT, Recording, RecordingHead};
@@ -23,7 +23,7 @@ impl Recording {
     /// fit together.
     pub fn read(path: &Path) -> Result<Self, RecordingError> {
         let io = |source| RecordingError::Io { path: path.to_owned(), source };
-        Self::of_bytes(path, &bytes(path).map_err(io)?)
+        Self::of_bytes(path, &regular_file(path, CAP).map_err(io)?)
     }
 
     /// Whether a file begins as recordings do.
@@ -107,24 +107,6 @@ impl Recording {
         }
         None
     }
-}
-
-/// The bytes of a regular file; a pipe would block, and a device has no end.
-fn bytes(path: &Path) -> std::io::Result<Vec<u8>> {
-    let metadata = std::fs::metadata(path)?;
-    if !metadata.is_file() {
-        return Err(std::io::Error::other("is not a regular file"));
-    }
-    let too_large = |size: u64| std::io::Error::other(format!("{size} bytes are more than the {CAP} that are read"));
-    if metadata.len() > CAP {
-        return Err(too_large(metadata.len()));
-    }
-    let mut content = Vec::with_capacity(metadata.len() as usize + 1);
-    File::open(path)?.take(CAP + 1).read_to_end(&mut content)?;
-    if content.len() as u64 > CAP {
-        return Err(too_large(content.len() as u64));
-    }
-    Ok(content)
 }
 
 fn parsed(path: &Path, text: &str) -> Result<RecordingHead, RecordingError> {
