@@ -42,7 +42,7 @@ async function at(page, time, clip) {
 async function animation(browser, file) {
     const { duration } = documentOf(file).path;
     const page = await opened(browser, file, DEMO_PAGE);
-    // Nobody can press what is in a picture. Words of one line and of two take the same room, so that the scene stays where it is.
+    // Buttons in a picture do nothing. Words of one line and of two take the same room, so that the scene stays where it is.
     await page.addStyleTag({ content: ".toolbar, .transport > :is(button, select) { display: none !important } .now { min-height: 38px }" });
     const top = await page.$eval(".viewport", (e) => e.getBoundingClientRect().top);
     const clip = { x: 0, y: top, width: SCENE_WIDTH, height: DEMO_PAGE.height - top };

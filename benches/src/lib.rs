@@ -4,14 +4,17 @@
 
 pub mod humanoid;
 
+use bevy_ecs::prelude::{Schedule, World};
+use bevy_ecs::schedule::ScheduleCleanupPolicy;
 use criterion::Criterion;
 use foliate::batch::Entry;
 use foliate::scene::PackagePath;
 use foliate_components::robot::Robot;
 use foliate_components::samples::{boxes_on_a_table, swap_two_boxes};
-use foliate_schedulers::mrrt::Mrrt;
+use foliate_schedulers::{Scheduler, mrrt::Mrrt};
 use foliate_systems::events::{EventSink, StopSignal};
 use foliate_systems::planning_model::{Model, PlanningModel};
+use foliate_systems::schedule::SearchSet;
 use foliate_systems::search::Search;
 use foliate_systems::settings::SearchSettings;
 use rand::SeedableRng;
@@ -28,6 +31,17 @@ pub fn processor_time() -> Duration {
     let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
     let nanoseconds = told.and_then(|text| text.split(' ').next().and_then(|n| n.parse().ok()));
     nanoseconds.map_or_else(|| START.with(Instant::elapsed), Duration::from_nanos)
+}
+
+/// The systems of `mrrt` without those that join trees: a search that never ends.
+///
+/// # Panics
+/// Never: nothing of that schedule depends on these systems.
+pub fn mrrt_without_connections(world: &mut World) -> Schedule {
+    let mut schedule = Mrrt.schedule(world);
+    let cleanup = ScheduleCleanupPolicy::RemoveSystemsOnly;
+    schedule.remove_systems_in_set(SearchSet::Connect, world, cleanup).expect("mrrt has systems in set Connect");
+    schedule
 }
 
 /// Short enough to run all of them over a cup of coffee.

@@ -8,15 +8,13 @@
 #![forbid(unsafe_code)]
 
 use bevy_ecs::prelude::{Schedule, World};
-use bevy_ecs::schedule::ScheduleCleanupPolicy;
 use foliate::batch::Entry;
 use foliate::path_file::{PathContext, save};
 use foliate::recording::Recording;
 use foliate::scene::PackagePath;
 use foliate::{NoSolution, Planner, Report, Solution};
-use foliate_benches::one_thread;
-use foliate_schedulers::{Scheduler, mrrt::Mrrt, sequence::Sequence};
-use foliate_systems::schedule::SearchSet;
+use foliate_benches::{mrrt_without_connections, one_thread};
+use foliate_schedulers::{Scheduler, sequence::Sequence};
 use foliate_systems::settings::SearchSettings;
 use std::error::Error;
 use std::path::Path;
@@ -34,11 +32,7 @@ impl Scheduler for Apart {
     }
 
     fn schedule(&self, world: &mut World) -> Schedule {
-        let mut schedule = Mrrt.schedule(world);
-        let cleanup = ScheduleCleanupPolicy::RemoveSystemsOnly;
-        let removed = schedule.remove_systems_in_set(SearchSet::Connect, world, cleanup);
-        assert!(removed.is_ok(), "mrrt has systems in set Connect");
-        schedule
+        mrrt_without_connections(world)
     }
 }
 

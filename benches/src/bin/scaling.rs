@@ -7,10 +7,9 @@
 #![forbid(unsafe_code)]
 
 use bevy_ecs::prelude::{IntoScheduleConfigs, ResMut, Resource, Schedule, World};
-use bevy_ecs::schedule::ScheduleCleanupPolicy;
-use foliate_benches::{long_model, one_thread, processor_time, scene_model};
+use foliate_benches::{long_model, mrrt_without_connections, one_thread, processor_time, scene_model};
 use foliate_components::graph::leaf::LeafIndex;
-use foliate_schedulers::{Scheduler, mrrt::Mrrt};
+use foliate_schedulers::Scheduler;
 use foliate_systems::events::{EventSink, StopSignal};
 use foliate_systems::exploration::edges::Connections;
 use foliate_systems::planning_model::PlanningModel;
@@ -128,10 +127,7 @@ impl Scheduler for Apart {
     }
 
     fn schedule(&self, world: &mut World) -> Schedule {
-        let mut schedule = Mrrt.schedule(world);
-        // Nothing of the shipped schedule depends on these, so that they can be taken out.
-        let _removed =
-            schedule.remove_systems_in_set(SearchSet::Connect, world, ScheduleCleanupPolicy::RemoveSystemsOnly);
+        let mut schedule = mrrt_without_connections(world);
         let connect = (propose_connections, certify_connections, forget, commit::commit_connections);
         schedule.add_systems(connect.chain().in_set(SearchSet::Connect));
         world.init_resource::<Laps>();

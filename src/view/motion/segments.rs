@@ -125,7 +125,7 @@ fn floats(robot: &Robot, part: &str) -> bool {
     root.is_some_and(|root| robot.joints[root.at()].motion == JointType::FreeFlyer)
 }
 
-/// Where an object is put down, where the next change of who holds what is that nobody holds it.
+/// Where an object is put down, if no hand holds it any more after the next grasp or release.
 fn put_down(next: Option<&TrajectorySegment<'_>>, object: &str) -> String {
     let Some(next) = next.filter(|next| next.held.iter().all(|hold| hold.object != object)) else {
         return String::new();
