@@ -5,7 +5,7 @@ use crate::scene::mesh::cache::mesh_cache::{Kept, SMALLEST_FILE};
 #[cfg(feature = "visuals")]
 use crate::scene::mesh::formats::triangles::Paint;
 use crate::scene::mesh::formats::triangles::{Triangles, UpAxis};
-use crate::scene::mesh::formats::{dae, obj, stl};
+use crate::scene::mesh::formats::{dae, gltf, obj, ply, stl};
 use crate::scene::reading::error::{LoadStop, SceneError};
 use crate::scene::reading::input;
 use crate::scene::reading::limits::LoadLimits;
@@ -264,16 +264,25 @@ enum Reader {
     Stl,
     Obj,
     Dae,
+    Ply,
+    Gltf,
+    Glb,
 }
 
 impl Reader {
     fn of(path: &Path) -> Result<Self, SceneError> {
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-        let known = [Self::Stl, Self::Obj, Self::Dae].into_iter().find(|reader| reader.name() == extension);
-        known.ok_or_else(|| {
+        let all = [Self::Stl, Self::Obj, Self::Dae, Self::Ply, Self::Gltf, Self::Glb];
+        all.into_iter().find(|reader| reader.name() == extension).ok_or_else(|| {
             let message =
                 format!("meshes of the kind `.{}` are not read", crate::scene::reading::error::quoted(&extension));
-            SceneError::new(path.display().to_string(), "file", message).hint("convert it to .stl, .obj or .dae")
+            let hint = match extension.as_str() {
+                "vtk" | "vtp" | "vtu" => {
+                    "convert it: `meshio convert FILE.vtk FILE.stl`; `pip install meshio` has the program"
+                }
+                _ => "convert it to .stl, .obj, .ply, .dae or .glb",
+            };
+            SceneError::new(path.display().to_string(), "file", message).hint(hint)
         })
     }
 
@@ -282,6 +291,9 @@ impl Reader {
             Self::Stl => "stl",
             Self::Obj => "obj",
             Self::Dae => "dae",
+            Self::Ply => "ply",
+            Self::Gltf => "gltf",
+            Self::Glb => "glb",
         }
     }
 
@@ -292,14 +304,16 @@ impl Reader {
             Self::Stl => 6,
             Self::Obj => 8,
             Self::Dae => 8,
+            // Not measured: by the bytes of a triangle in the densest of these files, and those that it takes of the others.
+            Self::Ply | Self::Gltf | Self::Glb => 24,
         }
     }
 
     /// Largest file, bytes.
     fn cap(self) -> u64 {
         match self {
-            Self::Stl | Self::Obj => input::MESH_CAP,
-            Self::Dae => input::MESH_CAP / 2,
+            Self::Stl | Self::Obj | Self::Ply | Self::Glb => input::MESH_CAP,
+            Self::Dae | Self::Gltf => input::MESH_CAP / 2,
         }
     }
 
@@ -316,6 +330,8 @@ impl Reader {
         let mut content = match self {
             Self::Stl => stl::read(&file, bytes, mesh)?,
             Self::Obj => obj::read(&file, bytes, mesh)?,
+            Self::Ply => ply::read(&file, bytes, mesh)?,
+            Self::Gltf | Self::Glb => gltf::read(&file, bytes, up_axis, mesh)?,
             Self::Dae => dae::read(&file, &input::decode(std::mem::take(bytes), &file)?, up_axis, mesh)?,
         };
         // What was read before may have been much larger.

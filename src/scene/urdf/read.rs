@@ -94,6 +94,9 @@ fn robot_element<'a, 'i>(xml: &'a Xml<'i>) -> Result<Node<'a, 'i>, SceneError> {
     if tag != "robot" {
         let hint = match tag {
             "sdf" => "this is an SDF file; convert it to URDF",
+            "mujoco" => {
+                "this is an MJCF file; convert it to URDF: `pip install mjcf-urdf-simple-converter` does so for rigid bodies and meshes"
+            }
             "COLLADA" => "this is a mesh; a URDF refers to it by <mesh filename=…/>",
             _ => "a URDF begins with <robot name=…>",
         };
