@@ -134,6 +134,62 @@ fn obj() {
 }
 
 #[test]
+fn ply() {
+    let header = |format: &str| {
+        format!(
+            "ply\nformat {format} 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n\
+             property list uchar int vertex_indices\nend_header\n"
+        )
+    };
+    let corners = [[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let mut little = header("binary_little_endian").into_bytes();
+    little.extend(corners.iter().flatten().flat_map(|x| x.to_le_bytes()));
+    little.push(3);
+    little.extend([0_i32, 1, 2].iter().flat_map(|i| i.to_le_bytes()));
+    let text = header("ascii") + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    mesh("ply", &[text.into_bytes(), little]);
+}
+
+/// A tetrahedron as glTF in one piece, and as text.
+fn gltfs() -> [Vec<u8>; 2] {
+    let bytes: Vec<u8> = [[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+        .iter()
+        .flatten()
+        .flat_map(|x| x.to_le_bytes())
+        .chain([0_u8, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3])
+        .collect();
+    let document = |uri: &str| {
+        format!(
+            "{{\"asset\":{{\"version\":\"2.0\"}},\"scene\":0,\"scenes\":[{{\"nodes\":[0]}}],\"nodes\":[{{\"mesh\":0,\"scale\":[1,2,3],\
+             \"children\":[1]}},{{\"rotation\":[0,0,0,1],\"mesh\":0}}],\"meshes\":[{{\"primitives\":[{{\"attributes\":{{\"POSITION\":0}},\
+             \"indices\":1,\"material\":0}}]}}],\"materials\":[{{\"pbrMetallicRoughness\":{{\"baseColorFactor\":[1,0,0,1]}}}}],\
+             \"accessors\":[{{\"bufferView\":0,\"componentType\":5126,\"count\":4,\"type\":\"VEC3\"}},{{\"bufferView\":1,\
+             \"componentType\":5121,\"count\":12,\"type\":\"SCALAR\"}}],\"bufferViews\":[{{\"buffer\":0,\"byteLength\":48}},{{\"buffer\":0,\
+             \"byteOffset\":48,\"byteLength\":12}}],\"buffers\":[{{\"byteLength\":60{uri}}}]}}"
+        )
+    };
+    let mut json = document("").into_bytes();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let mut piece = b"glTF".to_vec();
+    piece.extend(2_u32.to_le_bytes());
+    piece.extend((28 + json.len() as u32 + bytes.len() as u32).to_le_bytes());
+    for (kind, chunk) in [(b"JSON", &json), (b"BIN\0", &bytes)] {
+        piece.extend((chunk.len() as u32).to_le_bytes());
+        piece.extend(kind);
+        piece.extend(chunk);
+    }
+    let base64 = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAIBAAEDAAMCAQID";
+    [piece, document(&format!(",\"uri\":\"data:application/octet-stream;base64,{base64}\"")).into_bytes()]
+}
+
+#[test]
+fn gltf() {
+    let [piece, text] = gltfs();
+    mesh("glb", &[piece.clone(), text.clone()]);
+    mesh("gltf", &[text, piece]);
+}
+
+#[test]
 fn dae() {
     mesh("dae", &files("tests/bad_input", "dae", 8 << 10));
 }

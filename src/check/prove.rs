@@ -34,6 +34,7 @@ pub fn check(
     let mut report = CheckReport::default();
     let scene = scene_contract::scene_of(file, base, packages, &options.scene, &mut report)?;
     let contract = scene.as_ref().map(Contract::of_scene);
+    let packages = &packages.clone().with_readable(scene.as_ref().and_then(|scene| scene.directory.as_ref()));
     prove(file, (base, packages), options, deadline, contract.as_ref(), report)
 }
 

@@ -8,7 +8,7 @@ use crate::cli::console::{interrupt, watchdog};
 use clap::{Parser, Subcommand};
 use foliate::kernels::lanes::Level;
 use foliate::memory::MemoryLimit;
-use foliate::scene::{MeshCache, PackagePath};
+use foliate::scene::{MeshCache, PackagePath, XacroUse};
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -17,13 +17,17 @@ use std::process::ExitCode;
 #[derive(Parser)]
 #[command(name = "foliate", version, arg_required_else_help = true)]
 struct Cli {
-    /// Directory that holds packages, for package:// URLs; may be given several times
+    /// Directory that holds packages, for package:// URLs, and below which models may name meshes; may be given several times
     #[arg(long, global = true, value_name = "DIR")]
     package_path: Vec<PathBuf>,
     /// Neither read nor keep meshes in the mesh cache (FOLIATE_MESH_CACHE, or foliate/meshes in the user's cache directory);
     /// answers are the same, loading takes longer
     #[arg(long, global = true)]
     no_mesh_cache: bool,
+    /// Whose xacro files the program `xacro` may expand, where it is installed (it evaluates what is written in them): those that you or
+    /// a scene name, also those that path files name, or nobody's
+    #[arg(long, global = true, value_name = "WHOSE", default_value = "models", value_parser = ["models", "always", "never"])]
+    xacro: String,
     /// SIMD level of the arithmetic, instead of the best that this machine has; results are equal bit for bit only at one
     /// level
     #[arg(long, global = true, value_name = "LEVEL", value_parser = Level::named)]
@@ -121,7 +125,12 @@ fn run(mut cli: Cli) -> u8 {
     cli.command.bound(limit);
     watchdog::start(limit);
     let mesh_cache = if cli.no_mesh_cache { None } else { MeshCache::of_user() };
-    let packages = PackagePath::from_environment(&cli.package_path).with_mesh_cache(mesh_cache);
+    let xacro = match cli.xacro.as_str() {
+        "always" => XacroUse::Always,
+        "never" => XacroUse::Never,
+        _ => XacroUse::Models,
+    };
+    let packages = PackagePath::from_environment(&cli.package_path).with_mesh_cache(mesh_cache).with_xacro(xacro);
     let ending = match &cli.command {
         Command::Demo(arguments) => demo::run(arguments, &packages),
         Command::Solve(arguments) => run::run(arguments, &packages),

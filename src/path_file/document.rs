@@ -4,6 +4,7 @@ use crate::path_file::constraint::{ConstraintEntry, PoseRow};
 use crate::path_file::place;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
 /// The value of `format` in files that are written.
 pub const FORMAT: &str = "foliate.path/2";
@@ -55,6 +56,14 @@ pub struct PathFile {
     pub events: Option<Vec<EventEntry>>,
     /// What was proven.
     pub certificate: CertificateEntry,
+}
+
+impl PathFile {
+    /// The folder that the file lies in and that of its scene: below them its models may name meshes.
+    pub(crate) fn directories(&self, folder: &Path) -> Vec<PathBuf> {
+        let scene = self.scene_file.as_ref().and_then(|scene| Some(folder.join(&scene.file).parent()?.to_owned()));
+        [Some(folder.to_owned()), scene].into_iter().flatten().collect()
+    }
 }
 
 /// Where a scene file is, and which one it was.

@@ -4,7 +4,7 @@
 
 use crate::path_file::document::{AttachmentEntry, PartEntry, PathFile, SegmentEntry, SurfaceEntry};
 use crate::path_file::error::PathFileError;
-use crate::path_file::names::columns;
+use crate::path_file::names::{columns, ignored_pairs};
 use crate::path_file::read::read;
 use crate::planner::trajectory::curve::Interpolation;
 use crate::planner::trajectory::error::TrajectoryError;
@@ -20,7 +20,7 @@ use foliate_components::robot::configuration::Group;
 use foliate_components::robot::model::{GripperModel, HandleModel, Model, SurfaceModel};
 use foliate_components::robot::{DisabledPair, PartKind, PartPlacement, Robot, RootJoint};
 use glam::DVec3;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The format whose motions are straight, with or without times.
 const STRAIGHT: &str = "foliate.path/1";
@@ -79,6 +79,8 @@ pub struct LoadedPath {
     pub ignored_pairs: Vec<DisabledPair>,
     /// Remarks about the models.
     pub warnings: Vec<SceneError>,
+    /// Below these its models may name meshes.
+    pub directories: Vec<PathBuf>,
     states: Vec<String>,
     transitions: Vec<String>,
     interpolation: Interpolation,
@@ -101,6 +103,8 @@ impl LoadedPath {
     /// # Errors
     /// As [`Self::read`].
     pub fn of_file(file: &PathFile, folder: &Path, packages: &PackagePath) -> Result<Self, LoadPathError> {
+        let directories = file.directories(folder);
+        let packages = &packages.for_path_files().with_readable(&directories);
         let (mut parts, mut models, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
         for (index, entry) in file.parts.iter().enumerate() {
             let place = format!("parts[{index}]");
@@ -135,7 +139,18 @@ impl LoadedPath {
         let states = file.segments.iter().map(|segment| segment.state.clone()).collect();
         let transitions = file.segments.iter().map(|segment| segment.transition.clone()).collect();
         let ignored_pairs = ignored_pairs(file, &robot);
-        Ok(Self { robot, path, models, ignored_pairs, warnings, states, transitions, interpolation, columns })
+        Ok(Self {
+            robot,
+            path,
+            models,
+            directories,
+            ignored_pairs,
+            warnings,
+            states,
+            transitions,
+            interpolation,
+            columns,
+        })
     }
 
     /// A row of numbers by the coordinates of the file, in the order of the robot's coordinates.
@@ -184,7 +199,7 @@ impl crate::scene::visuals::Visuals {
     /// A model cannot be read.
     pub fn read(path: &LoadedPath, packages: &PackagePath) -> Result<Self, SceneError> {
         let models = path.models.iter().map(|model| (model.urdf.as_str(), model.up_axis));
-        Self::with_shapes(&path.robot, models, packages)
+        Self::with_shapes(&path.robot, models, &packages.for_path_files().with_readable(&path.directories))
     }
 
     /// As [`Self::read`], but a link without visual elements shows nothing.
@@ -193,17 +208,8 @@ impl crate::scene::visuals::Visuals {
     /// As [`Self::read`].
     pub fn of_path(path: &LoadedPath, packages: &PackagePath) -> Result<Self, SceneError> {
         let models = path.models.iter().map(|model| (model.urdf.as_str(), model.up_axis));
-        Self::of_names(&path.robot, models, packages)
+        Self::of_names(&path.robot, models, &packages.for_path_files().with_readable(&path.directories))
     }
-}
-
-/// The pairs of links that the file leaves untested, those that the models have.
-fn ignored_pairs(file: &PathFile, robot: &Robot) -> Vec<DisabledPair> {
-    let pair = |[first, second, reason]: &[String; 3]| {
-        let (first, second) = (robot.link(first)?, robot.link(second)?);
-        Some(DisabledPair { first, second, reason: reason.clone() })
-    };
-    file.ignored_pairs.iter().filter_map(pair).collect()
 }
 
 /// The name of a model file as seen from here.

@@ -1,8 +1,9 @@
-//! How a path file calls what is held, and which of its coordinates are which of a robot.
+//! How a path file calls what is held, and which of its coordinates and links are which of a robot.
 
+use crate::path_file::document::PathFile;
 use crate::scene::assemble::names::configuration::coordinate_names;
 use crate::scene::reading::error::quoted;
-use foliate_components::robot::{HandleIndex, PartKind, Robot};
+use foliate_components::robot::{DisabledPair, HandleIndex, PartKind, Robot};
 use std::collections::HashMap;
 
 /// The part that a handle is on, with the link where that is not rigidly the part's root.
@@ -41,4 +42,13 @@ pub(super) fn columns(coordinates: &[String], robot: &Robot) -> Result<Vec<Optio
             Err((format!("coordinates[{index}]"), message))
         }
     }
+}
+
+/// The pairs of links that the file leaves untested, those that the models have.
+pub(crate) fn ignored_pairs(file: &PathFile, robot: &Robot) -> Vec<DisabledPair> {
+    let pair = |[first, second, reason]: &[String; 3]| {
+        let (first, second) = (robot.link(first)?, robot.link(second)?);
+        Some(DisabledPair { first, second, reason: reason.clone() })
+    };
+    file.ignored_pairs.iter().filter_map(pair).collect()
 }

@@ -7,7 +7,8 @@ pub use crate::path_file::read::read;
 use crate::path_file::write::{FileNames, PartFiles};
 use crate::scene::assemble::scene::{PartSource, Scene, SceneFile, SceneOrigin};
 use crate::scene::shipped::shipped_scenes;
-use crate::scene::sources::source::{ModelFile, Origin, folder_of};
+use crate::scene::sources::mesh_name::folder_of;
+use crate::scene::sources::source::{ModelFile, Origin};
 use std::collections::HashMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -78,7 +79,7 @@ fn model_name(file: &ModelFile, out: &Path, beside: &mut NamesBeside) -> Result<
         return Ok(file.url.clone());
     }
     match &file.origin {
-        Origin::File(path) => Ok(relative(path, out)),
+        Origin::File(path) | Origin::Xacro(path, _) => Ok(relative(path, out)),
         Origin::Program(content) => {
             let folder = models_folder(out);
             let place = folder.join(beside.of(&file.url, content));

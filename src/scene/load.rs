@@ -5,7 +5,7 @@ use crate::scene::assemble::scene::Scene;
 use crate::scene::mesh::meshes;
 use crate::scene::reading::error;
 #[cfg(feature = "urdf-rs")]
-use crate::scene::sources::package::Base;
+use crate::scene::sources::mesh_name::Base;
 use crate::scene::sources::{follower_limits, source};
 #[cfg(feature = "urdf-rs")]
 use crate::scene::urdf::parsed;
@@ -138,7 +138,7 @@ impl ReadModel {
         up_axis: UpAxis,
         packages: &PackagePath,
     ) -> Result<Self, SceneError> {
-        let base = Base::Directory(directory.as_ref().to_owned());
+        let base = Base::Directory(directory.as_ref().to_owned(), None);
         let mut meshes = meshes::Meshes::new(packages);
         let mut converter = parsed::Converter::new(&mut meshes, base, up_axis);
         let model = converter.model(robot)?;

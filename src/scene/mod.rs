@@ -29,5 +29,6 @@ pub use crate::scene::reading::limits::LoadLimits;
 pub use crate::scene::shipped::{ShippedScene, shipped_scenes};
 pub use crate::scene::sources::package::PackagePath;
 pub use crate::scene::sources::source::{ModelFile, Origin, sha256};
+pub use crate::scene::sources::xacro::XacroUse;
 #[cfg(feature = "visuals")]
 pub use crate::scene::visuals::{Visual, Visuals};

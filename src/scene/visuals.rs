@@ -52,7 +52,7 @@ impl Visuals {
     /// A model cannot be read.
     pub fn of_scene(scene: &Scene, packages: &PackagePath) -> Result<Self, SceneError> {
         let models = scene.parts.iter().map(|part| (VisualSource::Again(&part.urdf), part.mesh_up_axis));
-        Self::alone(&scene.problem.robot, models, packages)
+        Self::alone(&scene.problem.robot, models, &packages.clone().with_readable(&scene.directory))
     }
 
     /// The visual elements of a model that is the only part of a robot and nothing else; none of one that has no file.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from pathlib import Path
+from xml.etree import ElementTree
 
 
 class InputError(Exception):
@@ -37,9 +38,9 @@ def _model_cache() -> list[Path]:
 
 def resolve(url: str, folders: list[Path], beside: Path) -> Path:
     """The file behind `url`: `package://name/rest` (any number of slashes), `file://`, absolute, or relative to the
-    folder `beside`. A package URL may not leave its package."""
+    folder `beside`. A package URL may not leave its package, which may be a folder above `beside`."""
     if url.startswith("package://"):
-        return _resolve_package(url, folders)
+        return _resolve_package(url, folders, beside)
     path = Path(url.removeprefix("file://"))
     path = path if path.is_absolute() else beside / path
     if not path.is_file():
@@ -47,10 +48,12 @@ def resolve(url: str, folders: list[Path], beside: Path) -> Path:
     return path
 
 
-def _resolve_package(url: str, folders: list[Path]) -> Path:
+def _resolve_package(url: str, folders: list[Path], beside: Path) -> Path:
     package, _, rest = url.removeprefix("package://").lstrip("/").partition("/")
-    for folder in folders:
-        root = (folder / package).resolve()
+    beside = beside.resolve()
+    above = [folder for folder in (beside, *beside.parents) if package in (folder.name, _name_of(folder))]
+    for root in [folder / package for folder in folders] + above:
+        root = root.resolve()
         path = (root / rest).resolve()
         if not path.is_file():
             continue
@@ -59,3 +62,12 @@ def _resolve_package(url: str, folders: list[Path]) -> Path:
         return path
     searched = ", ".join(str(folder) for folder in folders) or "no folder"
     raise InputError(f"{url}: not found; searched {searched} (give --package-path DIR)")
+
+
+def _name_of(folder: Path) -> str | None:
+    """The name in the `package.xml` of a folder, where it has one."""
+    try:
+        name = ElementTree.parse(folder / "package.xml").findtext("name")
+    except (OSError, ElementTree.ParseError):
+        return None
+    return name and name.strip()

@@ -606,6 +606,16 @@ class Malformed(Case):
         with self.assertRaisesRegex(InputError, "leaves its package"):
             resolve("package://package/../cube.urdf", [self.folder], self.folder)
 
+    def test_packages_are_found_upwards(self):
+        within = self.folder / "checkout" / "urdf"
+        within.mkdir(parents=True)
+        self.write("checkout/cube.urdf", CUBE)
+        self.write("checkout/package.xml", "<package><name> cubes </name></package>")
+        for name in ("cubes", "checkout"):
+            self.assertTrue(resolve(f"package://{name}/cube.urdf", [], within).is_file())
+        with self.assertRaisesRegex(InputError, "not found"):
+            resolve("package://spheres/cube.urdf", [], within)
+
 
 class Meshes(unittest.TestCase):
     def test_winding_number(self):

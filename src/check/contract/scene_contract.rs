@@ -91,7 +91,7 @@ pub(crate) fn scene_of(
             };
             let is_shipped = shipped_scenes().iter().any(|scene| scene.name == entry.file);
             let name = if is_shipped { entry.file.clone() } else { base.join(&entry.file).display().to_string() };
-            match Scene::load(&name, packages) {
+            match Scene::load(&name, &packages.for_path_files()) {
                 Ok(scene) => {
                     if !is_the_named(file, &scene) {
                         let subject = format!("`{}` has another SHA-256 than the path says", shown(&entry.file));

@@ -146,7 +146,7 @@ impl World {
         report: &mut CheckReport,
     ) -> Result<Self, CheckError> {
         // A proof reads the models themselves.
-        let packages = &packages.clone().with_mesh_cache(None);
+        let packages = &packages.for_path_files().with_mesh_cache(None).with_readable(file.directories(base));
         let mut parts = Vec::with_capacity(file.parts.len());
         for (index, entry) in file.parts.iter().enumerate() {
             let place = format!("parts[{index}]");

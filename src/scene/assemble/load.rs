@@ -9,8 +9,9 @@ use crate::scene::reading::error::{SceneError, quoted};
 use crate::scene::reading::input;
 use crate::scene::reading::keys::{File, Item, Keys};
 use crate::scene::sources::follower_limits;
+use crate::scene::sources::mesh_name::folder_of;
 use crate::scene::sources::package::PackagePath;
-use crate::scene::sources::source::{Place, SceneBase, folder_of, locate, sha256};
+use crate::scene::sources::source::{Place, SceneBase, locate, sha256};
 use foliate_components::constraint::Rests;
 use foliate_components::problem::Problem;
 use foliate_components::robot::{ComposeError, PartIndex, Robot};
@@ -35,6 +36,11 @@ pub(crate) fn load(name: &str, text: &str, base: SceneBase, packages: &PackagePa
     }
     let scene_name = keys.required("name")?.string()?.to_owned();
     let description = keys.optional("description").map_or(Ok(""), |i| i.string())?.to_owned();
+    let directory = match &base {
+        SceneBase::Directory(directory) => Some(directory.clone()),
+        SceneBase::Embedded(_) => None,
+    };
+    let packages = &packages.clone().with_readable(&directory);
     let mut loader =
         Loader { packages, base, meshes: Meshes::new(packages), warnings: Vec::new(), sums: HashMap::new() };
 
@@ -68,7 +74,7 @@ pub(crate) fn load(name: &str, text: &str, base: SceneBase, packages: &PackagePa
         Problem { name: scene_name, robot, graph, ignored_pairs, margins, start, goals, suggestions, timing, cost };
     let parts = parts.into_iter().map(|p| p.source).collect();
     loader.warnings.extend(loader.meshes.finish());
-    Ok(Scene { problem, description, parts, warnings: loader.warnings, file: None })
+    Ok(Scene { problem, description, parts, warnings: loader.warnings, file: None, directory })
 }
 
 /// The robot of all parts.

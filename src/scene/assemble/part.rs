@@ -85,7 +85,7 @@ fn opened(item: &Item<'_>, loader: &mut Loader<'_>) -> Result<Opened, SceneError
         OpenError::Name(message, hint) => item.error(format!("`{}`: {message}", quoted(url))).hint(hint),
         OpenError::File(error) => error,
     })?;
-    if let Origin::File(path) = &opened.file.origin {
+    if let Origin::File(path) | Origin::Xacro(path, _) = &opened.file.origin {
         loader.sums.insert(path.clone(), opened.file.sha256.clone());
     }
     Ok(opened)

@@ -22,6 +22,8 @@ pub struct Scene {
     pub warnings: Vec<SceneError>,
     /// Which scene file it was; none where the scene was read from a text.
     pub file: Option<SceneFile>,
+    /// Where its relative names start, and below which its models may name meshes; none of a scene that lies in the program.
+    pub directory: Option<PathBuf>,
 }
 
 /// A scene file: where it was, and which one.

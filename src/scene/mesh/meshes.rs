@@ -5,11 +5,13 @@ use crate::scene::mesh::cache::mesh_cache::{Kept, SMALLEST_FILE};
 #[cfg(feature = "visuals")]
 use crate::scene::mesh::formats::triangles::Paint;
 use crate::scene::mesh::formats::triangles::{Triangles, UpAxis};
-use crate::scene::mesh::formats::{dae, obj, stl};
+use crate::scene::mesh::formats::{dae, gltf, obj, ply, stl};
 use crate::scene::reading::error::{LoadStop, SceneError};
 use crate::scene::reading::input;
 use crate::scene::reading::limits::LoadLimits;
-use crate::scene::sources::package::{Base, Contained, PackagePath, contained, is_below};
+use crate::scene::sources::mesh_name::{Base, locate};
+use crate::scene::sources::package::PackagePath;
+use crate::scene::sources::package_xml::PackagesBelow;
 use foliate_components::robot::shape::Mesh;
 use foliate_kernels::collision::solids::mesh_record;
 use foliate_systems::events::StopSignal;
@@ -27,6 +29,8 @@ const KEPT_BUFFER: usize = 16 << 20;
 /// The meshes of a scene: each file is read once.
 pub(crate) struct Meshes<'a> {
     packages: &'a PackagePath,
+    /// Packages below the search list, where they were looked for.
+    below: PackagesBelow,
     read: HashMap<(PathBuf, [u64; 3], UpAxis), LoadedMesh>,
     /// Those of which colours are asked for.
     #[cfg(feature = "visuals")]
@@ -80,6 +84,7 @@ impl<'a> Meshes<'a> {
     pub fn new(packages: &'a PackagePath) -> Self {
         Self {
             packages,
+            below: PackagesBelow::default(),
             read: HashMap::new(),
             #[cfg(feature = "visuals")]
             painted: HashMap::new(),
@@ -124,7 +129,7 @@ impl<'a> Meshes<'a> {
 
     /// The mesh of that name, scaled.
     pub fn load(&mut self, request: &MeshRequest<'_>) -> Result<LoadedMesh, MeshError> {
-        let path = self.resolve(request.url, request.base)?;
+        let path = self.locate(request)?;
         let key = (path, request.scale.to_array().map(f64::to_bits), request.up_axis);
         if let Some(mesh) = self.read.get(&key) {
             return Ok(mesh.clone());
@@ -143,7 +148,7 @@ impl<'a> Meshes<'a> {
     /// The meshes of that name, one for each colour of the file, scaled.
     #[cfg(feature = "visuals")]
     pub fn load_painted(&mut self, request: &MeshRequest<'_>) -> Result<PaintedMesh, MeshError> {
-        let path = self.resolve(request.url, request.base)?;
+        let path = self.locate(request)?;
         let key = (path, request.scale.to_array().map(f64::to_bits), request.up_axis);
         if let Some(meshes) = self.painted.get(&key) {
             return Ok(meshes.clone());
@@ -236,30 +241,9 @@ impl<'a> Meshes<'a> {
         self.remarks
     }
 
-    fn resolve(&self, url: &str, base: &Base) -> Result<PathBuf, MeshError> {
-        let fail = |message: &str, hint: &str| Err(MeshError::Name(message.into(), hint.into()));
-        let hint = "use package://NAME/PATH, or a path below the model's directory";
-        if url.starts_with("package://") {
-            return self.packages.resolve(url).map_err(|e| MeshError::Name(e.message, e.hint));
-        }
-        if let Some((scheme, _)) = url.split_once("://") {
-            return fail(&format!("`{}://` URLs are not read", crate::scene::reading::error::quoted(scheme)), hint);
-        }
-        let inner = Path::new(url);
-        if !is_below(inner) {
-            return fail("leads out of the model's directory", hint);
-        }
-        match base {
-            Base::Embedded => fail("an embedded model has no directory with meshes", "use primitive shapes"),
-            Base::Directory(directory) => match contained(directory, inner) {
-                Contained::File(path) => Ok(path),
-                Contained::Outside(_) => fail("leads out of the model's directory by a link", hint),
-                Contained::Missing => {
-                    let place = directory.display();
-                    fail("no such file", &format!("looked in {place}; relative names start at the model's directory"))
-                }
-            },
-        }
+    fn locate(&mut self, request: &MeshRequest<'_>) -> Result<PathBuf, MeshError> {
+        locate(request.url, request.base, self.packages, &mut self.below)
+            .map_err(|e| MeshError::Name(e.message, e.hint))
     }
 }
 
@@ -280,16 +264,25 @@ enum Reader {
     Stl,
     Obj,
     Dae,
+    Ply,
+    Gltf,
+    Glb,
 }
 
 impl Reader {
     fn of(path: &Path) -> Result<Self, SceneError> {
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-        let known = [Self::Stl, Self::Obj, Self::Dae].into_iter().find(|reader| reader.name() == extension);
-        known.ok_or_else(|| {
+        let all = [Self::Stl, Self::Obj, Self::Dae, Self::Ply, Self::Gltf, Self::Glb];
+        all.into_iter().find(|reader| reader.name() == extension).ok_or_else(|| {
             let message =
                 format!("meshes of the kind `.{}` are not read", crate::scene::reading::error::quoted(&extension));
-            SceneError::new(path.display().to_string(), "file", message).hint("convert it to .stl, .obj or .dae")
+            let hint = match extension.as_str() {
+                "vtk" | "vtp" | "vtu" => {
+                    "convert it: `meshio convert FILE.vtk FILE.stl`; `pip install meshio` has the program"
+                }
+                _ => "convert it to .stl, .obj, .ply, .dae or .glb",
+            };
+            SceneError::new(path.display().to_string(), "file", message).hint(hint)
         })
     }
 
@@ -298,6 +291,9 @@ impl Reader {
             Self::Stl => "stl",
             Self::Obj => "obj",
             Self::Dae => "dae",
+            Self::Ply => "ply",
+            Self::Gltf => "gltf",
+            Self::Glb => "glb",
         }
     }
 
@@ -308,14 +304,16 @@ impl Reader {
             Self::Stl => 6,
             Self::Obj => 8,
             Self::Dae => 8,
+            // Not measured: by the bytes of a triangle in the densest of these files, and those that it takes of the others.
+            Self::Ply | Self::Gltf | Self::Glb => 24,
         }
     }
 
     /// Largest file, bytes.
     fn cap(self) -> u64 {
         match self {
-            Self::Stl | Self::Obj => input::MESH_CAP,
-            Self::Dae => input::MESH_CAP / 2,
+            Self::Stl | Self::Obj | Self::Ply | Self::Glb => input::MESH_CAP,
+            Self::Dae | Self::Gltf => input::MESH_CAP / 2,
         }
     }
 
@@ -332,6 +330,8 @@ impl Reader {
         let mut content = match self {
             Self::Stl => stl::read(&file, bytes, mesh)?,
             Self::Obj => obj::read(&file, bytes, mesh)?,
+            Self::Ply => ply::read(&file, bytes, mesh)?,
+            Self::Gltf | Self::Glb => gltf::read(&file, bytes, up_axis, mesh)?,
             Self::Dae => dae::read(&file, &input::decode(std::mem::take(bytes), &file)?, up_axis, mesh)?,
         };
         // What was read before may have been much larger.

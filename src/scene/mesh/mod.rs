@@ -1,4 +1,4 @@
-//! Triangle meshes from STL, OBJ and COLLADA files: strict readers with caps, in metres.
+//! Triangle meshes from STL, OBJ, PLY, COLLADA and glTF files: strict readers with caps, in metres.
 //!
 //! COLLADA units and node transforms are applied. The declared up axis is not, unless asked for: ROS, pinocchio and coal
 //! take mesh coordinates as the link's, and published models rely on it (TIAGo's collision meshes declare `Y_UP` and agree

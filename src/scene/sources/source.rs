@@ -2,9 +2,13 @@
 
 use crate::scene::reading::error::SceneError;
 use crate::scene::reading::input;
-use crate::scene::sources::package::{Base, PackagePath};
+use crate::scene::sources::mesh_name::{Base, path_of};
+use crate::scene::sources::package::PackagePath;
+use crate::scene::sources::package_xml::PackagesBelow;
+use crate::scene::sources::xacro;
 use sha2::{Digest, Sha256};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Files that live in the program: name relative to the scene file, and content.
 pub(crate) type Embedded = &'static [(&'static str, &'static str)];
@@ -34,6 +38,8 @@ pub enum Origin {
     File(PathBuf),
     /// From the program; its content.
     Program(&'static str),
+    /// From a xacro file on disk, and what the program `xacro` made of it.
+    Xacro(PathBuf, Arc<str>),
 }
 
 /// A file's name for messages, its text, and what output says about it.
@@ -51,8 +57,10 @@ pub(crate) enum Place {
 
 pub(crate) fn locate(url: &str, base: &SceneBase, packages: &PackagePath) -> Result<Place, (String, String)> {
     if url.starts_with("package://") {
-        return packages.resolve(url).map(Place::Path).map_err(|e| (e.message, e.hint));
+        let found = packages.resolve(url, &[], &mut PackagesBelow::default());
+        return found.map(Place::Path).map_err(|e| (e.message, e.hint));
     }
+    let url = path_of(url);
     if let Some((scheme, _)) = url.split_once("://") {
         let hint = "use package://NAME/PATH, or a path relative to the scene file";
         return Err((format!("`{}://` URLs are not read", crate::scene::reading::error::quoted(scheme)), hint.into()));
@@ -75,7 +83,7 @@ pub(crate) fn locate(url: &str, base: &SceneBase, packages: &PackagePath) -> Res
 /// Opens a URDF or SRDF.
 pub(crate) fn open(url: &str, base: &SceneBase, packages: &PackagePath) -> Result<Opened, OpenError> {
     match locate(url, base, packages).map_err(|(message, hint)| OpenError::Name(message, hint))? {
-        Place::Path(path) => open_path(url, path).map_err(OpenError::File),
+        Place::Path(path) => open_path(url, path, packages).map_err(OpenError::File),
         Place::Program(content) => Ok(Opened {
             label: url.to_owned(),
             text: content.to_owned(),
@@ -96,7 +104,25 @@ pub(crate) enum OpenError {
     File(SceneError),
 }
 
-pub(crate) fn open_path(url: &str, path: PathBuf) -> Result<Opened, SceneError> {
+fn open_path(url: &str, path: PathBuf, packages: &PackagePath) -> Result<Opened, SceneError> {
+    let read = read_path(url, path.clone())?;
+    if !xacro::has_to_be_expanded(&path, &read.text) {
+        return Ok(read);
+    }
+    if !packages.expands_xacro() {
+        return Err(xacro::refusal(&read.label, &read.text, xacro::HINT));
+    }
+    let text = xacro::expand(&path, &read.text, &packages.limits().stop)?;
+    let file = ModelFile {
+        url: url.to_owned(),
+        sha256: sha256(text.as_bytes()),
+        origin: Origin::Xacro(path, text.as_str().into()),
+    };
+    // Lines are those of what was made of the file.
+    Ok(Opened { label: format!("{} (expanded)", read.label), text, file })
+}
+
+fn read_path(url: &str, path: PathBuf) -> Result<Opened, SceneError> {
     let content = input::bytes(&path, input::MODEL_CAP)?;
     let sha256 = sha256(&content);
     let label = path.display().to_string();
@@ -107,7 +133,11 @@ pub(crate) fn open_path(url: &str, path: PathBuf) -> Result<Opened, SceneError> 
 /// A model file, read again.
 pub(crate) fn again(file: &ModelFile) -> Result<Opened, SceneError> {
     match &file.origin {
-        Origin::File(path) => open_path(&file.url, path.clone()),
+        Origin::File(path) => read_path(&file.url, path.clone()),
+        Origin::Xacro(path, text) => {
+            let label = format!("{} (expanded)", path.display());
+            Ok(Opened { label, text: text.as_ref().to_owned(), file: file.clone() })
+        }
         Origin::Program(content) => {
             Ok(Opened { label: file.url.clone(), text: (*content).to_owned(), file: file.clone() })
         }
@@ -118,15 +148,10 @@ impl ModelFile {
     /// Where the model's own relative names lead.
     pub(crate) fn base(&self) -> Base {
         match &self.origin {
-            Origin::File(path) => Base::Directory(folder_of(path).to_owned()),
+            Origin::File(path) | Origin::Xacro(path, _) => Base::of_file(path),
             Origin::Program(_) => Base::Embedded,
         }
     }
-}
-
-/// The folder that a file lies in. A bare name's is `.`: the empty path leads nowhere.
-pub(crate) fn folder_of(file: &Path) -> &Path {
-    file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// SHA-256 of a file's bytes, hexadecimal: as in [`ModelFile::sha256`], and in path files.

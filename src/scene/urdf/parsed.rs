@@ -3,7 +3,7 @@
 use crate::scene::mesh::formats::triangles::UpAxis;
 use crate::scene::mesh::meshes::{LoadedMesh, MeshError, MeshRequest, Meshes};
 use crate::scene::reading::error::{SceneError, quoted};
-use crate::scene::sources::package::Base;
+use crate::scene::sources::mesh_name::Base;
 use crate::scene::sources::source::hexadecimal;
 use crate::scene::urdf::values::LONGEST;
 use foliate_components::Pose;

@@ -4,8 +4,9 @@ use crate::scene::mesh::formats::triangles::UpAxis;
 use crate::scene::mesh::meshes::{LoadedMesh, MeshError, MeshRequest, Meshes};
 use crate::scene::reading::error::{SceneError, quoted};
 use crate::scene::reading::xml::{Xml, elements};
-use crate::scene::sources::package::Base;
+use crate::scene::sources::mesh_name::Base;
 use crate::scene::sources::source::hexadecimal;
+use crate::scene::sources::xacro;
 use crate::scene::urdf::values::{LONGEST, origin, required_number};
 use crate::scene::urdf::{attributes, joints};
 use foliate_components::robot::model::{Inertial, LinkModel, Model};
@@ -93,17 +94,16 @@ fn robot_element<'a, 'i>(xml: &'a Xml<'i>) -> Result<Node<'a, 'i>, SceneError> {
     if tag != "robot" {
         let hint = match tag {
             "sdf" => "this is an SDF file; convert it to URDF",
+            "mujoco" => {
+                "this is an MJCF file; convert it to URDF: `pip install mjcf-urdf-simple-converter` does so for rigid bodies and meshes"
+            }
             "COLLADA" => "this is a mesh; a URDF refers to it by <mesh filename=…/>",
             _ => "a URDF begins with <robot name=…>",
         };
         return Err(xml.error(root, "is not the root of a URDF").hint(hint));
     }
-    let macros = root.descendants().find(|n| {
-        n.tag_name().namespace().is_some_and(|uri| uri.contains("xacro"))
-            && matches!(n.tag_name().name(), "macro" | "include" | "property")
-    });
-    match macros {
-        Some(node) => Err(xml.error(node, "is a xacro macro").hint("expand the file with xacro first")),
+    match xacro::first_use(root) {
+        Some(node) => Err(xml.error(node, "has to be expanded by xacro").hint(xacro::HINT)),
         None => Ok(root),
     }
 }

@@ -103,7 +103,7 @@ fn of_path(arguments: &Arguments, packages: &PackagePath, limit: Duration, stop:
     let folder = place.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let path = loaded(&file, place, folder, &shown)?;
     let visuals = Visuals::of_path(&path, &shown)?;
-    let scene = file.scene_file.as_ref().and_then(|scene| named_scene(&scene.file, folder, &shown));
+    let scene = file.scene_file.as_ref().and_then(|scene| named_scene(&scene.file, folder, &shown.for_path_files()));
     let report = (!arguments.no_check).then(|| {
         let time_limit = Some(limit.saturating_sub(started.elapsed()));
         check(&file, folder, &packages, &CheckOptions { time_limit, ..CheckOptions::default() })
