@@ -22,6 +22,8 @@ pub struct Scene {
     pub warnings: Vec<SceneError>,
     /// Which scene file it was; none where the scene was read from a text.
     pub file: Option<SceneFile>,
+    /// The file that says where it starts instead of where it says itself, where there is one.
+    pub start: Option<SceneFile>,
 }
 
 /// A scene file: where it was, and which one.

@@ -1,95 +1,28 @@
-//! `[[goal]]`: whole configurations, or requirements on any.
+//! Numbers of a configuration and objects that move freely, by name.
 
-use crate::scene::assemble::graph::written::several;
 use crate::scene::assemble::names::configuration::{Reader, coordinate_names};
 use crate::scene::reading::error::{SceneError, did_you_mean, quoted};
-use crate::scene::reading::keys::{Item, Keys};
-use foliate_components::Pose;
-use foliate_components::problem::{Goal, NamedConstraint, PartialGoal};
-use foliate_components::robot::{JointType, PartIndex, PartKind, Robot, RootJoint, Source};
+use crate::scene::reading::keys::Item;
+use foliate_components::robot::{JointType, Part, PartIndex, PartKind, Robot, RootJoint, Source};
 
-/// Most goals of a scene.
-const GOALS: usize = 10_000;
-
-pub(super) fn read(
-    item: &Item<'_>,
-    reader: &Reader<'_>,
-    start: &[f64],
-    constraints: &[NamedConstraint],
-) -> Result<Vec<Goal>, SceneError> {
-    let items = item.list()?;
-    if items.is_empty() || items.len() > GOALS {
-        let message = format!("{} goals are given, 1 to {GOALS} are read", items.len());
-        return Err(item.error(message).hint("a problem has at least one goal"));
-    }
-    items.iter().map(|item| goal(item, reader, start, constraints)).collect()
-}
-
-fn goal(
-    item: &Item<'_>,
-    reader: &Reader<'_>,
-    start: &[f64],
-    constraints: &[NamedConstraint],
-) -> Result<Goal, SceneError> {
-    let mut keys = item.keys()?;
-    let whole = keys.optional("configuration");
-    let partial = partial(&mut keys, reader, constraints)?;
-    keys.finish()?;
-    match (whole, partial == PartialGoal::default()) {
-        (Some(whole), true) => Ok(Goal::Configuration(reader.whole_goal(&whole, start)?)),
-        (None, false) => Ok(Goal::Partial(partial)),
-        _ => {
-            let hint = "or any of `objects`, `coordinates` and `constraints`, which are not empty";
-            Err(item.error("wants either `configuration` alone").hint(hint))
+/// Numbers of a configuration by name, and parts with the name of a configuration of their SRDF. Of a rotation all four are named or
+/// none.
+pub(super) fn coordinates(item: &Item<'_>, reader: &Reader<'_>) -> Result<Vec<(usize, f64)>, SceneError> {
+    let (robot, names) = (reader.robot, coordinate_names(reader.robot));
+    let mut coordinates: Vec<(usize, f64)> = Vec::new();
+    let entries = item.keys()?.entries();
+    for (name, item) in entries.iter().filter(|(_, item)| item.is_string()) {
+        for (index, value) in reader.named_configuration(name, item)? {
+            if reader.locked_value(index).is_some_and(|locked| (value - locked).abs() > 1e-9) {
+                let message = format!("has `{}` where it is not locked", names[index]);
+                return Err(item.error(message).hint("a locked joint never moves: name joints instead"));
+            }
+            coordinates.push((index, value));
         }
     }
-}
-
-/// `objects`, `coordinates` and `constraints`: all of them hold, everything else is free.
-fn partial(
-    keys: &mut Keys<'_>,
-    reader: &Reader<'_>,
-    constraints: &[NamedConstraint],
-) -> Result<PartialGoal, SceneError> {
-    let mut goal = PartialGoal::default();
-    if let Some(item) = keys.optional("objects") {
-        goal.poses = poses(&item, reader.robot)?;
-    }
-    if let Some(item) = keys.optional("coordinates") {
-        goal.coordinates = coordinates(&item, reader)?;
-    }
-    if let Some(item) = keys.optional("constraints") {
-        let numbers = several(&item, constraints.iter().map(|c| c.name.as_str()), "constraint")?;
-        goal.constraints = numbers.into_iter().map(|i| constraints[i as usize].clone()).collect();
-    }
-    Ok(goal)
-}
-
-/// Poses of freely moving objects.
-fn poses(item: &Item<'_>, robot: &Robot) -> Result<Vec<(PartIndex, Pose)>, SceneError> {
-    item.keys()?
-        .entries()
-        .into_iter()
-        .map(|(name, item)| Ok((moving_object(name, &item, robot)?, item.pose()?)))
-        .collect()
-}
-
-/// The freely moving object of a name.
-pub(super) fn moving_object(name: &str, item: &Item<'_>, robot: &Robot) -> Result<PartIndex, SceneError> {
-    let moves = |p: &foliate_components::robot::Part| p.kind == PartKind::Object && p.root == RootJoint::FreeFlyer;
-    let part = robot.parts.iter().position(|p| p.name == name && moves(p)).ok_or_else(|| {
-        let known = robot.parts.iter().filter(|p| moves(p)).map(|p| p.name.as_str());
-        item.error("there is no freely moving object of this name").hint(did_you_mean(name, known))
-    })?;
-    Ok(PartIndex(part as u32))
-}
-
-/// Numbers of a configuration by name. Of a rotation all four are named or none.
-fn coordinates(item: &Item<'_>, reader: &Reader<'_>) -> Result<Vec<(usize, f64)>, SceneError> {
-    let (robot, names) = (reader.robot, coordinate_names(reader.robot));
-    let mut coordinates = Vec::new();
-    for (name, item) in item.keys()?.entries() {
-        let index = names.iter().position(|n| n == name).ok_or_else(|| {
+    // Single values override those of a named configuration.
+    for (name, item) in entries.iter().filter(|(_, item)| !item.is_string()) {
+        let index = names.iter().position(|n| n == *name).ok_or_else(|| {
             let known = names.iter().map(String::as_str);
             item.error(format!("there is no coordinate `{}`", quoted(name))).hint(did_you_mean(name, known))
         })?;
@@ -100,6 +33,7 @@ fn coordinates(item: &Item<'_>, reader: &Reader<'_>) -> Result<Vec<(usize, f64)>
         if reader.locked_value(index).is_some_and(|locked| (value - locked).abs() > 1e-9) {
             return Err(item.error("is locked at another value").hint("a locked joint never moves"));
         }
+        coordinates.retain(|(known, _)| *known != index);
         coordinates.push((index, value));
     }
     whole_rotations(item, &coordinates, robot)?;
@@ -123,4 +57,14 @@ fn whole_rotations(item: &Item<'_>, coordinates: &[(usize, f64)], robot: &Robot)
         }
     }
     Ok(())
+}
+
+/// The freely moving object of a name.
+pub(crate) fn moving_object(name: &str, item: &Item<'_>, robot: &Robot) -> Result<PartIndex, SceneError> {
+    let moves = |p: &Part| p.kind == PartKind::Object && p.root == RootJoint::FreeFlyer;
+    let part = robot.parts.iter().position(|p| p.name == name && moves(p)).ok_or_else(|| {
+        let known = robot.parts.iter().filter(|p| moves(p)).map(|p| p.name.as_str());
+        item.error("there is no freely moving object of this name").hint(did_you_mean(name, known))
+    })?;
+    Ok(PartIndex(part as u32))
 }
