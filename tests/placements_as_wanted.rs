@@ -10,7 +10,7 @@ use foliate::check::{CheckOptions, CheckReport, Kind, check, check_problem};
 use foliate::components::constraint::Rests;
 use foliate::components::pose::pose_from_array;
 use foliate::components::problem::{GraphOptions, Problem};
-use foliate::path_file::document::{RestsEntry, RestsRule};
+use foliate::path_file::document::{CorrectionEntry, RestsEntry, RestsRule};
 use foliate::path_file::{PathFile, save};
 use foliate::scene::{PackagePath, Scene, SceneError};
 use foliate::systems::settings::SearchSettings;
@@ -282,40 +282,46 @@ fn objects_a_little_off_their_support_are_moved_onto_it() {
     let solution = try_to_solve(&scene, 1).unwrap();
     let said: Vec<String> = solution.report.snapped.iter().map(ToString::to_string).collect();
     assert_eq!(said.len(), 2, "{said:?}");
-    assert!(said[0].starts_with("the start has `box1` 0.60 mm above") && said[0].contains("4.00 mrad"), "{said:?}");
-    assert!(said[1].starts_with("goal 0 has `box2` 0.90 mm below"), "{said:?}");
+    let words = "0.60 mm and 0.23 degrees from where it lies on table/top";
+    assert!(said[0].starts_with("the start has `box1`") && said[0].contains(words), "{said:?}");
+    assert!(said[1].starts_with("goal 0 has `box2` 0.90 mm and 0.00 degrees"), "{said:?}");
     let file = folder.write(&scene, &solution);
     let report = folder.check(&file);
     assert!(report.passed(), "{:?}", report.violations);
-    assert!(
-        report.notes.iter().any(|note| note.contains("moved onto their support: box1 by 0.7")),
-        "{:?}",
-        report.notes
-    );
+    assert!(report.notes.iter().any(|note| note.contains("moved onto its state: box1 by 0.6")), "{:?}", report.notes);
     // What is farther off is refused with the gap.
-    let far = SCENE.replace(start, "box1 = { xyz = [0.50, 0.10, 0.7432] }\nbox2");
+    let far = SCENE.replace(start, "box1 = { xyz = [0.50, 0.10, 0.7632] }\nbox2");
     let refused = try_to_solve(&folder.scene(&far), 1).unwrap_err().to_string();
-    assert!(refused.contains("2.20 mm above where it lies on its support"), "{refused}");
+    assert!(refused.contains("22.20 mm above where it lies on its support"), "{refused}");
 }
 
 #[test]
-fn the_check_lets_objects_be_moved_onto_their_support_and_nowhere_else() {
+fn the_check_lets_objects_be_moved_as_far_as_file_and_scene_say() {
     let folder = Folder::new("moved", STRIP, 0.0);
     let scene = folder.scene(SCENE);
-    let file = folder.write(&scene, &try_to_solve(&scene, 1).unwrap());
-    let moved = |by: [f64; 3], turn: f64| {
+    let mut file = folder.write(&scene, &try_to_solve(&scene, 1).unwrap());
+    let mut moved = |by: [f64; 3], turn: f64, said: Option<(f64, f64)>| {
         let mut problem = scene.problem.clone();
         let first = file.coordinates.iter().position(|name| name == "box1/x").unwrap();
         (0..3).for_each(|i| problem.start[first + i] += by[i]);
         problem.start[first + 5] = (turn / 2.0).sin();
         problem.start[first + 6] = (turn / 2.0).cos();
+        let entry = |(distance, angle)| CorrectionEntry {
+            goal: None,
+            object: Some("box1".into()),
+            joint: None,
+            distance,
+            angle,
+        };
+        file.corrections = said.into_iter().map(entry).collect();
         let report = against(&folder, &file, &problem);
         report.violations.iter().all(|violation| violation.kind != Kind::Start)
     };
-    assert!(moved([0.0, 0.0, 9e-4], 0.0) && moved([0.0, 0.0, -9e-4], 0.0));
-    assert!(!moved([0.0, 0.0, 1.1e-3], 0.0), "too far");
-    assert!(!moved([9e-4, 0.0, 0.0], 0.0) && !moved([0.0, -1e-4, 9e-4], 0.0), "along the support");
-    assert!(!moved([0.0, 0.0, 1e-4], 2e-3), "turned on the support");
+    assert!(moved([0.0, 0.0, 4.9e-3], 0.0, Some((4.9e-3, 0.0))) && moved([3e-3, 0.0, 0.0], 0.03, Some((3e-3, 0.03))));
+    assert!(!moved([0.0, 0.0, 1e-4], 0.0, None), "nobody says so");
+    assert!(!moved([0.0, 0.0, 3e-3], 0.0, Some((2e-3, 0.0))), "by more than is said");
+    assert!(!moved([0.0, 0.0, 5.1e-3], 0.0, Some((5.1e-3, 0.0))), "by more than the scene allows");
+    assert!(!moved([0.0, 0.0, 0.0], 0.04, Some((0.0, 0.04))), "turned by more than the scene allows");
 }
 
 #[test]

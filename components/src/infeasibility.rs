@@ -1,11 +1,14 @@
 //! Why a start or a goal cannot be planned for: typed reasons, and their words.
 
 use crate::constraint::Rests;
+use crate::problem::start_tolerance::{Correction, StartTolerance};
 use crate::robot::indices::ShapeIndex;
 use std::fmt;
 
 /// Most pairs that a message names.
 const MOST_PAIRS: usize = 60;
+/// Most corrections that a message names.
+const MOST_CORRECTIONS: usize = 8;
 /// Closer than distances are exact, metres.
 const TOUCHING: f64 = 1e-6;
 
@@ -50,7 +53,7 @@ pub enum Infeasibility {
     /// The configuration lies in no state of the constraint graph.
     NoState {
         /// What keeps it out of the least demanding state; `None` where no state is allowed at all.
-        nearest: Option<NearestState>,
+        nearest: Option<Box<NearestState>>,
         /// Whether the states were looked for one by one, in a lazy graph.
         lazy: bool,
     },
@@ -97,6 +100,10 @@ pub struct NearestState {
     pub residual: f64,
     /// Of a placement on surfaces: how far the object is off its support.
     pub off: Option<Box<OffSupport>>,
+    /// What would have to be moved so that the configuration lies in the state, where that is known.
+    pub corrections: Vec<Correction>,
+    /// How far things are moved without asking.
+    pub tolerance: StartTolerance,
 }
 
 /// How far an object is off the support that it is nearest to.
@@ -143,11 +150,32 @@ impl fmt::Display for OffSupport {
     }
 }
 
+impl fmt::Display for NearestState {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { state, constraint, residual, off, corrections, tolerance } = self;
+        for (number, correction) in corrections.iter().take(MOST_CORRECTIONS).enumerate() {
+            f.write_str(if number == 0 { ". Nearest: " } else { "; " })?;
+            write!(f, "`{}` is {} from where {}", correction.name, correction.size(), correction.onto)?;
+            if let Some(target) = correction.target() {
+                write!(f, ", at {target}")?;
+            }
+        }
+        match corrections.is_empty() {
+            true => f.write_str(": ")?,
+            false if tolerance.is_none() => f.write_str(". `start_tolerance` moves nothing: ")?,
+            false => write!(f, ". `start_tolerance` moves at most {tolerance}: ")?,
+        }
+        write!(f, "`{constraint}` of state `{state}` is off by {residual:.3e}")?;
+        off.as_ref().map_or(Ok(()), |off| write!(f, " (the object is {off})"))
+    }
+}
+
 impl NearestState {
     /// A state, the constraint that does not hold, and by how much.
     #[must_use]
     pub fn new(state: String, constraint: String, residual: f64) -> Self {
-        Self { state, constraint, residual, off: None }
+        let (corrections, tolerance) = (Vec::new(), StartTolerance::default());
+        Self { state, constraint, residual, off: None, corrections, tolerance }
     }
 }
 
@@ -229,9 +257,8 @@ impl fmt::Display for Infeasibility {
                 write!(f, "{coordinate} = {value} is locked at {locked_at}")
             }
             Self::NoState { nearest: Some(nearest), .. } => {
-                let NearestState { state, constraint, residual, off } = nearest;
-                write!(f, "it lies in no state: `{constraint}` of state `{state}` is off by {residual:.3e}")?;
-                off.as_ref().map_or(Ok(()), |off| write!(f, " (the object is {off})"))
+                f.write_str("it lies in no state")?;
+                nearest.fmt(f)
             }
             Self::NoState { nearest: None, lazy: true } => {
                 f.write_str("it lies in no state: no state is allowed in which its grasps hold")

@@ -37,6 +37,13 @@ pub(super) fn check(file: &PathFile) -> Checked {
     }
     number(file.placement_margin, || "placement_margin".into())?;
     number(file.rests.map_or(0.0, |rests| rests.margin), || "rests.margin".into())?;
+    for (index, correction) in file.corrections.iter().enumerate() {
+        number(correction.distance, || format!("corrections[{index}].distance"))?;
+        number(correction.angle, || format!("corrections[{index}].angle"))?;
+        if correction.object.is_some() == correction.joint.is_some() {
+            return refuse(format!("corrections[{index}]"), "names either an object or a joint");
+        }
+    }
     for (what, value) in [
         ("path_tolerance", file.certificate.path_tolerance),
         ("max_residual", file.certificate.max_residual),

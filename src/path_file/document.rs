@@ -22,6 +22,9 @@ pub struct PathFile {
     /// The scene file that the path answers; a file without one can only be proved relative to what it says itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scene_file: Option<SceneFileEntry>,
+    /// The file that says where the path starts instead of where the scene says, where there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start_file: Option<SceneFileEntry>,
     /// Seed of the search.
     pub seed: u64,
     /// Scheduler of the search.
@@ -49,6 +52,9 @@ pub struct PathFile {
     /// How objects lie on their supports; none in files that know the rule of centres alone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rests: Option<RestsEntry>,
+    /// What of the scene's start and goals was moved onto a state; the path begins and ends with what was moved.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub corrections: Vec<CorrectionEntry>,
     /// The path, in the direction of travel.
     pub segments: Vec<SegmentEntry>,
     /// Where hands take and let go of objects, in the order of travel.
@@ -66,13 +72,13 @@ impl PathFile {
     }
 }
 
-/// Where a scene file is, and which one it was.
+/// Where the file of a scene or of a start is, and which one it was.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneFileEntry {
-    /// The name of a shipped scene, or the scene file's path relative to the path file.
+    /// The name of a shipped scene, or the file's path relative to the path file.
     pub file: String,
-    /// SHA-256 of the scene file, hexadecimal.
+    /// SHA-256 of the file, hexadecimal.
     pub sha256: String,
 }
 
@@ -172,6 +178,25 @@ pub enum RestsRule {
     Stable,
     /// The object's whole polygon is over the support.
     WholeFace,
+}
+
+/// An object or a joint that the scene has a little off a state, and the path on it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CorrectionEntry {
+    /// Number of the goal; none for the start.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub goal: Option<usize>,
+    /// The object, a part.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub object: Option<String>,
+    /// The joint; either this or `object`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub joint: Option<String>,
+    /// How far it was moved, metres: of an object the origin of its root link.
+    pub distance: f64,
+    /// By which angle it was turned, radians.
+    pub angle: f64,
 }
 
 /// A motion on one leaf.

@@ -14,7 +14,7 @@ use crate::scene::mesh::formats::triangles::UpAxis;
 use crate::scene::reading::error::{SceneError, quoted};
 use crate::scene::sources::package::PackagePath;
 use foliate_components::graph::{StateId, TransitionId};
-use foliate_components::path::{Attachment, Certificate, ManipulationPath, Segment, SegmentTiming};
+use foliate_components::path::{Attachment, ManipulationPath, Segment, SegmentTiming};
 use foliate_components::pose::pose_from_array;
 use foliate_components::robot::configuration::Group;
 use foliate_components::robot::model::{GripperModel, HandleModel, Model, SurfaceModel};
@@ -135,7 +135,7 @@ impl LoadedPath {
         let reader = Reader { robot: &robot, columns: &columns, width: file.coordinates.len(), interpolation };
         let segments: Result<Vec<Segment>, LoadPathError> =
             file.segments.iter().enumerate().map(|(index, segment)| reader.segment(index, segment)).collect();
-        let path = ManipulationPath { segments: segments?, certificate: Certificate::default() };
+        let path = ManipulationPath { segments: segments?, ..ManipulationPath::default() };
         let states = file.segments.iter().map(|segment| segment.state.clone()).collect();
         let transitions = file.segments.iter().map(|segment| segment.transition.clone()).collect();
         let ignored_pairs = ignored_pairs(file, &robot);

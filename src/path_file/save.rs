@@ -31,7 +31,8 @@ pub fn model_names(scene: &Scene, out: &Path) -> Result<FileNames, PathFileError
         })
     };
     let parts = scene.parts.iter().map(&mut files).collect::<Result<_, _>>()?;
-    Ok(FileNames { scene_file: scene.file.as_ref().map(|file| scene_file(file, out)), parts })
+    let named = |file: &Option<SceneFile>| file.as_ref().map(|file| scene_file(file, out));
+    Ok(FileNames { scene_file: named(&scene.file), start_file: named(&scene.start), parts })
 }
 
 fn scene_file(file: &SceneFile, out: &Path) -> SceneFileEntry {

@@ -16,6 +16,8 @@ pub(crate) fn later_key(file: &PathFile) -> Option<String> {
     let claims = &file.certificate;
     [
         (file.rate_limits.is_some(), "rate_limits"),
+        (!file.corrections.is_empty(), "corrections"),
+        (file.start_file.is_some(), "start_file"),
         (file.events.is_some(), "events"),
         (claims.max_velocity.is_some(), "certificate.max_velocity"),
         (claims.max_acceleration.is_some(), "certificate.max_acceleration"),

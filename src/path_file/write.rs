@@ -3,8 +3,8 @@
 use super::constraint::entries;
 use crate::path_file::constraint::PoseRow;
 use crate::path_file::document::{
-    AttachmentEntry, CertificateEntry, Documents, FORMAT, GripperEntry, HandleEntry, PairsEntry, PartEntry, PathFile,
-    RestsEntry, RestsRule, SceneFileEntry, SegmentEntry, SurfaceEntry,
+    AttachmentEntry, CertificateEntry, CorrectionEntry, Documents, FORMAT, GripperEntry, HandleEntry, PairsEntry,
+    PartEntry, PathFile, RestsEntry, RestsRule, SceneFileEntry, SegmentEntry, SurfaceEntry,
 };
 use crate::path_file::names::held;
 use crate::path_file::timing;
@@ -16,7 +16,7 @@ use foliate_components::coverage::PairCounts;
 use foliate_components::graph::ConstraintGraph;
 use foliate_components::path::{Attachment, ManipulationPath, Segment};
 use foliate_components::pose::pose_to_array;
-use foliate_components::problem::Problem;
+use foliate_components::problem::{Correction, Moved, Problem};
 use foliate_components::robot::{JointIndex, LinkIndex, Part, PartKind, Robot, RootJoint};
 use std::collections::BTreeMap;
 
@@ -42,6 +42,8 @@ pub struct PathContext<'a> {
 pub struct FileNames {
     /// The scene file, where there is one.
     pub scene_file: Option<SceneFileEntry>,
+    /// The file that says where the scene starts, where there is one.
+    pub start_file: Option<SceneFileEntry>,
     /// By part.
     pub parts: Vec<PartFiles>,
 }
@@ -82,6 +84,7 @@ pub fn write_path(context: &PathContext<'_>, path: &ManipulationPath) -> PathFil
         format: FORMAT.into(),
         scene: problem.name.clone(),
         scene_file: context.models.scene_file.clone(),
+        start_file: context.models.start_file.clone(),
         seed: context.seed,
         scheduler: context.scheduler.into(),
         simd: context.simd.into(),
@@ -98,6 +101,7 @@ pub fn write_path(context: &PathContext<'_>, path: &ManipulationPath) -> PathFil
         margins: problem.margins.iter().map(|m| (link(m.first), link(m.second), m.distance)).collect(),
         placement_margin: problem.graph.placement_margin,
         rests: rests(problem.graph.rests),
+        corrections: path.corrections.iter().map(correction).collect(),
         segments: path
             .segments
             .iter()
@@ -131,6 +135,13 @@ fn segment_entry(context: &PathContext<'_>, segment: &Segment, tolerance: f64, s
         times: segment.timing.as_ref().map(|timing| timing.times.clone()),
         velocities: segment.timing.as_ref().map(|timing| rows(&timing.velocities, &at_rest)),
     }
+}
+
+fn correction(correction: &Correction) -> CorrectionEntry {
+    let name =
+        |is_object: bool| (matches!(correction.moved, Moved::Object(..)) == is_object).then(|| correction.name.clone());
+    let Correction { goal, distance, angle, .. } = *correction;
+    CorrectionEntry { goal, object: name(true), joint: name(false), distance, angle }
 }
 
 fn pairs(counts: &PairCounts) -> PairsEntry {

@@ -5,11 +5,11 @@ use foliate_components::graph::leaf::LeafIndex;
 use foliate_components::graph::{StateId, TransitionId};
 use foliate_components::outcome::{BlockingParts, GoalStatistics, Prior, StateStatistics, TransitionStatistics};
 use foliate_components::path::ManipulationPath;
+use foliate_components::problem::Correction;
 use foliate_components::robot::{PartIndex, ShapeIndex};
 use foliate_schedulers::portfolio::{MemberCount, MemberCounts};
 use foliate_systems::events::{EventSink, SolveId};
 use foliate_systems::planning_model::PlanningModel;
-use foliate_systems::planning_model::graph::snapping::Snapped;
 use foliate_systems::search::Search;
 use foliate_systems::trajectory::TimedPathError;
 use std::time::Duration;
@@ -48,8 +48,9 @@ pub struct Report {
     pub improvement: Option<ImprovementReport>,
     /// Wall time of smoothing, timing and certifying the curve.
     pub timing_time: Duration,
-    /// Objects that the start or a goal has a little off their support, by up to a millimetre: the search moved them onto it.
-    pub snapped: Vec<Snapped>,
+    /// What of the start and the goals was off a state by less than [`Problem::start_tolerance`](crate::components::problem::Problem)
+    /// and was moved onto it: objects, and joints where only they could be.
+    pub snapped: Vec<Correction>,
     /// Why the path has no times although they were wanted.
     pub untimed: Option<TimedPathError>,
     /// What became of the candidates, by transition.

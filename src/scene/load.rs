@@ -1,6 +1,7 @@
 //! Loads a scene, or one robot model, by name or path.
 
 use crate::scene::assemble::load;
+use crate::scene::assemble::names::start_file::StartFile;
 use crate::scene::assemble::scene::Scene;
 use crate::scene::mesh::meshes;
 use crate::scene::reading::error;
@@ -28,8 +29,20 @@ impl Scene {
     /// # Errors
     /// The first thing that is wrong, with file, line and element.
     pub fn load(name_or_path: &str, packages: &PackagePath) -> Result<Self, SceneError> {
+        Self::load_from(name_or_path, packages, None)
+    }
+
+    /// Reads a scene as [`Self::load`] does, to start where another file says.
+    ///
+    /// # Errors
+    /// As [`Self::load`], and what is wrong with that file.
+    pub fn load_from(
+        name_or_path: &str,
+        packages: &PackagePath,
+        start: Option<&StartFile>,
+    ) -> Result<Self, SceneError> {
         if let Some(shipped) = shipped::find(name_or_path) {
-            return shipped.load(packages);
+            return shipped.load_from(packages, start);
         }
         let path = Path::new(name_or_path);
         if !path.exists() {
@@ -37,7 +50,7 @@ impl Scene {
             let hint = error::did_you_mean(name_or_path, names);
             return Err(SceneError::new(name_or_path, "scene", "is neither a shipped scene nor a file").hint(hint));
         }
-        Self::from_file(path, packages)
+        load::load_path(path, packages, start)
     }
 
     /// Reads a scene file.
@@ -45,7 +58,7 @@ impl Scene {
     /// # Errors
     /// As [`Self::load`].
     pub fn from_file(path: impl AsRef<Path>, packages: &PackagePath) -> Result<Self, SceneError> {
-        load::load_path(path.as_ref(), packages)
+        load::load_path(path.as_ref(), packages, None)
     }
 
     /// Reads a scene from its text. `name` is what messages call it; relative names start at `directory`.
@@ -53,7 +66,7 @@ impl Scene {
     /// # Errors
     /// As [`Self::load`].
     pub fn from_text(name: &str, text: &str, directory: &Path, packages: &PackagePath) -> Result<Self, SceneError> {
-        load::load(name, text, SceneBase::Directory(directory.to_owned()), packages)
+        load::load(name, text, SceneBase::Directory(directory.to_owned()), packages, None)
     }
 }
 

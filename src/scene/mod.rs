@@ -19,6 +19,7 @@ pub(crate) mod urdf;
 pub(crate) mod visuals;
 
 pub use crate::scene::assemble::names::configuration::coordinate_names;
+pub use crate::scene::assemble::names::start_file::StartFile;
 pub use crate::scene::assemble::scene::{PartSource, Scene, SceneFile, SceneOrigin};
 pub use crate::scene::load::{ReadModel, read_model};
 pub use crate::scene::mesh::cache::mesh_cache::MeshCache;

@@ -1,6 +1,7 @@
 //! Scenes that live in the program.
 
 use crate::scene::assemble::load::load;
+use crate::scene::assemble::names::start_file::StartFile;
 use crate::scene::assemble::scene::{Scene, SceneFile, SceneOrigin};
 use crate::scene::reading::error::SceneError;
 use crate::scene::sources::package::PackagePath;
@@ -265,7 +266,16 @@ impl ShippedScene {
     /// # Errors
     /// Where its models are not found or differ.
     pub fn load(&self, packages: &PackagePath) -> Result<Scene, SceneError> {
-        let scene = load(&format!("{}/scene.toml", self.name), self.text, SceneBase::Embedded(self.files), packages)?;
+        self.load_from(packages, None)
+    }
+
+    /// Loads the scene, to start where another file says.
+    ///
+    /// # Errors
+    /// As [`Self::load`], and what is wrong with that file.
+    pub fn load_from(&self, packages: &PackagePath, start: Option<&StartFile>) -> Result<Scene, SceneError> {
+        let name = format!("{}/scene.toml", self.name);
+        let scene = load(&name, self.text, SceneBase::Embedded(self.files), packages, start)?;
         let file = SceneFile { origin: SceneOrigin::Shipped(self.name), sha256: sha256(self.text.as_bytes()) };
         Ok(Scene { file: Some(file), ..scene })
     }

@@ -12,7 +12,7 @@ use foliate_components::constraint::{Constraint, Frame, Grasp, Reference, Relati
 use foliate_components::outcome::{Rejection, SearchOutcome, TransitionStatistics};
 use foliate_components::path::{Attachment, ManipulationPath};
 use foliate_components::pose::log_so3;
-use foliate_components::problem::{Goal, GraphOptions, ObjectOptions, Problem, Rule};
+use foliate_components::problem::{Goal, GraphOptions, Moved, ObjectOptions, Problem, Rule};
 use foliate_components::roadmap::NodeId;
 use foliate_components::robot::{DisabledPair, GripperIndex, HandleIndex, PartIndex, Robot};
 use foliate_components::samples::models::{block, environment, fixed_robot, movable_object, seven_axis_arm, table};
@@ -264,4 +264,25 @@ fn a_box_is_picked_up_by_one_hand_and_taken_by_both() {
         let closure = cell.closure(&path);
         assert!(closure <= path.certificate.path_tolerance, "the hands are {closure} apart");
     }
+}
+
+#[test]
+fn joints_are_moved_where_the_box_alone_cannot_be_in_both_hands() {
+    let cell = Cell::new();
+    let mut problem = cell.around_the_bar();
+    // One hand is a few millimetres off its handle.
+    problem.start[1] += 0.2_f64.to_radians();
+    let model = model(problem.clone());
+    let is_joint = |moved: &Moved| matches!(moved, Moved::Joint(..));
+    assert!(model.snapped.iter().any(|correction| is_joint(&correction.moved)), "{:?}", model.snapped);
+    for correction in &model.snapped {
+        let share = problem.start_tolerance.share(correction.distance, correction.angle);
+        assert!(correction.goal.is_none() && share <= 1.0 + 1e-6, "{correction:?}");
+        assert_eq!(correction.onto, "left/hand holds plank/left and right/hand holds plank/right");
+    }
+    let (outcome, search) = search(&model, shipped()[0].as_ref(), seeded(1), 2);
+    assert_eq!(outcome, SearchOutcome::Solved);
+    let path = search.path().unwrap();
+    assert_eq!(path.corrections, model.snapped);
+    assert!(cell.closure(&path) <= path.certificate.path_tolerance);
 }

@@ -4,6 +4,7 @@ use crate::Pose;
 use crate::constraint::kind::Constraint;
 use crate::coverage::PairCounts;
 use crate::graph::{StateId, TransitionId};
+use crate::problem::start_tolerance::Correction;
 use crate::robot::indices::{GripperIndex, HandleIndex, JointIndex, LinkIndex, SurfaceIndex};
 
 /// A path from the start to a goal. Consecutive segments share the joint knot bit for bit.
@@ -13,6 +14,8 @@ pub struct ManipulationPath {
     pub segments: Vec<Segment>,
     /// What was proven about all of them.
     pub certificate: Certificate,
+    /// What of the problem's start and goals was a little off a state: the path begins and ends where it was moved.
+    pub corrections: Vec<Correction>,
 }
 
 impl ManipulationPath {

@@ -1,10 +1,11 @@
 //! A manipulation problem (P0 §II-E): the hybrid robot, who may hold what and where things may lie, a start and goals.
 
 use crate::Pose;
-use crate::constraint::kind::Constraint;
 use crate::constraint::rests::Rests;
 use crate::problem::cost::CostOptions;
+use crate::problem::goal::{Goal, NamedConstraint, PartialGoal};
 use crate::problem::hand::{Approach, Hand};
+use crate::problem::start_tolerance::StartTolerance;
 use crate::problem::timing::TimingOptions;
 use crate::robot::error::CoordinateError;
 use crate::robot::hybrid_robot::{DisabledPair, Robot};
@@ -27,6 +28,8 @@ pub struct Problem {
     pub margins: Vec<Margin>,
     /// The start: a whole configuration.
     pub start: Vec<f64>,
+    /// How far the start and the goals may be off a state: within it they are moved onto the nearest.
+    pub start_tolerance: StartTolerance,
     /// At least one goal; reaching any of them solves the problem.
     pub goals: Vec<Goal>,
     /// Poses in the world of movable objects' root links that may help on the way: each is laid onto the nearest support, and
@@ -49,6 +52,7 @@ impl Problem {
             ignored_pairs: Vec::new(),
             margins: Vec::new(),
             start,
+            start_tolerance: StartTolerance::default(),
             goals,
             suggestions: Vec::new(),
             timing: TimingOptions::default(),
@@ -107,34 +111,6 @@ pub struct Margin {
     pub distance: f64,
 }
 
-/// Where to end.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Goal {
-    /// A whole configuration.
-    Configuration(Vec<f64>),
-    /// Every configuration, in any state of the graph, in which these requirements hold.
-    Partial(PartialGoal),
-}
-
-/// The requirements of a goal; everything else is free. All of them hold in every goal.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct PartialGoal {
-    /// Poses of these movable objects' root links in the world.
-    pub poses: Vec<(PartIndex, Pose)>,
-    /// Numbers of a configuration, by index: metres or radians. Of a quaternion all four are named or none.
-    pub coordinates: Vec<(usize, f64)>,
-    /// Constraints: a hand at a place, an object upright. Rows that are parameters require nothing of a goal.
-    pub constraints: Vec<NamedConstraint>,
-}
-
-impl Goal {
-    /// Only where objects shall be: poses of their root links in the world.
-    #[must_use]
-    pub fn object_poses(poses: Vec<(PartIndex, Pose)>) -> Self {
-        Self::Partial(PartialGoal { poses, ..PartialGoal::default() })
-    }
-}
-
 /// What the constraint graph is built from (P1 §II-A).
 #[derive(Clone, Debug, Default)]
 pub struct GraphOptions {
@@ -189,15 +165,6 @@ pub enum JointRest {
     Stays,
     /// At this value, a door that must be shut: radians or metres.
     At(f64),
-}
-
-/// A constraint with a name.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NamedConstraint {
-    /// For output and errors.
-    pub name: String,
-    /// What it requires.
-    pub constraint: Constraint,
 }
 
 /// A state of the problem's own.
@@ -266,10 +233,4 @@ pub struct Rule {
     pub grasps: Vec<(GripperIndex, Option<HandleIndex>)>,
     /// Whether such states are allowed.
     pub allowed: bool,
-}
-
-impl Default for Goal {
-    fn default() -> Self {
-        Self::Partial(PartialGoal::default())
-    }
 }

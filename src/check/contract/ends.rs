@@ -1,10 +1,10 @@
 //! The path begins where the scene says and ends at one of its goals.
 
+use super::goals::End;
 use super::required_constraints::all_hold;
 use crate::check::contract::scene_contract::Contract;
-use crate::check::contract::snapped::onto_support;
-use crate::check::motion::segment::{At, SegmentMotion};
-use crate::check::report::check_report::{CheckReport, Place, shown};
+use crate::check::motion::segment::SegmentMotion;
+use crate::check::report::check_report::{CheckReport, Place};
 use crate::check::report::error::CheckError;
 use crate::check::report::kind::Kind;
 use crate::check::report::work::Work;
@@ -13,7 +13,7 @@ use crate::path_file::document::{PathFile, SegmentEntry};
 use foliate_components::Pose;
 use foliate_components::pose::{pose_from_array, pose_to_array};
 use foliate_components::problem::{Goal, PartialGoal};
-use foliate_components::robot::{JointType, PartKind, Robot, RootJoint, Source};
+use foliate_components::robot::{JointType, Robot, Source};
 use std::f64::consts::TAU;
 
 /// How far the ends may be from the scene's, metres and radians: the accuracy of projections.
@@ -34,7 +34,7 @@ impl Contract<'_> {
         let seen = |knot: &[f64]| columns.iter().map(|&column| knot[column]).collect::<Vec<f64>>();
         if motion.index == 0 {
             let found = seen(&motion.knots[0]);
-            let onto = self.onto_supports(file, motion, At::knot(0), &found, &self.problem.start);
+            let onto = self.corrected(file, motion, None, [&found, &self.problem.start]);
             let (off, name) = self.off(&onto.with(&found), &self.problem.start);
             // Compared so that NaN is off.
             let there = off <= NEAR;
@@ -54,14 +54,14 @@ impl Contract<'_> {
             let last = seen(&motion.knots[motion.last()]);
             let mut nearest = (f64::INFINITY, String::from("the scene has no goal"));
             let mut told = None;
-            for goal in &self.problem.goals {
+            for (number, goal) in self.problem.goals.iter().enumerate() {
                 let wanted = wanted(&self.problem.robot, goal, &last);
-                let onto = self.onto_supports(file, motion, At::knot(motion.last()), &last, &wanted);
+                let onto = self.corrected(file, motion, Some(number), [&last, &wanted]);
                 let mut off = self.off(&onto.with(&last), &wanted);
-                if let Goal::Partial(partial) = goal
-                    && let Some(broken) = self.broken(partial, file, motion, frames, work)?
-                {
-                    off = broken;
+                if let Goal::Partial(partial) = goal {
+                    let end = End { file, motion, frames, last: &last };
+                    let unmet = self.unmet(partial, &end).map(|unmet| (f64::INFINITY, unmet));
+                    off = self.broken(partial, file, motion, frames, work)?.or(unmet).unwrap_or(off);
                 }
                 if off.0 < nearest.0 || nearest.0.is_infinite() {
                     (nearest, told) = (off, onto.told("a goal"));
@@ -109,33 +109,6 @@ impl Contract<'_> {
         worst
     }
 
-    /// The objects that the path has on their support, and the scene a little off it.
-    fn onto_supports(
-        &self,
-        file: &PathFile,
-        motion: &SegmentMotion<'_>,
-        at: At,
-        found: &[f64],
-        wanted: &[f64],
-    ) -> Onto {
-        let robot = &self.problem.robot;
-        let mut onto = Onto(Vec::new());
-        for part in robot.parts.iter().filter(|part| part.kind == PartKind::Object) {
-            let root = part.root_joint.map(|joint| &robot.joints[joint.at()]);
-            let Some(Source::Coordinates { q, .. }) = root.map(|joint| joint.source) else { continue };
-            let read = |numbers: &[f64]| numbers.get(q..q + 7)?.try_into().ok().and_then(pose_from_array);
-            let (true, Some(there), Some(here)) = (part.root == RootJoint::FreeFlyer, read(found), read(wanted)) else {
-                continue;
-            };
-            if found[q..q + 7] != wanted[q..q + 7]
-                && let Some(by) = onto_support(file, motion, at, &part.name, [&there, &here])
-            {
-                onto.0.push((part.name.clone(), q, by, pose_to_array(&here)));
-            }
-        }
-        onto
-    }
-
     /// The constraint of a partial goal that does not hold, infinitely far off.
     fn broken(
         &self,
@@ -163,27 +136,6 @@ impl Contract<'_> {
             }
         }
         Ok(None)
-    }
-}
-
-/// Objects that were moved onto their support: name, first coordinate, by how much the farthest corner was (metres), and where the
-/// scene has the object.
-struct Onto(Vec<(String, usize, f64, [f64; 7])>);
-
-impl Onto {
-    /// A configuration with these objects where the scene has them.
-    fn with(&self, q: &[f64]) -> Vec<f64> {
-        let mut q = q.to_vec();
-        self.0.iter().for_each(|(_, first, _, pose)| q[*first..first + 7].copy_from_slice(pose));
-        q
-    }
-
-    /// Says so, where it is more than the accuracy of projections.
-    fn told(&self, whose: &str) -> Option<String> {
-        let moved = self.0.iter().filter(|(_, _, by, _)| *by > NEAR);
-        let moved: Vec<_> = moved.map(|(name, _, by, _)| format!("{} by {:.2} mm", shown(name), by * 1e3)).collect();
-        (!moved.is_empty())
-            .then(|| format!("the path has objects of {whose} moved onto their support: {}", moved.join(", ")))
     }
 }
 

@@ -6,7 +6,9 @@ use crate::check::report::kind::Kind;
 use crate::check::world::models::World;
 use crate::path_file::document::PathFile;
 use crate::scene::assemble::names::configuration::coordinate_names;
+use crate::scene::assemble::names::start_file::StartFile;
 use crate::scene::assemble::scene::Scene;
+use crate::scene::reading::error::SceneError;
 use crate::scene::shipped_scenes;
 use crate::scene::sources::package::PackagePath;
 use foliate_components::problem::Problem;
@@ -78,7 +80,8 @@ pub(crate) fn scene_of(
             Ok(None)
         }
         SceneChoice::Given(name) => {
-            let scene = Scene::load(name, packages).map_err(failed)?;
+            let start = start_of(file, base, report).map_err(failed)?;
+            let scene = Scene::load_from(name, packages, start.as_ref()).map_err(failed)?;
             if !is_the_named(file, &scene) {
                 report.note("the scene is not the one that the path names by its SHA-256");
             }
@@ -91,7 +94,14 @@ pub(crate) fn scene_of(
             };
             let is_shipped = shipped_scenes().iter().any(|scene| scene.name == entry.file);
             let name = if is_shipped { entry.file.clone() } else { base.join(&entry.file).display().to_string() };
-            match Scene::load(&name, &packages.for_path_files()) {
+            let start = match start_of(file, base, report) {
+                Ok(start) => start,
+                Err(error) => {
+                    report.weaker(format!("the file that says where the path starts cannot be read: {error}"));
+                    return Ok(None);
+                }
+            };
+            match Scene::load_from(&name, &packages.for_path_files(), start.as_ref()) {
                 Ok(scene) => {
                     if !is_the_named(file, &scene) {
                         let subject = format!("`{}` has another SHA-256 than the path says", shown(&entry.file));
@@ -108,6 +118,17 @@ pub(crate) fn scene_of(
             }
         }
     }
+}
+
+/// The file that says where a path starts instead of where its scene says, which the report tells.
+fn start_of(file: &PathFile, base: &Path, report: &mut CheckReport) -> Result<Option<StartFile>, SceneError> {
+    let Some(entry) = &file.start_file else { return Ok(None) };
+    let start = StartFile::read(&base.join(&entry.file))?;
+    report.note(format!("the path starts where `{}` says, not where the scene says", shown(&entry.file)));
+    if start.sha256() != entry.sha256 {
+        differs(report, format!("`{}` has another SHA-256 than the path says", shown(&entry.file)));
+    }
+    Ok(Some(start))
 }
 
 fn is_the_named(file: &PathFile, scene: &Scene) -> bool {

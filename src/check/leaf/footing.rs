@@ -5,14 +5,14 @@ use crate::path_file::document::{RestsEntry, RestsRule};
 use glam::DVec3;
 
 /// Points in the object's link that must be over the support's polygon, each with its name, and by how much, metres.
-pub(super) struct Footing {
+pub(in crate::check) struct Footing {
     pub points: Vec<(&'static str, DVec3)>,
     pub margin: f64,
 }
 
 /// The footing of an object's polygon with these corners and this outer unit normal, in the link `held`; none where the object
 /// cannot rest on it by more than the tolerance, metres.
-pub(super) fn footing(
+pub(in crate::check) fn footing(
     world: &World,
     held: &Link,
     rests: Option<RestsEntry>,

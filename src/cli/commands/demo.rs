@@ -29,7 +29,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
     outputs::check([], arguments.out.iter().chain(&arguments.record.record).chain(arguments.view.file()))?;
     let (started, limit) = (Instant::now(), arguments.search.deadline()?);
-    let (scene, tables) = match loading::scene("demo", packages, limit)? {
+    let (scene, tables) = match loading::scene("demo", packages, limit, None)? {
         Ok(loaded) => loaded,
         Err(cut) => return cut.tell("demo", started.elapsed(), false),
     };

@@ -5,7 +5,7 @@ use crate::cli::console::print::{Ending, Refusal, print, print_json};
 use foliate::batch::Entry;
 use foliate::components::outcome::SearchOutcome;
 use foliate::output;
-use foliate::scene::{LoadLimits, LoadStop, PackagePath, Scene, SceneError};
+use foliate::scene::{LoadLimits, LoadStop, PackagePath, Scene, SceneError, StartFile};
 use foliate::systems::events::StopSignal;
 use foliate::systems::planning_model::ProblemTables;
 use serde_json::json;
@@ -97,10 +97,11 @@ pub(crate) fn scene(
     name: &str,
     packages: &PackagePath,
     limit: Duration,
+    start: Option<StartFile>,
 ) -> Result<Result<(Scene, Arc<ProblemTables>), Cut>, Refusal> {
     let (name, packages) = (name.to_owned(), packages.clone());
     beside(limit, Duration::ZERO, move |stop| {
-        let scene = Scene::load(&name, &until(&packages, stop))?;
+        let scene = Scene::load_from(&name, &until(&packages, stop), start.as_ref())?;
         let tables = ProblemTables::new_until(scene.problem.clone(), stop).ok_or(Failure::Stopped)?;
         Ok((scene, Arc::new(tables)))
     })

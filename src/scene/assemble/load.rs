@@ -1,9 +1,10 @@
 //! Reads a scene file table by table and composes its problem.
 
 use crate::scene::assemble::graph::{faces, options, rests};
+use crate::scene::assemble::names::start_file::StartFile;
 use crate::scene::assemble::names::{configuration, locked};
 use crate::scene::assemble::scene::{Loader, Scene, SceneFile, SceneOrigin};
-use crate::scene::assemble::{goal, pairs, part, suggest, timing};
+use crate::scene::assemble::{goal, pairs, part, start_tolerance, suggest, timing};
 use crate::scene::mesh::meshes::Meshes;
 use crate::scene::reading::error::{SceneError, quoted};
 use crate::scene::reading::input;
@@ -24,18 +25,20 @@ pub(crate) const FORMAT: &str = "foliate.scene/1";
 const PARTS: usize = 1000;
 
 /// Reads a scene from its text. `name` is what messages call the file.
-pub(crate) fn load(name: &str, text: &str, base: SceneBase, packages: &PackagePath) -> Result<Scene, SceneError> {
+///
+/// # Errors
+/// The first thing that is wrong, in the scene, its models, or the file that says where it starts.
+pub(crate) fn load(
+    name: &str,
+    text: &str,
+    base: SceneBase,
+    packages: &PackagePath,
+    from: Option<&StartFile>,
+) -> Result<Scene, SceneError> {
     let file = File::new(name, text);
     let table = file.parse(text)?;
     let mut keys = Keys::root(&file, &table);
-    let format = keys.required("format")?;
-    if format.string()? != FORMAT {
-        return Err(format
-            .error(format!("`{}` is no format of scenes", quoted(format.string()?)))
-            .hint(format!("this version reads \"{FORMAT}\"")));
-    }
-    let scene_name = keys.required("name")?.string()?.to_owned();
-    let description = keys.optional("description").map_or(Ok(""), |i| i.string())?.to_owned();
+    let (scene_name, description) = heading(&mut keys)?;
     let directory = match &base {
         SceneBase::Directory(directory) => Some(directory.clone()),
         SceneBase::Embedded(_) => None,
@@ -58,23 +61,54 @@ pub(crate) fn load(name: &str, text: &str, base: SceneBase, packages: &PackagePa
     let order = configuration::order(&mut keys, &robot)?;
     let locks = locked::read(&mut keys, &robot)?;
     let reader = configuration::Reader { robot: &robot, locked: &locks.at_values, order: order.as_deref() };
-    let start = reader.start(&keys.required("start")?)?;
+    let mut start = reader.start(&keys.required("start")?)?;
+    from.map_or(Ok(()), |from| from.apply(&reader, &mut start))?;
     let graph = options::read(&mut keys, &robot, &start, &locks)?;
     loader.warnings.extend(rests::remarks(name, &robot, &graph));
     let reader = configuration::Reader { locked: &graph.locked, ..reader };
-    let goals = goal::read(&keys.required("goal")?, &reader, &start, &graph.constraints)?;
+    let goals = goal::read::read(&keys.required("goal")?, &reader, &start, &graph)?;
     let timing = timing::timing(&mut keys, &robot, parts.iter().map(|p| (p.placement.name.as_str(), &p.rates)))?;
     let cost = timing::cost(&mut keys)?;
     let suggestions = suggest::read(&mut keys, &robot)?;
+    let start_tolerance = start_tolerance::read(&mut keys)?;
     keys.finish()?;
     if graph.rests != Rests::Centre {
         robot.surfaces.iter_mut().for_each(faces::join);
     }
-    let problem =
-        Problem { name: scene_name, robot, graph, ignored_pairs, margins, start, goals, suggestions, timing, cost };
+    let problem = Problem {
+        name: scene_name,
+        robot,
+        graph,
+        ignored_pairs,
+        margins,
+        start,
+        start_tolerance,
+        goals,
+        suggestions,
+        timing,
+        cost,
+    };
     let parts = parts.into_iter().map(|p| p.source).collect();
     loader.warnings.extend(loader.meshes.finish());
-    Ok(Scene { problem, description, parts, warnings: loader.warnings, file: None, directory })
+    Ok(Scene { problem, description, parts, warnings: loader.warnings, file: None, directory, start: from.map(of_start) })
+}
+
+/// Which file says where a scene starts.
+fn of_start(from: &StartFile) -> SceneFile {
+    SceneFile { origin: SceneOrigin::File(from.path().to_owned()), sha256: from.sha256().to_owned() }
+}
+
+/// Format, name and description.
+fn heading(keys: &mut Keys<'_>) -> Result<(String, String), SceneError> {
+    let format = keys.required("format")?;
+    if format.string()? != FORMAT {
+        return Err(format
+            .error(format!("`{}` is no format of scenes", quoted(format.string()?)))
+            .hint(format!("this version reads \"{FORMAT}\"")));
+    }
+    let name = keys.required("name")?.string()?.to_owned();
+    let description = keys.optional("description").map_or(Ok(""), |i| i.string())?.to_owned();
+    Ok((name, description))
 }
 
 /// The robot of all parts.
@@ -138,11 +172,11 @@ fn check_sums(keys: &mut Keys<'_>, loader: &mut Loader<'_>) -> Result<(), SceneE
 }
 
 /// Reads a scene file from disk.
-pub(crate) fn load_path(path: &Path, packages: &PackagePath) -> Result<Scene, SceneError> {
+pub(crate) fn load_path(path: &Path, packages: &PackagePath, from: Option<&StartFile>) -> Result<Scene, SceneError> {
     let content = input::bytes(path, input::SCENE_CAP)?;
     let file = SceneFile { origin: SceneOrigin::File(path.to_owned()), sha256: sha256(&content) };
     let name = path.display().to_string();
     let text = input::decode(content, &name)?;
-    let scene = load(&name, &text, SceneBase::Directory(folder_of(path).to_owned()), packages)?;
+    let scene = load(&name, &text, SceneBase::Directory(folder_of(path).to_owned()), packages, from)?;
     Ok(Scene { file: Some(file), ..scene })
 }

@@ -2,7 +2,7 @@
 //!
 //! `load` reads the tables of a file in turn: parts by `part` (with `documents`, the grippers, handles and surfaces that a
 //! scene adds), pairs by `pairs`, the graph and its hands by `graph`, goals by `goal`, `suggest`
-//! (places worth trying), rate limits and cost by `timing`. Graph and goals read their constraints by
+//! (places worth trying), `start_tolerance`, rate limits and cost by `timing`. Graph and goals read their constraints by
 //! `constraints`; all of them read coordinates, frames and locked joints by `names`. `scene` is the result, and what is at
 //! hand while it is made.
 
@@ -15,5 +15,6 @@ pub(crate) mod names;
 pub(crate) mod pairs;
 pub(crate) mod part;
 pub(crate) mod scene;
+pub(crate) mod start_tolerance;
 pub(crate) mod suggest;
 pub(crate) mod timing;

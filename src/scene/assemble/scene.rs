@@ -24,6 +24,8 @@ pub struct Scene {
     pub file: Option<SceneFile>,
     /// Where its relative names start, and below which its models may name meshes; none of a scene that lies in the program.
     pub directory: Option<PathBuf>,
+    /// The file that says where it starts instead of where it says itself, where there is one.
+    pub start: Option<SceneFile>,
 }
 
 /// A scene file: where it was, and which one.

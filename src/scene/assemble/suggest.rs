@@ -1,6 +1,6 @@
 //! `[suggest]`: poses of objects that may help on the way.
 
-use crate::scene::assemble::goal::moving_object;
+use crate::scene::assemble::goal::coordinates::moving_object;
 use crate::scene::reading::error::SceneError;
 use crate::scene::reading::keys::Keys;
 use foliate_components::Pose;

@@ -482,3 +482,31 @@ fn grasp_values(robot: &Robot, X_WJ: &[Pose]) -> [f64; 6] {
     let grasp = Grasp::new(robot, robot.gripper("drone/tip").unwrap(), robot.handle("lid/knob").unwrap()).unwrap();
     relative_pose::value(&placement_of(&grasp.gripper), &placement_of(&grasp.handle), &Pose::identity(), X_WJ)
 }
+
+/// A relation between two bodies that move together has one value wherever they are.
+#[test]
+fn what_a_hand_carries_is_compared_with_the_hand() {
+    let mut bench = Bench::new(11);
+    let grasp = bench.grasp("left/hand", "block/top");
+    let in_hand = grasp.gripper.joint_from_frame * grasp.handle.joint_from_frame.inverse();
+    let hand = Frame { joint: grasp.gripper.joint, joint_from_frame: in_hand };
+    let block = Frame::of_joint(grasp.handle.joint.unwrap());
+    let relation = |by: f64| {
+        let reference = Reference::Fixed(Pose::from_translation(DVec3::X * by));
+        Constraint::RelativePose(RelativePose::rigid(hand, block, reference))
+    };
+    let lifted = |height: f64| {
+        let rows = [None, None, Some(Row::Zero), None, None, None];
+        let a = Frame::world(Pose::from_translation(DVec3::Z * height));
+        Constraint::RelativePose(RelativePose { a, b: block, rows, reference: Reference::Identity })
+    };
+    let mut q = bench.random();
+    let program = bench.compile(&[Constraint::RelativePose(grasp.constraint()), relation(0.0), lifted(0.4)], &[]);
+    assert_eq!(program.checks(), 1);
+    assert!(bench.project(&program, &mut q, &[]).is_converged());
+    let program = bench.compile(&[Constraint::RelativePose(grasp.constraint()), relation(0.01), lifted(0.4)], &[]);
+    let outcome = bench.project(&program, &mut q, &[]);
+    let is_told = |residual: f64| (residual - 0.01).abs() < 1e-12;
+    let told = matches!(outcome, Outcome::Contradicted { constraint: 1, residual } if is_told(residual));
+    assert!(told, "{outcome:?}");
+}

@@ -7,9 +7,12 @@
 //! tried again. The others are tried in turn, from random configurations. In a lazy graph these are the start's state, then
 //! its neighbours, then theirs, breadth first, as long as nothing is found.
 //!
-//! `programs` compiles the program of one goal in one state; `region` draws configurations of one goal with it; `sampler`
+//! `demands` says which states fit a goal (nothing is left in a hand that was not asked for) and what is asked besides rows of
+//! constraints; `overlaps` finds objects that a goal has in each other; `programs` compiles the program of one goal in one state; `region` draws configurations of one goal with it; `sampler`
 //! holds the regions of all goals; `systems` makes what it draws roots of trees.
 
+pub(crate) mod demands;
+pub(crate) mod overlaps;
 pub(crate) mod programs;
 pub(crate) mod region;
 pub mod sampler;

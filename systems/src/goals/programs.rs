@@ -1,5 +1,6 @@
 //! A goal in a state, compiled: the state's manifold, the goal's requirements, and which objects stay.
 
+use crate::goals::demands;
 use crate::planning_model::model::Model;
 use crate::planning_model::state_classification::coordinate;
 use crate::settings::SearchSettings;
@@ -42,6 +43,7 @@ impl GoalProgram {
         state: StateId,
         supported_too: bool,
     ) -> Result<Self, String> {
+        demands::fit(model, goal, state).map_err(|why| in_state(model, state, &why))?;
         let mut goal_constraints = GoalConstraints::of_goal(model, goal, state);
         let staying = Staying::in_state(model, goal, start, state, supported_too);
         let mut all = goal_constraints.clone();
@@ -86,7 +88,7 @@ impl GoalConstraints {
         }
         for &constraint in &model.graph.state(state).manifold {
             let name = model.graph.constraint(constraint).name.clone();
-            goal_constraints.constraints.extend(rows_of(model, constraint).map(|rows| (name, rows)));
+            goal_constraints.constraints.extend(rows_of(model, goal, constraint).map(|rows| (name, rows)));
         }
         for named in &goal.constraints {
             let rows = named.constraint.without_parameters();
@@ -144,7 +146,28 @@ pub(crate) fn validate(model: &Model, goal: &PartialGoal) -> Result<(), String> 
             return Err(format!("{} = {value} is outside [{low}, {high}]", coordinate(robot, index)));
         }
     }
+    for &(index, value, tolerance) in &goal.near {
+        if index >= robot.space.size() || !value.is_finite() || !(tolerance >= 0.0 && tolerance.is_finite()) {
+            return Err(format!("number {index} is to be near {value} within {tolerance}"));
+        }
+    }
+    if let Some((part, _)) = goal.lying.iter().find(|(part, _)| object_root(model, *part).is_none()) {
+        let name = robot.parts.get(part.0 as usize).map_or("?", |p| p.name.as_str());
+        return Err(format!("`{name}` is no movable object that lies anywhere"));
+    }
     whole_quaternions(model, goal)
+}
+
+/// Puts the numbers that a goal wants near a value within what it allows: where they are in `q`, if that is near, else by `share` of
+/// the range between both of its ends.
+pub(crate) fn put_near(model: &Model, goal: &PartialGoal, q: &mut [f64], mut share: impl FnMut() -> Option<f64>) {
+    let space = &model.problem.robot.space;
+    for &(index, value, tolerance) in &goal.near {
+        let (low, high) = ((value - tolerance).max(space.lower[index]), (value + tolerance).min(space.upper[index]));
+        if low <= high {
+            q[index] = share().map_or_else(|| q[index].clamp(low, high), |share| low + share * (high - low));
+        }
+    }
 }
 
 /// Refuses part of a quaternion, and one that is far from unit.
@@ -229,13 +252,11 @@ fn root_rows(index: JointIndex, joint: &Joint, values: &[Option<f64>]) -> Constr
 }
 
 /// What a constraint of the graph requires of a configuration, right-hand sides aside; `None` where nothing.
-fn rows_of(model: &Model, constraint: ConstraintId) -> Option<Constraint> {
+fn rows_of(model: &Model, goal: &PartialGoal, constraint: ConstraintId) -> Option<Constraint> {
     match model.graph.constraint(constraint).kind {
         ConstraintKind::Grasp { .. } => Some(Constraint::RelativePose(model.grasp(constraint)?.constraint())),
         ConstraintKind::Pregrasp { .. } => Some(Constraint::RelativePose(model.grasp(constraint)?.pregrasp())),
-        ConstraintKind::Placement { object, on } => {
-            Some(model.objects()[object as usize].placement_on(on)?.resting.constraint(0.0))
-        }
+        ConstraintKind::Placement { object, on } => demands::lying_rows(model, goal, object, on),
         ConstraintKind::Preplacement { object, on } => {
             let lift = model.problem.graph.preplacement_distance;
             Some(model.objects()[object as usize].placement_on(on)?.resting.constraint(lift))

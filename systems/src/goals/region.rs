@@ -4,7 +4,9 @@
 //! number of threads.
 
 use crate::events::StopSignal;
-use crate::goals::programs::{GoalProgram, put_fingers, validate};
+use crate::goals::demands;
+use crate::goals::overlaps::overlapping;
+use crate::goals::programs::{GoalProgram, put_fingers, put_near, validate};
 use crate::planning_model::model::{Model, PlanningModel};
 use crate::planning_model::state_classification;
 use crate::planning_model::state_classification::Feasible;
@@ -33,6 +35,9 @@ const PATIENCE: u32 = 8;
 /// States of a lazy graph in which a goal is looked for at most.
 const MOST_SITES: usize = 1024;
 
+/// Failed tries after which the objects are compared that a goal gives poses.
+const FRUITLESS: u32 = 64;
+
 /// Contradictions that a message lists.
 pub(crate) const MOST_TOLD: usize = 3;
 
@@ -44,6 +49,8 @@ pub(crate) struct Region {
     goal: PartialGoal,
     /// Why it cannot be sampled at all.
     pub(crate) malformed: Option<String>,
+    /// Objects that are in each other where the goal has them, in words; found when the first tries have failed.
+    pub(crate) overlap: Option<String>,
     pub(crate) sites: Vec<Site>,
     /// Sites from the front whose neighbours are sites too; all of them, where the graph is whole.
     widened: usize,
@@ -53,6 +60,8 @@ pub(crate) struct Region {
     pub(crate) tries: u32,
     /// Numbers given to tries; each has a random stream of its own.
     numbered: u32,
+    /// Whether the objects have been compared that the goal gives poses.
+    compared: bool,
     /// What has been found already.
     known: Vec<Vec<f64>>,
 }
@@ -88,17 +97,21 @@ impl Region {
             number,
             goal: goal.clone(),
             malformed,
+            overlap: None,
             sites,
             widened,
             turn: 0,
             tries: 0,
             numbered: 0,
+            compared: false,
             known: Vec::new(),
         }
     }
 
     pub(crate) fn is_possible(&self) -> bool {
-        self.malformed.is_none() && (self.can_be_widened() || self.sites.iter().any(Site::is_possible))
+        self.malformed.is_none()
+            && self.overlap.is_none()
+            && (self.can_be_widened() || self.sites.iter().any(Site::is_possible))
     }
 
     fn can_be_widened(&self) -> bool {
@@ -137,6 +150,10 @@ impl Region {
             if !self.sites.iter().any(Site::is_possible) {
                 break;
             }
+            if self.known.is_empty() && self.tries >= FRUITLESS && !std::mem::replace(&mut self.compared, true) {
+                self.overlap = overlapping(model, settings, &self.goal, start);
+                continue;
+            }
             let batch = self.next_batch(BATCH.min((last - self.tries) as usize));
             let here = &*model;
             let ends: Vec<Try> = batch
@@ -150,7 +167,7 @@ impl Region {
                 let end = match end {
                     Try::Unreached(q) => {
                         model.reach(&q, settings.classification_tolerance);
-                        judge(model, settings, &q, &mut TryScratch::default())
+                        judge(model, settings, &self.goal, &q, &mut TryScratch::default())
                     }
                     end => end,
                 };
@@ -220,6 +237,9 @@ impl Region {
             if rng.random::<f64>() < settings.still_probability {
                 program.idle.iter().for_each(|&index| q[index] = start[index]);
             }
+            put_near(model, &self.goal, &mut q, || Some(rng.random::<f64>()));
+        } else {
+            put_near(model, &self.goal, &mut q, || None);
         }
         let solve = Settings {
             tolerance: settings.projection_tolerance,
@@ -233,7 +253,7 @@ impl Region {
         if state_classification::is_unreached(model, &q, settings.classification_tolerance) {
             return Try::Unreached(q);
         }
-        judge(model, settings, &q, scratch)
+        judge(model, settings, &self.goal, &q, scratch)
     }
 }
 
@@ -261,11 +281,24 @@ struct TryScratch {
 }
 
 /// Whether a configuration may be a goal.
-fn judge(model: &PlanningModel, settings: &SearchSettings, q: &[f64], scratch: &mut TryScratch) -> Try {
+fn judge(
+    model: &PlanningModel,
+    settings: &SearchSettings,
+    goal: &PartialGoal,
+    q: &[f64],
+    scratch: &mut TryScratch,
+) -> Try {
     match state_classification::feasible(model, settings, q) {
-        Ok(goal) => Try::Found(goal),
+        Ok(found) if is_met(model, goal, &found) => Try::Found(found),
+        Ok(_) => Try::Refused,
         Err(_) => what_collides(model, settings, q, scratch),
     }
+}
+
+/// Whether a configuration is a goal also by what is no row of a constraint: its state need not be that of the try.
+fn is_met(model: &PlanningModel, goal: &PartialGoal, found: &Feasible) -> bool {
+    demands::fit(model, goal, found.state).is_ok()
+        && demands::are_met(model, goal, found.state, found.given.as_ref().unwrap_or(&found.q))
 }
 
 /// The pair that collides in a configuration that may be no goal, or that it is refused for another reason.

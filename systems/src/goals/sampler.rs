@@ -120,6 +120,9 @@ impl GoalSampler {
         if let Some(malformed) = &region.malformed {
             return format!("{name}: {malformed}");
         }
+        if let Some(overlap) = &region.overlap {
+            return format!("{name}: where it has its objects, {overlap}");
+        }
         let contradictions: Vec<&str> =
             region.sites.iter().filter_map(Site::contradiction).map(String::as_str).collect();
         let mut words = match region.is_possible() {

@@ -26,7 +26,8 @@ impl Incumbent {
     #[must_use]
     pub fn path(&self, model: &PlanningModel, settings: &SearchSettings) -> ManipulationPath {
         let certificate = Certificate { max_residual: 0.0, ..self.certificate };
-        let mut path = ManipulationPath { segments: Vec::with_capacity(self.motions.len()), certificate };
+        let segments = Vec::with_capacity(self.motions.len());
+        let mut path = ManipulationPath { segments, certificate, corrections: model.snapped.clone() };
         let mut moved = 0.0_f64;
         for motion in &self.motions {
             let segment = motion.segment(model);

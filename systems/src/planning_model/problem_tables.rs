@@ -4,13 +4,13 @@
 //! them.
 
 use crate::events::StopSignal;
-use crate::planning_model::graph::snapping::{Snapped, snap};
+use crate::planning_model::graph::snapping::snap;
 use crate::planning_model::hands;
 use crate::planning_model::hands::FingerShares;
 use foliate_components::constraint::{Constraint, Locked, LockedValue};
 use foliate_components::coverage::LeftOutPair;
 use foliate_components::graph::{ConstraintKind, Opening};
-use foliate_components::problem::{Approach, Goal, JointRest, Problem};
+use foliate_components::problem::{Approach, Correction, Goal, JointRest, Problem};
 use foliate_components::robot::{JointIndex, JointType, LinkIndex, PartKind, Robot, Source};
 use foliate_kernels::collision::{CollisionScene, PairRule, PairSet};
 use foliate_kernels::kinematics::Kinematics;
@@ -19,10 +19,10 @@ use foliate_kernels::kinematics::Kinematics;
 /// long. Any number of models may share it.
 #[derive(Debug)]
 pub struct ProblemTables {
-    /// The problem; its start and goals with objects moved onto their supports, as `snapped` says.
+    /// The problem; its start and goals moved onto the nearest states, as `snapped` says.
     pub problem: Problem,
-    /// Objects of start and goals that were a little off their support.
-    pub snapped: Vec<Snapped>,
+    /// What of the start and the goals was a little off and was moved.
+    pub snapped: Vec<Correction>,
     /// Forward kinematics.
     pub kinematics: Kinematics,
     /// Solids and pairs.
@@ -176,7 +176,10 @@ fn uninvolved_joints(problem: &Problem) -> Vec<usize> {
     let is_wanted_elsewhere = |q: usize| {
         problem.goals.iter().any(|goal| match goal {
             Goal::Configuration(goal) => goal.get(q) != problem.start.get(q),
-            Goal::Partial(goal) => goal.coordinates.iter().any(|&(index, _)| index == q),
+            Goal::Partial(goal) => {
+                let near = goal.near.iter().map(|&(index, ..)| index);
+                goal.coordinates.iter().map(|&(index, _)| index).chain(near).any(|index| index == q)
+            }
         })
     };
     let of_robots = joints.iter().enumerate().filter(|(index, joint)| {

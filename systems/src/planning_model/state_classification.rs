@@ -2,6 +2,7 @@
 
 use crate::planning_model::graph::attachment_order::pose_on_carrier;
 use crate::planning_model::graph::lazy_graph::LazyGraph;
+use crate::planning_model::graph::snapping::nearest_state;
 use crate::planning_model::graph::state_keys::StateKey;
 use crate::planning_model::graph::support_placement::relative_pose_residual;
 use crate::planning_model::model::{Model, PlanningModel};
@@ -277,18 +278,34 @@ pub fn parameter_of(model: &Model, constraint: ConstraintId, q: &[f64], X_WJ: &[
     }
 }
 
+/// The state that a configuration is nearest to, and what keeps it out of that.
+fn why_no_state(model: &Model, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> Infeasibility {
+    let lazy = model.lazy_graph().is_some();
+    // A graph that was made by hand may lack the state.
+    let exists = |nearest: &NearestState| lazy || model.graph.states.iter().any(|state| state.name == nearest.state);
+    let nearest = nearest_state(&model.problem, &model.kinematics, q).filter(exists);
+    let nearest = nearest.or_else(|| least_demanding(model, q, X_WJ, tolerance));
+    Infeasibility::NoState { nearest: nearest.map(Box::new), lazy }
+}
+
 /// The constraint that keeps a configuration out of the least demanding state: of several such, out of the one that it is
 /// nearest to.
-fn why_no_state(model: &Model, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> Infeasibility {
+fn least_demanding(model: &Model, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> Option<NearestState> {
+    let near = |kind: ConstraintKind, (state, constraint, error): (String, String, f64)| {
+        let mut nearest = NearestState::new(state, constraint, error);
+        if let ConstraintKind::Placement { object, on } = kind {
+            let place = model.objects()[object as usize].placement_on(on);
+            nearest.off = place.and_then(|place| place.resting.off(X_WJ)).map(Box::new);
+        }
+        nearest
+    };
     if let Some(lazy_graph) = model.lazy_graph() {
         let residual = |kind| match is_any_finger(kind) {
             true => 0.0,
             false => residual_of(model, lazy_grasp(lazy_graph, kind), kind, q, X_WJ),
         };
         let worst = lazy_graph.worst_when_free(&model.problem, residual).filter(|&(.., r)| r > tolerance);
-        let nearest =
-            worst.map(|(kind, constraint, state, r)| nearest_state(model, kind, (state, constraint, r), X_WJ));
-        return Infeasibility::NoState { nearest, lazy: true };
+        return worst.map(|(kind, constraint, state, r)| near(kind, (state, constraint, r)));
     }
     let least = model.graph.states.iter().map(|s| s.priority).min();
     let worst = |state: &'_ State| {
@@ -298,26 +315,10 @@ fn why_no_state(model: &Model, q: &[f64], X_WJ: &[Pose], tolerance: f64) -> Infe
     };
     let weakest = model.graph.states.iter().filter(|s| Some(s.priority) == least);
     let broken = weakest.filter_map(|state| worst(state).map(|(c, r)| (state, c, r)));
-    let nearest = broken.min_by(|a, b| a.2.total_cmp(&b.2)).map(|(state, constraint, r)| {
+    broken.min_by(|a, b| a.2.total_cmp(&b.2)).map(|(state, constraint, r)| {
         let row = model.graph.constraint(constraint);
-        nearest_state(model, row.kind, (state.name.clone(), row.name.clone(), r), X_WJ)
-    });
-    Infeasibility::NoState { nearest, lazy: false }
-}
-
-/// A state that is nearest, a constraint of it and its error; of a placement also how far the object is off its support.
-fn nearest_state(
-    model: &Model,
-    kind: ConstraintKind,
-    (state, constraint, error): (String, String, f64),
-    X_WJ: &[Pose],
-) -> NearestState {
-    let mut nearest = NearestState::new(state, constraint, error);
-    if let ConstraintKind::Placement { object, on } = kind {
-        let place = model.objects()[object as usize].placement_on(on);
-        nearest.off = place.and_then(|place| place.resting.off(X_WJ)).map(Box::new);
-    }
-    nearest
+        near(row.kind, (state.name.clone(), row.name.clone(), r))
+    })
 }
 
 /// Where a joint's range is smaller than its own limits: whose limits make it so.

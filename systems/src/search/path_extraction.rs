@@ -25,7 +25,7 @@ pub(crate) fn extract_path(
     goal: NodeId,
 ) -> Option<ManipulationPath> {
     let edges = shortest_route(model, roadmap, start, goal)?;
-    let mut path = ManipulationPath::default();
+    let mut path = ManipulationPath { corrections: model.snapped.clone(), ..ManipulationPath::default() };
     let mut certificate = Certificate { path_tolerance: settings.path_tolerance, ..Certificate::default() };
     let (mut at, mut moved) = (start, 0.0_f64);
     path.segments.extend(finger_segment(model, roadmap, leaves, given, start));

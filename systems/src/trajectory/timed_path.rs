@@ -95,7 +95,7 @@ pub fn timed_path(
 
 /// The stretches, one after the other.
 fn whole(model: &Model, made: &[Made], certificate: Certificate) -> ManipulationPath {
-    let mut path = ManipulationPath { segments: Vec::new(), certificate };
+    let mut path = ManipulationPath { segments: Vec::new(), certificate, corrections: model.snapped.clone() };
     let mut now = 0.0;
     for made in made {
         path.segments.extend(made.segments.iter().map(|segment| later(segment, now)));

@@ -11,7 +11,7 @@ use crate::cli::console::loading;
 use crate::cli::console::outputs;
 use crate::cli::console::print::{Ending, Refusal, print, print_json, say};
 use foliate::path_file::{PathContext, save, write_path};
-use foliate::scene::{PackagePath, Scene};
+use foliate::scene::{PackagePath, Scene, StartFile};
 use foliate::systems::events::{SearchEvent, SolveEvent};
 use foliate::{NoSolution, NoSolutionReason, Planner, Solution};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -29,6 +29,9 @@ pub(crate) struct Arguments {
     /// Write the path to this file
     #[arg(long, value_name = "PATH.json")]
     out: Option<PathBuf>,
+    /// Start where this file says: names of joints and parts to values and poses; what it leaves out starts as in the scene
+    #[arg(long, value_name = "START.json")]
+    start: Option<PathBuf>,
     #[command(flatten)]
     record: RecordArguments,
     #[command(flatten)]
@@ -47,11 +50,12 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
     let started = Instant::now();
     outputs::check(
-        [&*arguments.scene],
+        [&*arguments.scene].into_iter().chain(arguments.start.as_deref().and_then(Path::to_str)),
         arguments.out.iter().chain(&arguments.record.record).chain(arguments.view.file()),
     )?;
     let limit = arguments.search.deadline()?;
-    let (scene, tables) = match loading::scene(&arguments.scene, packages, limit)? {
+    let start = arguments.start.as_deref().map(StartFile::read).transpose()?;
+    let (scene, tables) = match loading::scene(&arguments.scene, packages, limit, start)? {
         Ok(loaded) => loaded,
         Err(cut) => return cut.tell(&arguments.scene, started.elapsed(), arguments.json),
     };

@@ -5,9 +5,9 @@ use crate::cli::commands::solve::arguments::SearchArguments;
 use crate::cli::commands::solve::coverage;
 use crate::cli::commands::solve::summary::{Loaded, name};
 use foliate::components::path::{ManipulationPath, events};
+use foliate::components::problem::{Correction, Moved};
 use foliate::planner::{CostRow, ImprovementReport};
 use foliate::schedulers::portfolio::MemberCount;
-use foliate::systems::planning_model::graph::snapping::Snapped;
 use foliate::{FunnelRow, GoalReport, NoSolutionReason, StateRow};
 use serde_json::{Value, json};
 
@@ -77,9 +77,16 @@ pub(crate) fn json(loaded: &Loaded<'_>, search: &SearchArguments, answer: &Answe
     })
 }
 
-fn snapped_json(snapped: &Snapped) -> Value {
-    let off = &snapped.off;
-    json!({ "goal": snapped.goal, "object": snapped.name, "gap": off.gap, "tilt": off.tilt })
+fn snapped_json(snapped: &Correction) -> Value {
+    let name = |is_object: bool| (matches!(snapped.moved, Moved::Object(..)) == is_object).then_some(&snapped.name);
+    json!({
+        "goal": snapped.goal,
+        "object": name(true),
+        "joint": name(false),
+        "onto": snapped.onto,
+        "distance": snapped.distance,
+        "angle": snapped.angle,
+    })
 }
 
 fn improvement_json(report: &ImprovementReport) -> Value {

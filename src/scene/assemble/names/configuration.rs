@@ -178,6 +178,18 @@ impl Reader<'_> {
         item.error("there is no coordinate or part of this name").hint(hint)
     }
 
+    /// The numbers of a part's named configuration.
+    pub fn named_configuration(&self, part: &str, item: &Item<'_>) -> Result<Vec<(usize, f64)>, SceneError> {
+        let names = coordinate_names(self.robot);
+        let place: HashMap<&str, usize> = names.iter().enumerate().map(|(i, n)| (n.as_str(), i)).collect();
+        let found = self.robot.parts.iter().find(|p| p.name == part);
+        let part = found.ok_or_else(|| self.unknown(item, part, &names))?;
+        let mut q = self.robot.space.neutral();
+        let mut known = vec![false; q.len()];
+        self.group_state(part, item, &place, &mut q, &mut known)?;
+        Ok((0..q.len()).filter(|&i| known[i]).map(|i| (i, q[i])).collect())
+    }
+
     fn group_state(
         &self,
         part: &Part,

@@ -4,3 +4,4 @@
 pub(crate) mod configuration;
 pub(crate) mod frame;
 pub(crate) mod locked;
+pub(crate) mod start_file;

@@ -70,6 +70,9 @@ impl ConstraintProgram {
         }
         self.clamp(q);
         bodies::run(&self.bodies.still, q, &scratch.rigid_attachments, &mut scratch.X_WJ);
+        if self.checks_move {
+            bodies::run(&self.bodies.moving, q, &scratch.rigid_attachments, &mut scratch.X_WJ);
+        }
         let (failed, residual) = self.failed_check(q, arguments, settings.tolerance, scratch);
         failed.map(|constraint| Outcome::Contradicted { constraint, residual })
     }

@@ -67,6 +67,8 @@ impl Compiler<'_> {
         let moments = blocks.iter().chain(&checks).map(Block::moments).max().unwrap_or(0);
         let objects: Vec<_> = self.rigid_attachments.iter().map(|c| c.object).collect();
         let bodies = self.bodies(&blocks, &checks, &objects, &active);
+        let moving = bodies.moving_bodies();
+        let checks_move = checks.iter().flat_map(joints_of).any(|joint| moving.contains(&joint.at()));
         let moves = self.moves(&active);
         let root = self.standing_root();
         let lanes = LaneProgram::new(self.robot, &bodies, &blocks, &moves, active.len());
@@ -85,6 +87,7 @@ impl Compiler<'_> {
             blocks,
             checks,
             check_rows,
+            checks_move,
             decoded,
             moments,
             bodies,

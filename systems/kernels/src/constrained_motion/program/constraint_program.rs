@@ -33,6 +33,8 @@ pub struct ConstraintProgram {
     /// Constraints that no variable touches.
     pub(crate) checks: Vec<Block>,
     pub(crate) check_rows: usize,
+    /// Whether a check compares bodies that variables move together.
+    pub(crate) checks_move: bool,
     pub(crate) decoded: usize,
     /// Moments of masses that one block works with, at most.
     pub(crate) moments: usize,
