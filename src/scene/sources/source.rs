@@ -1,19 +1,19 @@
 //! The files behind a scene: where a name leads, and what is there.
 
-use crate::scene::reading::error::SceneError;
+use crate::scene::reading::error::{SceneError, did_you_mean};
 use crate::scene::reading::input;
 use crate::scene::sources::package::{Base, PackagePath};
+use crate::scene::sources::program_files;
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
-
-/// Files that live in the program: name relative to the scene file, and content.
-pub(crate) type Embedded = &'static [(&'static str, &'static str)];
+use std::sync::Arc;
 
 /// Where a scene file's relative names lead.
 #[derive(Clone, Debug)]
 pub(crate) enum SceneBase {
     Directory(PathBuf),
-    Embedded(Embedded),
+    /// Of a shipped scene: its name.
+    Embedded(&'static str),
 }
 
 /// A model file of a scene.
@@ -34,6 +34,13 @@ pub enum Origin {
     File(PathBuf),
     /// From the program; its content.
     Program(&'static str),
+    /// Made of a `shape` of the scene; its content.
+    Made {
+        /// The URDF.
+        text: Arc<str>,
+        /// The mesh that it names by its file name alone, where it names one.
+        mesh: Option<PathBuf>,
+    },
 }
 
 /// A file's name for messages, its text, and what output says about it.
@@ -50,6 +57,12 @@ pub(crate) enum Place {
 }
 
 pub(crate) fn locate(url: &str, base: &SceneBase, packages: &PackagePath) -> Result<Place, (String, String)> {
+    if let Some(place) = url.strip_prefix(program_files::PACKAGE) {
+        return program_files::find(place).map(Place::Program).ok_or_else(|| {
+            let known = did_you_mean(place, program_files::places());
+            ("the program has no such file".to_owned(), known)
+        });
+    }
     if url.starts_with("package://") {
         return packages.resolve(url).map(Place::Path).map_err(|e| (e.message, e.hint));
     }
@@ -65,8 +78,8 @@ pub(crate) fn locate(url: &str, base: &SceneBase, packages: &PackagePath) -> Res
                 false => Err(("no such file".into(), format!("looked for {}", path.display()))),
             }
         }
-        SceneBase::Embedded(files) => match files.iter().find(|(name, _)| *name == url) {
-            Some((_, content)) => Ok(Place::Program(content)),
+        SceneBase::Embedded(scene) => match program_files::find(&program_files::below(scene, url)) {
+            Some(content) => Ok(Place::Program(content)),
             None => Err(("no such file in the program".into(), String::new())),
         },
     }
@@ -111,6 +124,7 @@ pub(crate) fn again(file: &ModelFile) -> Result<Opened, SceneError> {
         Origin::Program(content) => {
             Ok(Opened { label: file.url.clone(), text: (*content).to_owned(), file: file.clone() })
         }
+        Origin::Made { text, .. } => Ok(Opened { label: file.url.clone(), text: text.to_string(), file: file.clone() }),
     }
 }
 
@@ -119,7 +133,8 @@ impl ModelFile {
     pub(crate) fn base(&self) -> Base {
         match &self.origin {
             Origin::File(path) => Base::Directory(folder_of(path).to_owned()),
-            Origin::Program(_) => Base::Embedded,
+            Origin::Made { mesh: Some(mesh), .. } => Base::Directory(folder_of(mesh).to_owned()),
+            Origin::Program(_) | Origin::Made { mesh: None, .. } => Base::Embedded,
         }
     }
 }
