@@ -8,18 +8,21 @@ pub mod certify;
 #[cfg(feature = "check")]
 pub mod check;
 pub mod inspection;
-pub mod memory;
-#[cfg(feature = "scene")]
-pub mod output;
+mod os;
 #[cfg(feature = "scene")]
 pub mod path_file;
 pub mod planner;
 pub mod prelude;
 #[cfg(feature = "scene")]
 pub mod scene;
+#[cfg(feature = "scene")]
+pub mod setup;
 #[cfg(feature = "view")]
 pub mod view;
 
+pub use crate::os::memory;
+#[cfg(feature = "scene")]
+pub use crate::os::output;
 #[cfg(feature = "export")]
 pub use crate::path_file::export;
 #[cfg(feature = "scene")]

@@ -1,6 +1,6 @@
 //! What most hosts name: `use foliate::prelude::*;`.
 
-pub use crate::memory::MemoryLimit;
+pub use crate::os::memory::MemoryLimit;
 pub use crate::planner::error::Error;
 pub use crate::planner::trajectory::{JointSample, Trajectory, TrajectoryError};
 pub use crate::planner::{NoSolution, NoSolutionReason, Planner, Report, Solution};

@@ -25,7 +25,7 @@ fn the_example_loads_as_the_page_says() {
     let scene = load(example()).unwrap_or_else(|e| panic!("{e}"));
     let problem = &scene.problem;
     let robot = &problem.robot;
-    assert_eq!(robot.parts.len(), 5);
+    assert_eq!(robot.parts.len(), 6);
     assert_eq!(robot.space.size(), 18 + 7 + 7 + 1);
     assert_eq!(robot.parts[2].root, RootJoint::FreeFlyer);
     let elbow = robot.joint("robot/left_elbow_pitch").expect("the elbow");
@@ -77,7 +77,7 @@ fn the_example_loads_as_the_page_says() {
 #[test]
 fn every_key_that_is_read_is_in_the_example_and_described() {
     // The readers refuse every other key; a new one belongs here, in the example and in a table.
-    let keys = "format name description part coordinates ignore margins default_margin constraint locked graph start goal sha256 kind urdf srdf root \
+    let keys = "format name description part shape box cylinder sphere mesh scale mass coordinates ignore margins default_margin constraint locked graph start goal sha256 kind urdf srdf root \
                 pose root_bounds joint_bounds values mimic mesh_up_axis masks mask_complements gripper handle surface link \
                 clearance mask mask_complement approaching_direction points polygons grippers supports objects grasps rules \
                 when allow placement_margin rests rests_margin preplacement_distance plane frame pair distance configuration handles surfaces xyz rpy \

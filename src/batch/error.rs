@@ -1,7 +1,7 @@
 //! The error of a batch, and the one way in which its files are written whole.
 
 use crate::batch::row::{COLUMNS, Row, csv_line};
-use crate::output;
+use crate::os::output;
 use std::path::{Path, PathBuf};
 
 /// Most solves of a batch.

@@ -13,7 +13,7 @@ use crate::batch::settings::Settings;
 use crate::batch::solve::Solve;
 use crate::batch::table::{SceneSummary, Table};
 use crate::batch::{error, kept, record};
-use crate::memory::MemoryLimit;
+use crate::os::memory::MemoryLimit;
 use foliate_components::problem::cost::MotionCost;
 use foliate_schedulers::Scheduler;
 use foliate_systems::events::CancelToken;

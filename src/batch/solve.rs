@@ -6,7 +6,7 @@ use crate::batch::record;
 use crate::batch::record::FailureFolder;
 use crate::batch::row::{PathNumbers, Row, RowOutcome, Work};
 use crate::batch::settings::Settings;
-use crate::memory::MemoryLimit;
+use crate::os::memory::MemoryLimit;
 use crate::path_file::error::PathFileError;
 use crate::path_file::save;
 use crate::path_file::write::{FileNames, PathContext, write_path};

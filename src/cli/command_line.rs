@@ -2,7 +2,7 @@
 
 use crate::cli::commands::models::install;
 use crate::cli::commands::solve::run;
-use crate::cli::commands::{bench, check, demo, export, graph, inspect, scenes};
+use crate::cli::commands::{bench, check, demo, export, graph, new, scenes};
 use crate::cli::console::print::{Ending, LOST, Refusal, lose, say};
 use crate::cli::console::{interrupt, watchdog};
 use clap::{Parser, Subcommand};
@@ -49,8 +49,9 @@ enum Command {
     Export(export::Arguments),
     Graph(graph::Arguments),
     Bench(bench::Arguments),
-    Inspect(inspect::Arguments),
+    Inspect(crate::cli::commands::inspect::run::Arguments),
     Models(install::Arguments),
+    New(new::Arguments),
     Scenes(scenes::Arguments),
     View(crate::cli::commands::view::run::Arguments),
 }
@@ -69,6 +70,7 @@ impl Command {
             | Self::Graph(_)
             | Self::Inspect(_)
             | Self::Models(_)
+            | Self::New(_)
             | Self::Scenes(_)
             | Self::View(_) => {}
         }
@@ -87,6 +89,7 @@ impl Command {
             | Self::Graph(_)
             | Self::Inspect(_)
             | Self::Models(_)
+            | Self::New(_)
             | Self::Scenes(_)
             | Self::View(_) => {}
         }
@@ -139,8 +142,9 @@ fn run(mut cli: Cli) -> u8 {
         Command::Export(arguments) => export::run(arguments, &packages),
         Command::Bench(arguments) => bench::run(arguments, &packages),
         Command::Graph(arguments) => graph::run(arguments, &packages),
-        Command::Inspect(arguments) => inspect::run(arguments, &packages),
+        Command::Inspect(arguments) => crate::cli::commands::inspect::run::run(arguments, &packages),
         Command::Models(arguments) => install::run(arguments, &packages),
+        Command::New(arguments) => new::run(arguments, &packages),
         Command::Scenes(arguments) => scenes::run(arguments),
         Command::View(arguments) => crate::cli::commands::view::run::run(arguments, &packages),
     };

@@ -1,6 +1,6 @@
 //! One error for a host that asks the library for several things.
 
-use crate::memory::MemoryLimitError;
+use crate::os::memory::MemoryLimitError;
 use crate::planner::answer::NoSolution;
 use crate::planner::trajectory::error::TrajectoryError;
 use foliate_components::robot::{ComposeError, CoordinateError};

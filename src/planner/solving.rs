@@ -1,6 +1,6 @@
 //! Plans for one problem: what a host sets, and the solves.
 
-use crate::memory::MemoryLimit;
+use crate::os::memory::MemoryLimit;
 use crate::planner::answer::{NoSolution, NoSolutionReason, Solution};
 use crate::planner::refinement::{BetterPath, Refinement};
 use crate::planner::report::Report;

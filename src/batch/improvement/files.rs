@@ -8,7 +8,7 @@ use crate::batch::improvement::checkpoint::{CHECKPOINT_COLUMNS, Checkpoint, HIST
 use crate::batch::improvement::numbers::ImprovementNumbers;
 use crate::batch::kept;
 use crate::batch::row::{Row, csv_line};
-use crate::output::Lines;
+use crate::os::output::Lines;
 use crate::planner::refinement::CostRow;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};

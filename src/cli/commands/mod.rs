@@ -9,6 +9,7 @@ pub(crate) mod export;
 pub(crate) mod graph;
 pub(crate) mod inspect;
 pub(crate) mod models;
+pub(crate) mod new;
 pub(crate) mod scenes;
 pub(crate) mod solve;
 pub(crate) mod view;

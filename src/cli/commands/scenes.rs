@@ -11,7 +11,7 @@ pub(crate) struct Arguments {
     /// One JSON object instead of text
     #[arg(long)]
     json: bool,
-    /// Write this scene's file to standard output instead
+    /// Write this scene's file to standard output instead; saved anywhere, it solves as it is
     #[arg(long, value_name = "NAME")]
     show: Option<String>,
 }
@@ -31,7 +31,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Ending, Refusal> {
         let scene = scene.ok_or_else(|| {
             Refusal(format!("there is no shipped scene `{}`; known: {}", name.escape_debug(), names.join(", ")))
         })?;
-        print(scene.text);
+        print(&scene.copy());
         return Ok(Ending::Done);
     }
     if arguments.json {

@@ -1,6 +1,6 @@
 //! From a recording to its file.
 
-use crate::output;
+use crate::os::output;
 use crate::planner::recording::columns;
 use crate::planner::recording::document::Recording;
 use crate::planner::recording::error::RecordingError;
@@ -19,7 +19,7 @@ impl Recording {
         Ok(bytes)
     }
 
-    /// Writes it to a file: whole or not at all, see [`crate::output`].
+    /// Writes it to a file: whole or not at all, see [`crate::os::output`].
     ///
     /// # Errors
     /// The file cannot be written.

@@ -3,8 +3,9 @@
 use crate::scene::assemble::graph::{faces, options, rests};
 use crate::scene::assemble::names::start_file::StartFile;
 use crate::scene::assemble::names::{configuration, locked};
+use crate::scene::assemble::parts::{part, root_bounds};
 use crate::scene::assemble::scene::{Loader, Scene, SceneFile, SceneOrigin};
-use crate::scene::assemble::{goal, pairs, part, start_tolerance, suggest, timing};
+use crate::scene::assemble::{goal, pairs, start_tolerance, suggest, timing};
 use crate::scene::mesh::meshes::Meshes;
 use crate::scene::reading::error::{SceneError, quoted};
 use crate::scene::reading::input;
@@ -134,6 +135,7 @@ fn parts<'f>(
     }
     let mut parts = items.iter().map(|item| part::read(item, loader)).collect::<Result<Vec<_>, _>>()?;
     part::lock_roots(keys, &mut parts)?;
+    root_bounds::complete(&mut parts, &mut loader.warnings);
     Ok(parts)
 }
 

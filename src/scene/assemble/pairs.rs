@@ -1,6 +1,6 @@
 //! `ignore` and `margins`: pairs of links.
 
-use super::part::LoadedPart;
+use crate::scene::assemble::parts::part::LoadedPart;
 use crate::scene::assemble::scene::Loader;
 use crate::scene::reading::error::{SceneError, did_you_mean, quoted};
 use crate::scene::reading::keys::{Item, Keys};

@@ -1,23 +1,21 @@
 //! The files behind a scene: where a name leads, and what is there.
 
-use crate::scene::reading::error::SceneError;
+use crate::scene::reading::error::{SceneError, did_you_mean};
 use crate::scene::reading::input;
 use crate::scene::sources::mesh_name::{Base, path_of};
 use crate::scene::sources::package::PackagePath;
 use crate::scene::sources::package_xml::PackagesBelow;
-use crate::scene::sources::xacro;
+use crate::scene::sources::{program_files, xacro};
 use sha2::{Digest, Sha256};
 use std::path::PathBuf;
 use std::sync::Arc;
-
-/// Files that live in the program: name relative to the scene file, and content.
-pub(crate) type Embedded = &'static [(&'static str, &'static str)];
 
 /// Where a scene file's relative names lead.
 #[derive(Clone, Debug)]
 pub(crate) enum SceneBase {
     Directory(PathBuf),
-    Embedded(Embedded),
+    /// Of a shipped scene: its name.
+    Embedded(&'static str),
 }
 
 /// A model file of a scene.
@@ -40,6 +38,13 @@ pub enum Origin {
     Program(&'static str),
     /// From a xacro file on disk, and what the program `xacro` made of it.
     Xacro(PathBuf, Arc<str>),
+    /// Made of a `shape` of the scene; its content.
+    Made {
+        /// The URDF.
+        text: Arc<str>,
+        /// The mesh that it names by its file name alone, where it names one.
+        mesh: Option<PathBuf>,
+    },
 }
 
 /// A file's name for messages, its text, and what output says about it.
@@ -56,6 +61,12 @@ pub(crate) enum Place {
 }
 
 pub(crate) fn locate(url: &str, base: &SceneBase, packages: &PackagePath) -> Result<Place, (String, String)> {
+    if let Some(place) = url.strip_prefix(program_files::PACKAGE) {
+        return program_files::find(place).map(Place::Program).ok_or_else(|| {
+            let known = did_you_mean(place, program_files::places());
+            ("the program has no such file".to_owned(), known)
+        });
+    }
     if url.starts_with("package://") {
         let found = packages.resolve(url, &[], &mut PackagesBelow::default());
         return found.map(Place::Path).map_err(|e| (e.message, e.hint));
@@ -73,8 +84,8 @@ pub(crate) fn locate(url: &str, base: &SceneBase, packages: &PackagePath) -> Res
                 false => Err(("no such file".into(), format!("looked for {}", path.display()))),
             }
         }
-        SceneBase::Embedded(files) => match files.iter().find(|(name, _)| *name == url) {
-            Some((_, content)) => Ok(Place::Program(content)),
+        SceneBase::Embedded(scene) => match program_files::find(&program_files::below(scene, url)) {
+            Some(content) => Ok(Place::Program(content)),
             None => Err(("no such file in the program".into(), String::new())),
         },
     }
@@ -141,6 +152,7 @@ pub(crate) fn again(file: &ModelFile) -> Result<Opened, SceneError> {
         Origin::Program(content) => {
             Ok(Opened { label: file.url.clone(), text: (*content).to_owned(), file: file.clone() })
         }
+        Origin::Made { text, .. } => Ok(Opened { label: file.url.clone(), text: text.to_string(), file: file.clone() }),
     }
 }
 
@@ -149,7 +161,8 @@ impl ModelFile {
     pub(crate) fn base(&self) -> Base {
         match &self.origin {
             Origin::File(path) | Origin::Xacro(path, _) => Base::of_file(path),
-            Origin::Program(_) => Base::Embedded,
+            Origin::Made { mesh: Some(mesh), .. } => Base::of_file(mesh),
+            Origin::Program(_) | Origin::Made { mesh: None, .. } => Base::Embedded,
         }
     }
 }

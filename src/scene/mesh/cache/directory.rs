@@ -1,7 +1,7 @@
 //! The files of the cache: read whole, written so that no reader ever sees half of one, the oldest deleted where there are too many.
 
-use crate::output;
-use crate::output::UNFINISHED;
+use crate::os::output;
+use crate::os::output::UNFINISHED;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};

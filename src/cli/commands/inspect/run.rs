@@ -1,5 +1,6 @@
-//! `foliate inspect`: what was read from a model.
+//! What was read from a model.
 
+use crate::cli::commands::inspect::found;
 use crate::cli::commands::solve::coverage;
 use crate::cli::console::loading;
 use crate::cli::console::print::{Ending, Refusal, print, print_json};
@@ -10,6 +11,8 @@ use foliate::components::robot::shape::Geometry;
 use foliate::components::robot::{Robot, ShapeIndex};
 use foliate::inspection::{Inspection, inspect_pairs};
 use foliate::scene::{PackagePath, SceneError, UpAxis, read_model};
+use foliate::setup::collision_matrix::{CollisionMatrix, MatrixSettings, collision_matrix};
+use foliate::setup::grippers::{FoundGripper, hands};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::time::Duration;
@@ -26,6 +29,9 @@ pub(crate) struct Arguments {
     /// List every pair of collision shapes that is not tested, with the reason
     #[arg(long)]
     pairs: bool,
+    /// List which links touch in random configurations: pairs that touch by design, at the default configuration, sometimes
+    #[arg(long)]
+    collision_matrix: bool,
     /// One JSON object instead of text
     #[arg(long)]
     json: bool,
@@ -33,11 +39,14 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
     let (urdf, srdf, mine) = (arguments.urdf.clone(), arguments.srdf.clone(), packages.clone());
-    let Ok((read, robot, pairs)) = loading::beside(Duration::MAX, Duration::ZERO, move |stop| {
+    let wants_matrix = arguments.collision_matrix;
+    let Ok((read, robot, pairs, matrix, grippers)) = loading::beside(Duration::MAX, Duration::ZERO, move |stop| {
         let mut read = read_model(&urdf, srdf.as_deref(), UpAxis::AsWritten, &loading::until(&mine, stop))?;
         let robot = read.compose_alone()?;
         let pairs = inspect_pairs(&robot);
-        Ok((read, robot, pairs))
+        let matrix = wants_matrix.then(|| collision_matrix(&robot, MatrixSettings::default()));
+        let grippers = hands(&robot);
+        Ok((read, robot, pairs, matrix, grippers))
     })?
     else {
         return Ok(Ending::Interrupted);
@@ -45,6 +54,8 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     let found = Found {
         pairs: pairs.as_ref(),
         lists_pairs: arguments.pairs,
+        matrix: matrix.as_ref(),
+        found: &grippers,
         model: &read.model,
         robot: &robot,
         warnings: &read.warnings,
@@ -65,6 +76,10 @@ struct Found<'a> {
     pairs: Option<&'a Inspection>,
     /// Whether every pair that is left out is told.
     lists_pairs: bool,
+    /// Which links touch, where that was asked for.
+    matrix: Option<&'a CollisionMatrix>,
+    /// Grippers that no document names.
+    found: &'a [FoundGripper],
     /// Joints in depth-first order, with their depth.
     tree: Vec<(usize, &'a JointModel)>,
 }
@@ -152,7 +167,11 @@ impl Found<'_> {
             }
         }
         self.documents(&mut out);
+        found::poses(self.model, self.robot, self.found, &mut out);
         self.coverage(&mut out);
+        if let Some(matrix) = self.matrix {
+            found::matrix(self.robot, matrix, &mut out);
+        }
         let remarks = self.remarks();
         let _ = writeln!(out, "\nWarnings: {}", remarks.len());
         for warning in remarks {
@@ -263,6 +282,9 @@ impl Found<'_> {
             "always_colliding": self.pairs.map(|p| p.always_colliding.iter().map(|&(a, b)| [self.shape(a), self.shape(b)]).collect::<Vec<_>>()),
             "pairs": self.pairs.map(|p| coverage::counts_json(&p.counts)),
             "pairs_left_out": self.pairs.filter(|_| self.lists_pairs).map(|p| coverage::list_json(&p.left_out, &p.apart, |shape| self.shape(shape))),
+            "link_poses": found::poses_json(self.robot),
+            "found_grippers": found::grippers_json(self.robot, self.found),
+            "collision_matrix": self.matrix.map(|matrix| found::matrix_json(self.robot, matrix)),
             "warnings": self.remarks(),
         })
     }

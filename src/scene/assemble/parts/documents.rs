@@ -71,7 +71,12 @@ fn name_and_link(
     if taken.any(|t| t == name) {
         return Err(item.error(format!("`{}` exists already", quoted(name))).hint("perhaps in the SRDF"));
     }
-    let item = keys.required("link")?;
+    let item = match (keys.optional("link"), model.links.as_slice()) {
+        (Some(item), _) => item,
+        // Which one is meant is clear.
+        (None, [only]) => return Ok((name.to_owned(), only.name.clone())),
+        (None, _) => return Err(keys.error("key `link` is missing")),
+    };
     let link = item.string()?;
     if !model.links.iter().any(|l| l.name == link) {
         let links = model.links.iter().map(|l| l.name.as_str());

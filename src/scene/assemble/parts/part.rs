@@ -1,7 +1,8 @@
-//! `[[part]]`: one robot, object or environment, read and placed.
+//! One robot, object or environment, read and placed.
 
-use crate::scene::assemble::documents::{documents, part_name};
 use crate::scene::assemble::names::frame::one_of;
+use crate::scene::assemble::parts::documents::{documents, part_name};
+use crate::scene::assemble::parts::shape;
 use crate::scene::assemble::scene::{Loader, PartSource};
 use crate::scene::assemble::timing::PartRates;
 use crate::scene::mesh::formats::triangles::UpAxis;
@@ -41,7 +42,7 @@ pub(crate) fn read<'f>(item: &Item<'f>, loader: &mut Loader<'_>) -> Result<Loade
         Some(item) => one_of(&item, &UpAxis::WORDS)?,
         None => UpAxis::AsWritten,
     };
-    let urdf_file = opened(&keys.required("urdf")?, loader)?;
+    let urdf_file = urdf_or_shape(&mut keys, name, up_axis, loader)?;
     let base = urdf_file.file.base();
     let mut context = read::Context::new(&mut loader.meshes, &base, up_axis, &mut loader.warnings);
     context.may_be_frames = kind == PartKind::Environment;
@@ -77,6 +78,21 @@ pub(crate) fn read<'f>(item: &Item<'f>, loader: &mut Loader<'_>) -> Result<Loade
 fn kind(item: &Item<'_>) -> Result<PartKind, SceneError> {
     let kinds = [("robot", PartKind::Robot), ("object", PartKind::Object), ("environment", PartKind::Environment)];
     one_of(item, &kinds)
+}
+
+/// The URDF of a part, or what its `shape` makes of one.
+fn urdf_or_shape(
+    keys: &mut Keys<'_>,
+    name: &str,
+    up_axis: UpAxis,
+    loader: &mut Loader<'_>,
+) -> Result<Opened, SceneError> {
+    match (keys.optional("shape"), keys.optional("urdf")) {
+        (Some(item), None) => shape::opened(&item, name, up_axis, loader),
+        (None, Some(item)) => opened(&item, loader),
+        (Some(item), Some(_)) => Err(item.error("the part has a `urdf` as well").hint("give one of them")),
+        (None, None) => Err(keys.error("key `urdf` is missing").hint("or give a `shape`")),
+    }
 }
 
 fn opened(item: &Item<'_>, loader: &mut Loader<'_>) -> Result<Opened, SceneError> {

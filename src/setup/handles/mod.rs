@@ -1,0 +1,12 @@
+//! Where a gripper can hold an object: families of grasps on boxes, cylinders and spheres (`primitives`), antipodal grasps sampled on any
+//! other surface (`antipodal`), places for tools (`tool_places`). `find` chooses among them; `handle` is the result and the test against the
+//! hand's own shapes.
+
+mod antipodal;
+mod find;
+mod handle;
+mod primitives;
+mod tool_places;
+
+pub use crate::setup::handles::find::handles;
+pub use crate::setup::handles::handle::{FoundHandle, HandleSettings};

@@ -1,0 +1,111 @@
+//! All grasps of a box, a cylinder and a sphere with two jaws.
+#![allow(non_snake_case, reason = "pose names carry their frames")]
+
+use crate::setup::grippers::FoundGripper;
+use crate::setup::handles::handle::{FoundHandle, Jaws, ROOM, frame};
+use crate::setup::objects::RigidObject;
+use foliate_components::Pose;
+use foliate_components::robot::shape::Geometry;
+use glam::DVec3;
+
+/// Beyond this length, metres, a solid is held near its ends too.
+const LONG: f64 = 0.12;
+/// How far from the end of a long solid, metres.
+const FROM_END: f64 = 0.03;
+
+const AXES: [(DVec3, &str); 3] = [(DVec3::X, "x"), (DVec3::Y, "y"), (DVec3::Z, "z")];
+
+/// The grasps of an object of one solid; none of an object of another kind.
+pub(super) fn families(object: &RigidObject, gripper: &FoundGripper) -> Option<Vec<FoundHandle>> {
+    let jaws = Jaws::of(gripper.kind)?;
+    let [(X_LS, solid)] = object.shapes.as_slice() else { return None };
+    let mut found = match solid {
+        Geometry::Box { half_extents } => on_box(*half_extents, &jaws),
+        Geometry::Cylinder { radius, half_length } => on_cylinder(*radius, *half_length, &jaws),
+        Geometry::Sphere { radius } => on_sphere(*radius, &jaws),
+        Geometry::Capsule { .. } | Geometry::Mesh(_) => return None,
+    };
+    for handle in &mut found {
+        handle.link_from_handle = *X_LS * handle.link_from_handle;
+    }
+    Some(found)
+}
+
+/// Where along a direction a solid is held that reaches so far both ways.
+fn along(half: f64) -> Vec<(f64, &'static str)> {
+    match 2.0 * half > LONG {
+        true => vec![(0.0, ""), (half - FROM_END, "_far"), (FROM_END - half, "_near")],
+        false => vec![(0.0, "")],
+    }
+}
+
+/// From each face, closing on each pair of faces that fits, both ways round.
+fn on_box(half: DVec3, jaws: &Jaws) -> Vec<FoundHandle> {
+    let mut found = Vec::new();
+    for (a, (axis, from)) in AXES.into_iter().enumerate().rev() {
+        for (sign, word) in [(1.0, "plus"), (-1.0, "minus")] {
+            for (c, (closing, across)) in AXES.into_iter().enumerate().filter(|(c, _)| *c != a) {
+                let Some(behind) = jaws.behind(2.0 * half[a]).filter(|_| jaws.fits(2.0 * half[c])) else { continue };
+                let other = 3 - a - c;
+                for (place, at) in along(half[other]) {
+                    for (way, turned) in [(1.0, ""), (-1.0, "_turned")] {
+                        let origin = axis * sign * (half[a] - behind) + AXES[other].0 * place;
+                        found.push(FoundHandle {
+                            name: format!("{word}_{from}_{across}{at}{turned}"),
+                            link_from_handle: frame(origin, -axis * sign, closing * way),
+                            clearance: jaws.clearance(behind),
+                            mask: [true; 6],
+                            reason: format!("from {word} {from}, jaws along {across}"),
+                        });
+                    }
+                }
+            }
+        }
+    }
+    found
+}
+
+/// About its axis from all sides, both ways up; and along the axis from both ends.
+fn on_cylinder(radius: f64, half_length: f64, jaws: &Jaws) -> Vec<FoundHandle> {
+    let mut found = Vec::new();
+    if !jaws.fits(2.0 * radius) {
+        return found;
+    }
+    for (place, at) in along(half_length) {
+        for (way, turned) in [(DVec3::Z, ""), (-DVec3::Z, "_turned")] {
+            found.push(FoundHandle {
+                name: format!("side{at}{turned}"),
+                link_from_handle: frame(DVec3::Z * place, DVec3::X, way.cross(DVec3::X)),
+                clearance: jaws.clearance(radius),
+                mask: [true, true, true, true, true, false],
+                reason: "from the side, free to turn about the axis of the cylinder".into(),
+            });
+        }
+    }
+    if let Some(behind) = jaws.behind(2.0 * half_length) {
+        for (sign, word) in [(1.0, "plus_z"), (-1.0, "minus_z")] {
+            found.push(FoundHandle {
+                name: word.into(),
+                link_from_handle: frame(DVec3::Z * sign * (half_length - behind), -DVec3::Z * sign, DVec3::X),
+                clearance: jaws.clearance(behind),
+                mask: [true, true, true, false, true, true],
+                reason: "along the axis of the cylinder, free to turn about it".into(),
+            });
+        }
+    }
+    found
+}
+
+/// From anywhere.
+fn on_sphere(radius: f64, jaws: &Jaws) -> Vec<FoundHandle> {
+    if !jaws.fits(2.0 * radius) || radius > jaws.depth - ROOM {
+        return Vec::new();
+    }
+    vec![FoundHandle {
+        name: "around".into(),
+        link_from_handle: Pose::identity(),
+        clearance: jaws.clearance(radius),
+        mask: [true, true, true, false, false, false],
+        reason: "about the middle, free to turn".into(),
+    }]
+}

@@ -1,0 +1,12 @@
+//! A scene from a robot and objects: `made` makes it of what `request` asks for; `read_objects` and `holding` find what objects are and how they
+//! are held, `setting` lays them out and plans, `draft` collects what is written.
+
+mod draft;
+mod holding;
+mod made;
+mod read_objects;
+mod request;
+mod setting;
+
+pub use crate::setup::new_scene::made::new_scene;
+pub use crate::setup::new_scene::request::{NewScene, WrittenScene};

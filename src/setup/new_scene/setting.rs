@@ -1,0 +1,241 @@
+//! Where robot, table and objects stand, found by reach and proved by a plan.
+#![allow(non_snake_case, reason = "pose names carry their frames")]
+
+use crate::planner::Planner;
+use crate::scene::assemble::parts::shape;
+use crate::scene::{PackagePath, Scene};
+use crate::setup::collision_matrix::CollisionMatrix;
+use crate::setup::error::SetupError;
+use crate::setup::grippers::{FoundGripper, coordinate};
+use crate::setup::new_scene::holding::Ways;
+use crate::setup::new_scene::read_objects::Object;
+use crate::setup::new_scene::request::NewScene;
+use crate::setup::places::arm::Arm;
+use crate::setup::places::layout::{Item, Maker};
+use crate::setup::places::reach::{Reached, reached};
+use crate::setup::places::table::{Standing, TableSize, standings, table_pose, table_solid};
+use crate::setup::places::world::World;
+use crate::setup::solids::surface_points::PURPOSE;
+use foliate_components::Pose;
+use foliate_components::robot::model::Model;
+use foliate_components::robot::{DisabledPair, PartKind, PartPlacement, Robot, RootJoint};
+use foliate_systems::runtime::random::stream;
+use foliate_systems::settings::SearchSettings;
+use glam::DVec3;
+
+/// How far a resting configuration stays off table and objects, metres.
+const CLEARANCE: f64 = 0.01;
+/// Random configurations in which a free one is looked for.
+const TRIES: u32 = 500;
+/// Layouts that are planned for, until one is solved.
+const LAYOUTS: usize = 6;
+/// Steps of each such search.
+const STEPS: u64 = 1500;
+/// Of the layouts of a table, best first, those that are planned for.
+const SKIPPED: [usize; 3] = [0, 3, 9];
+
+/// Layouts so far.
+struct Tried {
+    /// The text of the first one.
+    first: Option<String>,
+    /// Why others could not be made.
+    refused: Vec<String>,
+    /// How many more are planned for.
+    left: usize,
+}
+
+/// Everything that was found, for the layout.
+pub(super) struct Setting<'a> {
+    pub request: &'a NewScene,
+    pub packages: &'a PackagePath,
+    pub model: &'a Model,
+    pub robot: &'a Robot,
+    pub matrix: &'a CollisionMatrix,
+    pub grippers: &'a [FoundGripper],
+}
+
+impl Setting<'_> {
+    /// The text of the first layout that is solved, and the steps that took; or of the first layout.
+    pub fn written(&self, objects: &[Object], ways: &Ways) -> Result<(String, Option<u64>), SetupError> {
+        let size = TableSize { sides: self.request.table.sides, height: self.request.table.height };
+        let arms = self.arms(self.robot);
+        let alone = World::new(self.robot.clone(), &self.ignored(self.robot));
+        let reach = self.reached(&alone, &arms, &self.opened(&alone));
+        let mut tried = Tried { first: None, refused: Vec::new(), left: LAYOUTS };
+        for standing in standings(self.robot, &arms, &reach, &size) {
+            if let Some(found) = self.beside(&standing, &size, (objects, ways), &mut tried)? {
+                return Ok(found);
+            }
+            if tried.left == 0 {
+                break;
+            }
+        }
+        match tried.first {
+            Some(text) => Ok((text, None)),
+            None => {
+                Err(SetupError::OutOfReach(tried.refused.into_iter().next().unwrap_or_else(|| {
+                    format!("no gripper gets above a table {} m high beside the robot", size.height)
+                })))
+            }
+        }
+    }
+
+    /// Layouts on a table that stands so; the first one that is solved.
+    fn beside(
+        &self,
+        standing: &Standing,
+        size: &TableSize,
+        (objects, ways): (&[Object], &Ways),
+        tried: &mut Tried,
+    ) -> Result<Option<(String, Option<u64>)>, SetupError> {
+        let world = self.world(objects, standing, size)?;
+        let Some(q) = self.resting(&world) else {
+            tried.refused.push("the robot is in collision in every configuration that was tried".to_owned());
+            return Ok(None);
+        };
+        let arms = self.arms(&world.robot);
+        let reached = self.reached(&world, &arms, &q);
+        let maker =
+            Maker { world: &world, arms: &arms, reached: &reached, X_WT: standing.X_WT, size: *size, q: q.clone() };
+        let items = objects.iter().enumerate();
+        let items: Vec<Item<'_>> = items
+            .map(|(at, o)| Item { object: &o.rigid, faces: &o.faces, handles: &o.handles, part: at + 2 })
+            .collect();
+        for skip in SKIPPED {
+            let layout = match maker.layout(&items, skip) {
+                Ok(layout) => layout,
+                Err(why) => {
+                    tried.refused.push(why);
+                    break;
+                }
+            };
+            let text = self.draft(objects, ways, (standing, size), &layout, &q)?.text();
+            if let Some(steps) = self.solves(&text)? {
+                return Ok(Some((text, Some(steps))));
+            }
+            tried.first.get_or_insert(text);
+            tried.left -= 1;
+            if tried.left == 0 {
+                break;
+            }
+        }
+        Ok(None)
+    }
+
+    /// Plans; the steps of the search where a path was found.
+    fn solves(&self, text: &str) -> Result<Option<u64>, SetupError> {
+        let folder = crate::scene::sources::source::folder_of(&self.request.place);
+        let scene = Scene::from_text(&self.request.place.display().to_string(), text, folder, self.packages)?;
+        let planner = Planner::new(scene).map_err(|error| SetupError::Request(error.to_string()))?;
+        let settings = SearchSettings::default().with(|s| (s.seed, s.max_steps) = (self.request.seed, STEPS));
+        Ok(planner.settings(settings).first_path().solve().ok().map(|solution| solution.report.steps))
+    }
+
+    pub fn arms(&self, robot: &Robot) -> Vec<Arm> {
+        let arm = |gripper: &FoundGripper| {
+            let link = robot.link(&self.robot.links[gripper.link.at()].name);
+            let link = &robot.links[link.map_or(0, |link| link.at())];
+            Arm::new(robot, link.joint, link.joint_from_link * gripper.link_from_gripper)
+        };
+        self.grippers.iter().map(arm).collect()
+    }
+
+    fn reached(&self, world: &World, arms: &[Arm], q: &[f64]) -> Vec<Vec<Reached>> {
+        arms.iter().enumerate().map(|(at, arm)| reached(world, arm, q, self.request.seed, at)).collect()
+    }
+
+    /// The pairs of the matrix, in a robot that has these links first.
+    fn ignored(&self, robot: &Robot) -> Vec<DisabledPair> {
+        let pair = |first: &str, second: &str| {
+            let (first, second) = (robot.link(first)?, robot.link(second)?);
+            Some(DisabledPair { first, second, reason: "scene".into() })
+        };
+        let name = |link: foliate_components::robot::LinkIndex| self.robot.links[link.at()].name.as_str();
+        self.matrix.ignored().filter_map(|p| pair(name(p.first), name(p.second))).collect()
+    }
+
+    /// Robot, table and objects as one.
+    fn world(&self, objects: &[Object], standing: &Standing, size: &TableSize) -> Result<World, SetupError> {
+        let placement = |name: &str, kind, root, world_from_root| PartPlacement {
+            name: name.into(),
+            kind,
+            root,
+            world_from_root,
+            mimic_follows: true,
+            root_bounds: Vec::new(),
+            joint_bounds: Vec::new(),
+        };
+        let height = Pose::from_translation(DVec3::Z * standing.robot_height);
+        let table = shape::model("table", &table_solid(size), self.packages)?;
+        let X_WT = table_pose(standing);
+        let mut parts = vec![
+            (self.model, placement("robot", PartKind::Robot, RootJoint::Fixed, height)),
+            (&table, placement("table", PartKind::Environment, RootJoint::Fixed, X_WT)),
+        ];
+        for object in objects {
+            let mut free = placement(&object.name, PartKind::Object, RootJoint::FreeFlyer, Pose::identity());
+            free.root_bounds = vec![(-1e4, 1e4); 3];
+            parts.push((&object.model, free));
+        }
+        let robot = Robot::compose(&parts).map_err(|error| SetupError::Request(error.to_string()))?;
+        let ignored = self.ignored(&robot);
+        Ok(World::new(robot, &ignored))
+    }
+
+    /// The default configuration with all fingers open.
+    fn opened(&self, world: &World) -> Vec<f64> {
+        let mut q = world.default_configuration();
+        for finger in self.grippers.iter().flat_map(|gripper| &gripper.fingers) {
+            let joint = world.robot.joint(&self.robot.joints[finger.joint.at()].name);
+            if let Some(at) = joint.and_then(|joint| coordinate(&world.robot, joint)) {
+                q[at] = finger.open;
+            }
+        }
+        q
+    }
+
+    /// A configuration of the robot that is free of collision beside the table: the default one, that in the middle of all bounds, one that
+    /// its SRDF names, or a random one.
+    fn resting(&self, world: &World) -> Option<Vec<f64>> {
+        let robot = &world.robot;
+        let mut X_WJ = world.bodies();
+        let open = self.opened(world);
+        let is_finger = |at: usize| {
+            let fingers = self.grippers.iter().flat_map(|gripper| &gripper.fingers);
+            let joints = fingers.filter_map(|f| robot.joint(&self.robot.joints[f.joint.at()].name));
+            joints.into_iter().any(|joint| coordinate(robot, joint) == Some(at))
+        };
+        let end = self.robot.space.size();
+        let taken = |q: &[f64]| {
+            let mut taken = open.clone();
+            (0..end).filter(|at| !is_finger(*at)).for_each(|at| taken[at] = q[at]);
+            taken
+        };
+        let mut middle = open.clone();
+        for at in 0..end {
+            let (low, high) = (robot.space.lower[at], robot.space.upper[at]);
+            if low.is_finite() && high.is_finite() {
+                middle[at] = (low + high) / 2.0;
+            }
+        }
+        let mut tried = vec![open.clone(), taken(&middle)];
+        for state in &self.model.group_states {
+            let mut q = open.clone();
+            for (joint, value) in &state.values {
+                if let Some(at) = robot.joint(&format!("robot/{joint}")).and_then(|joint| coordinate(robot, joint)) {
+                    q[at] = *value;
+                }
+            }
+            tried.push(taken(&q));
+        }
+        let mut random = open.clone();
+        for index in 0..TRIES {
+            robot.space.random(&mut stream(self.request.seed, PURPOSE, 100, index), &mut random);
+            tried.push(taken(&random));
+        }
+        tried.into_iter().find(|q| {
+            world.kinematics.forward(q, &mut X_WJ);
+            world.is_free(&X_WJ, None, CLEARANCE)
+        })
+    }
+}

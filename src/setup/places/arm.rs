@@ -1,0 +1,143 @@
+//! Inverse kinematics of one gripper: damped least squares within bounds, from seeds.
+#![allow(non_snake_case, reason = "pose names carry their frames")]
+
+use crate::setup::grippers::coordinate;
+use foliate_components::Pose;
+use foliate_components::pose::log_so3;
+use foliate_components::robot::{JointIndex, JointType, Robot, Source};
+use foliate_kernels::kinematics::Kinematics;
+use glam::DVec3;
+
+/// Most iterations from one seed.
+const ITERATIONS: usize = 60;
+/// Residual at which a pose is reached, metres and radians.
+const REACHED: f64 = 1e-5;
+/// Longest step of a joint, radians or metres.
+const STEP: f64 = 0.4;
+/// Damping, squared.
+const DAMPING: f64 = 1e-5;
+
+/// A gripper and the joints that move it.
+pub(crate) struct Arm {
+    /// The body that carries it.
+    pub body: Option<JointIndex>,
+    /// Its frame on that body.
+    pub X_BG: Pose,
+    /// By joint of the chain: the number of its coordinate, and the factor by which it follows it.
+    chain: Vec<(JointIndex, usize, f64)>,
+}
+
+/// A pose that a gripper is to have: of a handle, with the rows that count.
+#[derive(Clone, Copy)]
+pub(crate) struct Target {
+    pub X_WH: Pose,
+    pub mask: [bool; 6],
+}
+
+impl Arm {
+    /// The chain of the body that carries a frame.
+    pub(crate) fn new(robot: &Robot, body: Option<JointIndex>, X_BG: Pose) -> Self {
+        let above = std::iter::successors(body, |at| robot.joints[at.at()].parent);
+        let entry = |joint: JointIndex| match robot.joints[joint.at()].source {
+            Source::Coordinates { q, .. } => Some((joint, q, 1.0)),
+            Source::Follows { leader, multiplier, .. } => Some((joint, coordinate(robot, leader)?, multiplier)),
+        };
+        Self { body, X_BG, chain: above.filter_map(entry).collect() }
+    }
+
+    /// Whether a joint moves the gripper.
+    pub(crate) fn is_moved_by(&self, joint: JointIndex) -> bool {
+        self.chain.iter().any(|(own, ..)| *own == joint)
+    }
+
+    /// The gripper in the world.
+    pub(crate) fn gripper(&self, X_WJ: &[Pose]) -> Pose {
+        self.body.map_or(Pose::IDENTITY, |body| X_WJ[body.at()]) * self.X_BG
+    }
+
+    /// A configuration, from `q` on, at which the gripper is at the target; its poses are in `X_WJ` then.
+    pub(crate) fn reach(
+        &self,
+        robot: &Robot,
+        kinematics: &Kinematics,
+        target: &Target,
+        q: &mut [f64],
+        X_WJ: &mut [Pose],
+    ) -> bool {
+        for _ in 0..ITERATIONS {
+            kinematics.forward(q, X_WJ);
+            let X_WG = self.gripper(X_WJ);
+            let X_GH = X_WG.inverse() * target.X_WH;
+            let turn = log_so3(X_GH.rotation);
+            let mut error = [0.0; 6];
+            error[..3].copy_from_slice(&X_GH.translation.to_array());
+            error[3..].copy_from_slice(&turn.to_array());
+            error.iter_mut().zip(target.mask).filter(|(_, counts)| !counts).for_each(|(row, _)| *row = 0.0);
+            if error.iter().all(|row| row.abs() < REACHED) {
+                return true;
+            }
+            let columns = self.columns(robot, X_WJ, &X_WG, target.mask);
+            let step = damped(&columns, &error);
+            let longest = step.iter().fold(0.0_f64, |most, (_, x)| most.max(x.abs()));
+            let scale = if longest > STEP { STEP / longest } else { 1.0 };
+            for (at, x) in step {
+                q[at] = (q[at] + x * scale).max(robot.space.lower[at]).min(robot.space.upper[at]);
+            }
+        }
+        false
+    }
+
+    /// By coordinate: how it moves the gripper, in the gripper's axes.
+    fn columns(&self, robot: &Robot, X_WJ: &[Pose], X_WG: &Pose, mask: [bool; 6]) -> Vec<(usize, [f64; 6])> {
+        let mut columns: Vec<(usize, [f64; 6])> = Vec::with_capacity(self.chain.len());
+        let into = X_WG.rotation.conjugate();
+        for &(joint, at, factor) in &self.chain {
+            let X_WB = X_WJ[joint.at()];
+            let (linear, angular) = match robot.joints[joint.at()].motion {
+                JointType::Revolute { axis } => {
+                    let axis = X_WB.rotation * axis;
+                    (axis.cross(X_WG.translation - X_WB.translation), axis)
+                }
+                JointType::Prismatic { axis } => (X_WB.rotation * axis, DVec3::ZERO),
+                // Roots that move stay where they are.
+                JointType::Planar | JointType::FreeFlyer => continue,
+            };
+            let mut column = [0.0; 6];
+            column[..3].copy_from_slice(&(into * linear * factor).to_array());
+            column[3..].copy_from_slice(&(into * angular * factor).to_array());
+            column.iter_mut().zip(mask).filter(|(_, counts)| !counts).for_each(|(row, _)| *row = 0.0);
+            match columns.iter_mut().find(|(known, _)| *known == at) {
+                Some((_, sum)) => sum.iter_mut().zip(column).for_each(|(sum, row)| *sum += row),
+                None => columns.push((at, column)),
+            }
+        }
+        columns
+    }
+}
+
+/// Jᵀ(JJᵀ + λ)⁻¹e.
+fn damped(columns: &[(usize, [f64; 6])], error: &[f64; 6]) -> Vec<(usize, f64)> {
+    let mut matrix = [[0.0; 7]; 6];
+    for (i, row) in matrix.iter_mut().enumerate() {
+        for (j, entry) in row.iter_mut().enumerate().take(6) {
+            *entry = columns.iter().map(|(_, column)| column[i] * column[j]).sum::<f64>();
+        }
+        row[i] += DAMPING;
+        row[6] = error[i];
+    }
+    // Elimination without pivots: the matrix is positive definite.
+    for i in 0..6 {
+        for j in i + 1..6 {
+            let factor = matrix[j][i] / matrix[i][i];
+            for k in i..7 {
+                matrix[j][k] -= factor * matrix[i][k];
+            }
+        }
+    }
+    let mut y = [0.0; 6];
+    for i in (0..6).rev() {
+        let known: f64 = (i + 1..6).map(|k| matrix[i][k] * y[k]).sum();
+        y[i] = (matrix[i][6] - known) / matrix[i][i];
+    }
+    columns.iter().map(|(at, column)| (*at, column.iter().zip(y).map(|(c, y)| c * y).sum())).collect()
+}

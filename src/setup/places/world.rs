@@ -1,0 +1,89 @@
+//! A whole scene for collision tests while it is being made.
+#![allow(non_snake_case, reason = "pose names carry their frames")]
+
+use crate::setup::collision_matrix::touch;
+use crate::setup::grippers::is_beyond;
+use foliate_components::Pose;
+use foliate_components::pose::pose_to_array;
+use foliate_components::robot::{DisabledPair, JointIndex, PartIndex, Robot, Source};
+use foliate_kernels::collision::{CollisionScene, DistanceQuery, PairId, PairRule, pair_clearance};
+use foliate_kernels::kinematics::Kinematics;
+use glam::DVec3;
+
+/// Where objects wait that have no place yet, metres above everything.
+const AWAY: f64 = 1e3;
+/// The part of the table.
+const TABLE: usize = 1;
+
+/// Robot, table and objects: the first part, the second, the others.
+pub(crate) struct World {
+    pub robot: Robot,
+    pub kinematics: Kinematics,
+    scene: CollisionScene,
+}
+
+impl World {
+    pub(crate) fn new(robot: Robot, ignored: &[DisabledPair]) -> Self {
+        let scene = CollisionScene::new(&robot, &PairRule { ignored, ..PairRule::default() });
+        Self { kinematics: Kinematics::new(&robot), scene, robot }
+    }
+
+    /// A configuration with the robot's joints at zero or the nearest bound, and all objects away.
+    pub(crate) fn default_configuration(&self) -> Vec<f64> {
+        let mut q = self.robot.space.neutral();
+        self.robot.space.clamp(&mut q);
+        for part in 0..self.robot.parts.len() {
+            if self.root(part).is_some() {
+                let apart = DVec3::new(10.0 * part as f64, 0.0, AWAY);
+                self.put(&mut q, part, &Pose::from_translation(apart));
+            }
+        }
+        q
+    }
+
+    /// The body of an object's root.
+    fn root(&self, part: usize) -> Option<JointIndex> {
+        self.robot.parts[part].root_joint
+    }
+
+    /// Puts an object somewhere.
+    pub(crate) fn put(&self, q: &mut [f64], part: usize, X_WO: &Pose) {
+        let Some(root) = self.root(part) else { return };
+        if let Source::Coordinates { q: at, .. } = self.robot.joints[root.at()].source {
+            q[at..at + 7].copy_from_slice(&pose_to_array(X_WO));
+        }
+    }
+
+    pub(crate) fn bodies(&self) -> Vec<Pose> {
+        vec![Pose::identity(); self.kinematics.bodies()]
+    }
+
+    /// Whether something collides, or comes nearer than `clearance`, but for the hand that carries the gripper and the object that it
+    /// holds.
+    pub(crate) fn is_free(&self, X_WJ: &[Pose], holds: Option<(Option<JointIndex>, usize)>, clearance: f64) -> bool {
+        let is_held = |(hand_part, body): (PartIndex, Option<JointIndex>), other: PartIndex| {
+            holds.is_some_and(|(hand, object)| {
+                other.at() == object && hand_part != other && body.is_some() && is_beyond(&self.robot, body, hand)
+            })
+        };
+        // Objects lie on the table, and where they are was chosen.
+        let rests = |a: PartIndex, b: PartIndex| a.at() == TABLE && b.at() > TABLE;
+        !self.scene.pairs().iter().enumerate().any(|(index, pair)| {
+            let [a, b] = [pair.first, pair.second].map(|shape| {
+                let solid = &self.scene.solids()[shape.at()];
+                (self.robot.links[solid.link.at()].part, solid.body)
+            });
+            if is_held(a, b.0) || is_held(b, a.0) || rests(a.0, b.0) || rests(b.0, a.0) {
+                return false;
+            }
+            let id = PairId(index as u32);
+            match clearance > 0.0 && a.0 != b.0 {
+                true => {
+                    let query = DistanceQuery::exact(clearance);
+                    pair_clearance(&self.scene, id, X_WJ, query, &mut DVec3::ZERO.clone()) < clearance
+                }
+                false => touch(&self.scene, &[id], X_WJ),
+            }
+        })
+    }
+}
