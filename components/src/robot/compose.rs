@@ -231,10 +231,8 @@ impl Walk<'_> {
         if matches!(described.kind, JointKind::Revolute | JointKind::Prismatic) {
             (lower[0], upper[0]) = described.limits;
         }
-        if size == 1
-            && let Some(&(_, low, high)) = self.placement.joint_bounds.iter().find(|(n, ..)| *n == described.name)
-        {
-            (lower[0], upper[0]) = (low, high);
+        for (i, low, high) in self.bounds_given(&described.name, motion) {
+            (lower[i], upper[i]) = (low, high);
         }
         let number = self.robot.joints.len();
         self.joint_index[index] = Some(JointIndex(number as u32));
@@ -262,6 +260,17 @@ impl Walk<'_> {
             velocity_limit: described.velocity_limit,
         });
         (Some(JointIndex(number as u32)), joint_from_link)
+    }
+
+    /// The bounds that the placement gives a joint of the model: number of the coordinate, lower, upper.
+    fn bounds_given(&self, joint: &str, motion: JointType) -> impl Iterator<Item = (usize, f64, f64)> {
+        self.placement.joint_bounds.iter().filter_map(move |(name, low, high)| {
+            let number = match name.strip_prefix(joint)? {
+                "" if motion.axes().is_empty() => 0,
+                rest => motion.axes().iter().position(|axis| rest.strip_prefix('/') == Some(axis))?,
+            };
+            Some((number, *low, *high))
+        })
     }
 
     fn add_link(&mut self, via: Option<usize>, link: usize, joint: Option<JointIndex>, joint_from_link: Pose) {

@@ -34,6 +34,16 @@ impl JointType {
         }
     }
 
+    /// Names of the numbers of a joint that has several, in their order; none of a joint that has one.
+    #[must_use]
+    pub fn axes(&self) -> &'static [&'static str] {
+        match self {
+            Self::Revolute { .. } | Self::Prismatic { .. } => &[],
+            Self::Planar => &["x", "y", "theta"],
+            Self::FreeFlyer => &["x", "y", "z", "qx", "qy", "qz", "qw"],
+        }
+    }
+
     /// Dimension of the velocity: 1, 3 or 6.
     #[must_use]
     pub fn velocity_size(&self) -> usize {
@@ -166,6 +176,7 @@ pub struct PartPlacement {
     /// and radians; those that are left out are unlimited. A root whose bounds are all equal never moves. Bounds on a
     /// quaternion have no other use.
     pub root_bounds: Vec<(f64, f64)>,
-    /// Bounds that replace the model's: joint name without prefix, lower, upper.
+    /// Bounds that replace the model's: joint name without prefix, lower, upper. A planar or floating joint of the model has
+    /// bounds by number: `joint/x`, with the names of [`JointType::axes`].
     pub joint_bounds: Vec<(String, f64, f64)>,
 }

@@ -1,6 +1,5 @@
 //! `[timing]`, `[cost]`, and the rate limits of a `[[part]]`.
 
-use crate::scene::assemble::names::configuration::axes;
 use crate::scene::assemble::names::frame::one_of;
 use crate::scene::reading::error::{SceneError, did_you_mean, quoted};
 use crate::scene::reading::keys::{Item, Keys};
@@ -100,7 +99,7 @@ fn numbers(robot: &Robot) -> Vec<(String, JointIndex, usize)> {
         let index = JointIndex(index as u32);
         let part = &robot.parts[joint.part.at()];
         let prefix = if part.root_joint == Some(index) { &part.name } else { &joint.name };
-        match axes(joint.motion) {
+        match joint.motion.axes() {
             [] => numbers.push((joint.name.clone(), index, 0)),
             axes => numbers.extend(axes.iter().enumerate().map(|(k, axis)| (format!("{prefix}/{axis}"), index, k))),
         }

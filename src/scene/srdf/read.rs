@@ -2,6 +2,7 @@
 
 use crate::scene::reading::error::SceneError;
 use crate::scene::reading::xml::{Xml, elements};
+use crate::scene::srdf::known::KNOWN;
 use crate::scene::srdf::reader::Reader;
 use foliate_components::robot::model::Model;
 use foliate_systems::events::StopSignal;
@@ -42,5 +43,7 @@ pub(crate) fn read(
     }
     reader.disabled_pairs(root)?;
     reader.default_pairs(root)?;
-    reader.group_states(root)
+    reader.group_states(root)?;
+    KNOWN.tell_unknown(&xml, root, warnings);
+    Ok(())
 }

@@ -3,18 +3,19 @@
 use super::tree;
 use crate::scene::reading::error::{SceneError, did_you_mean, quoted};
 use crate::scene::reading::xml::{Xml, elements};
+use crate::scene::urdf::range::{Range, meant, meant_velocity};
 use crate::scene::urdf::values::origin;
 use foliate_components::robot::model::{JointKind, JointModel, Model};
 use glam::DVec3;
 use roxmltree::Node;
 use std::collections::HashMap;
 
-/// Reads all joints into the model, whose links are known.
+/// Reads all joints into the model, whose links are known. Of joints that will stand still ranges are of no interest.
 pub(super) fn read(
     xml: &Xml<'_>,
     root: Node<'_, '_>,
     model: &mut Model,
-    warnings: &mut Vec<SceneError>,
+    (stand_still, warnings): (bool, &mut Vec<SceneError>),
 ) -> Result<(), SceneError> {
     let nodes: Vec<_> = elements(root, "joint").collect();
     let links: HashMap<&str, usize> = model.links.iter().enumerate().map(|(i, l)| (l.name.as_str(), i)).collect();
@@ -29,7 +30,9 @@ pub(super) fn read(
                 .error(node, "a joint of this name exists already")
                 .hint(format!("the first is at line {line}")));
         }
-        joints.push(joint(xml, node, name, &links)?);
+        let (joint, remark) = joint(xml, node, name, &links)?;
+        warnings.extend(remark.filter(|_| !stand_still));
+        joints.push(joint);
     }
     tree::check(xml, root, &nodes, &joints, model)?;
     tree::check_mimics(xml, &nodes, &mut joints, &by_name, warnings)?;
@@ -42,20 +45,24 @@ fn joint(
     node: Node<'_, '_>,
     name: &str,
     links: &HashMap<&str, usize>,
-) -> Result<JointModel, SceneError> {
+) -> Result<(JointModel, Option<SceneError>), SceneError> {
     let kind = kind(xml, node)?;
     let limit = xml.optional_child(node, "limit")?;
-    Ok(JointModel {
+    let axis = axis(xml, node, kind)?;
+    let Range { kind, limits, remark } = range(xml, node, limit, kind)?;
+    let remark = remark.map(|(message, hint)| xml.error(limit.unwrap_or(node), message).hint(hint));
+    let joint = JointModel {
         name: name.to_owned(),
         kind,
         parent: link(xml, node, "parent", links)?,
         child: link(xml, node, "child", links)?,
         parent_from_joint: origin(xml, node)?,
-        axis: axis(xml, node, kind)?,
-        limits: limits(xml, node, limit, kind)?,
+        axis,
+        limits,
         velocity_limit: velocity(xml, limit)?,
         mimic: mimic(xml, node)?,
-    })
+    };
+    Ok((joint, remark))
 }
 
 fn kind(xml: &Xml<'_>, node: Node<'_, '_>) -> Result<JointKind, SceneError> {
@@ -100,22 +107,22 @@ fn axis(xml: &Xml<'_>, node: Node<'_, '_>, kind: JointKind) -> Result<DVec3, Sce
     }
 }
 
-fn limits(
-    xml: &Xml<'_>,
-    node: Node<'_, '_>,
-    limit: Option<Node<'_, '_>>,
-    kind: JointKind,
-) -> Result<(f64, f64), SceneError> {
+fn range(xml: &Xml<'_>, node: Node<'_, '_>, limit: Option<Node<'_, '_>>, kind: JointKind) -> Result<Range, SceneError> {
     if !matches!(kind, JointKind::Revolute | JointKind::Prismatic) {
-        return Ok((f64::NEG_INFINITY, f64::INFINITY));
+        return Ok(Range { kind, limits: (f64::NEG_INFINITY, f64::INFINITY), remark: None });
     }
     let Some(limit) = limit else {
         return Err(xml.error(node, "<limit> is missing").hint("give limits, or make a revolute joint `continuous`"));
     };
-    let lower = xml.number(limit, "lower")?.unwrap_or(0.0);
-    let upper = xml.number(limit, "upper")?.unwrap_or(0.0);
+    let (lower, upper) = (xml.number(limit, "lower")?, xml.number(limit, "upper")?);
+    if lower.is_none() && upper.is_none() {
+        let remark =
+            ("has neither `lower` nor `upper`: the joint stays at 0".to_owned(), "give it a range, or make it fixed");
+        return Ok(Range { kind, limits: (0.0, 0.0), remark: Some(remark) });
+    }
+    let (lower, upper) = (lower.unwrap_or(0.0), upper.unwrap_or(0.0));
     match lower <= upper {
-        true => Ok((lower, upper)),
+        true => Ok(meant(kind, (lower, upper))),
         false => Err(xml.error(limit, format!("the lower limit {lower} is above the upper limit {upper}"))),
     }
 }
@@ -124,7 +131,7 @@ fn velocity(xml: &Xml<'_>, limit: Option<Node<'_, '_>>) -> Result<Option<f64>, S
     let Some(limit) = limit else { return Ok(None) };
     match xml.number(limit, "velocity")? {
         Some(v) if v < 0.0 => Err(xml.error(limit, format!("the velocity limit {v} is negative"))),
-        velocity => Ok(velocity),
+        velocity => Ok(meant_velocity(velocity)),
     }
 }
 

@@ -5,6 +5,7 @@ use crate::scene::mesh::meshes::{LoadedMesh, MeshError, MeshRequest, Meshes};
 use crate::scene::reading::error::{SceneError, quoted};
 use crate::scene::sources::mesh_name::Base;
 use crate::scene::sources::source::hexadecimal;
+use crate::scene::urdf::range::{Range, meant, meant_velocity};
 use crate::scene::urdf::values::LONGEST;
 use foliate_components::Pose;
 use foliate_components::pose::rotation_from_rpy;
@@ -59,7 +60,11 @@ impl<'a, 'p> Converter<'a, 'p> {
         if model.links.is_empty() {
             return Err(refusal("<robot>".into(), "has no links"));
         }
-        model.joints = robot.joints.iter().map(|one| joint(one, &links)).collect::<Result<_, _>>()?;
+        for described in &robot.joints {
+            let (joint, remark) = joint(described, &links)?;
+            self.warnings.extend(remark);
+            model.joints.push(joint);
+        }
         self.free_followers_of_nothing(&mut model.joints);
         Ok(model)
     }
@@ -153,7 +158,7 @@ fn inertial(inertial: &urdf_rs::Inertial, element: impl Fn() -> String) -> Resul
     }
 }
 
-fn joint(joint: &urdf_rs::Joint, links: &HashMap<&str, usize>) -> Result<JointModel, SceneError> {
+fn joint(joint: &urdf_rs::Joint, links: &HashMap<&str, usize>) -> Result<(JointModel, Option<SceneError>), SceneError> {
     let element = || named("joint", &joint.name);
     let link = |name: &str| {
         let found = links.get(name).copied();
@@ -176,18 +181,10 @@ fn joint(joint: &urdf_rs::Joint, links: &HashMap<&str, usize>) -> Result<JointMo
         (None, JointKind::Fixed | JointKind::Floating) => DVec3::X,
         (None, _) => return Err(refusal(element(), "an axis has a length").hint("give a direction, such as 0 0 1")),
     };
-    let limits = match kind {
-        JointKind::Revolute | JointKind::Prismatic => (joint.limit.lower, joint.limit.upper),
-        _ => (f64::NEG_INFINITY, f64::INFINITY),
-    };
-    if matches!(kind, JointKind::Revolute | JointKind::Prismatic)
-        && !(limits.0.is_finite() && limits.1.is_finite() && limits.0 <= limits.1)
-    {
-        let message = format!("[{}, {}] are no limits", limits.0, limits.1);
-        return Err(refusal(element(), message).hint("give finite limits, or make a revolute joint continuous"));
-    }
+    let Range { kind, limits, remark } = range(joint, kind)?;
+    let remark = remark.map(|(message, hint)| refusal(element(), message).hint(hint));
     // A joint without `<limit>` has the velocity 0 here, which no moving joint could keep.
-    let velocity_limit = Some(joint.limit.velocity).filter(|v| v.is_finite() && *v > 0.0);
+    let velocity_limit = meant_velocity(Some(joint.limit.velocity).filter(|v| v.is_finite() && *v > 0.0));
     let mimic = joint
         .mimic
         .as_ref()
@@ -195,7 +192,7 @@ fn joint(joint: &urdf_rs::Joint, links: &HashMap<&str, usize>) -> Result<JointMo
     if mimic.as_ref().is_some_and(|(_, multiplier, offset)| !(multiplier.is_finite() && offset.is_finite())) {
         return Err(refusal(element(), "its <mimic> is not finite"));
     }
-    Ok(JointModel {
+    let model = JointModel {
         name: joint.name.clone(),
         kind,
         parent: link(&joint.parent.link)?,
@@ -205,5 +202,20 @@ fn joint(joint: &urdf_rs::Joint, links: &HashMap<&str, usize>) -> Result<JointMo
         limits,
         velocity_limit,
         mimic,
-    })
+    };
+    Ok((model, remark))
+}
+
+/// The range of a joint, as it is meant.
+fn range(joint: &urdf_rs::Joint, kind: JointKind) -> Result<Range, SceneError> {
+    if !matches!(kind, JointKind::Revolute | JointKind::Prismatic) {
+        return Ok(Range { kind, limits: (f64::NEG_INFINITY, f64::INFINITY), remark: None });
+    }
+    let limits = (joint.limit.lower, joint.limit.upper);
+    if !(limits.0.is_finite() && limits.1.is_finite() && limits.0 <= limits.1) {
+        let message = format!("[{}, {}] are no limits", limits.0, limits.1);
+        return Err(refusal(named("joint", &joint.name), message)
+            .hint("give finite limits, or make a revolute joint continuous"));
+    }
+    Ok(meant(kind, limits))
 }

@@ -8,7 +8,7 @@ use crate::scene::sources::mesh_name::Base;
 use crate::scene::sources::source::hexadecimal;
 use crate::scene::sources::xacro;
 use crate::scene::urdf::values::{LONGEST, origin, required_number};
-use crate::scene::urdf::{attributes, joints};
+use crate::scene::urdf::{attributes, joints, sizes};
 use foliate_components::robot::model::{Inertial, LinkModel, Model};
 use foliate_components::robot::shape::{Geometry, Mesh};
 use glam::DVec3;
@@ -65,8 +65,8 @@ pub(crate) fn read(file: &str, text: &str, context: &mut Context<'_, '_>) -> Res
     if model.links.is_empty() {
         return Err(xml.error(root, "has no links").hint("a model has at least one <link name=\"…\"/>"));
     }
-    joints::read(&xml, root, &mut model, context.warnings)?;
-    attributes::tell_unknown(&xml, root, context.warnings);
+    joints::read(&xml, root, &mut model, (context.may_be_frames, context.warnings))?;
+    attributes::KNOWN.tell_unknown(&xml, root, context.warnings);
     if model.links.iter().all(|link| link.shapes.is_empty()) {
         context.warnings.extend(attributes::tell_shapeless(&xml, root, context.may_be_frames));
     }
@@ -126,6 +126,7 @@ fn link(xml: &Xml<'_>, node: Node<'_, '_>, name: &str, context: &mut Context<'_,
         {
             shape = Geometry::Capsule { radius: *radius, half_length: *half_length };
         }
+        context.warnings.extend(sizes::remark(xml, collision, &shape, context.may_be_frames));
         link.shapes.push((pose, shape));
     }
     Ok(link)

@@ -238,9 +238,9 @@ fn coordinate_weights(robot: &Robot) -> Vec<f64> {
     weights
 }
 
-/// A root that moves along an axis without bounds.
+/// A root, or a planar or floating joint of a model, that moves along an axis without bounds.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("`{joint}` moves along {axis} without bounds ([{}, {}]): bound the root", bounds.0, bounds.1)]
+#[error("`{joint}` moves along {axis} without bounds ([{}, {}]): give it bounds (in a scene `root_bounds`; of a joint inside a model `joint_bounds`), or lock it", bounds.0, bounds.1)]
 #[non_exhaustive]
 pub struct UnboundedRoot {
     /// The root joint.

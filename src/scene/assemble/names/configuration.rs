@@ -18,7 +18,7 @@ pub fn coordinate_names(robot: &Robot) -> Vec<String> {
         let part = &robot.parts[joint.part.at()];
         let is_root = part.root_joint == Some(JointIndex(index as u32));
         let prefix = if is_root { &part.name } else { &joint.name };
-        match axes(joint.motion) {
+        match joint.motion.axes() {
             [] => names.push(joint.name.clone()),
             axes => names.extend(axes.iter().map(|axis| format!("{prefix}/{axis}"))),
         }
@@ -41,23 +41,14 @@ pub(crate) fn refuse_twins(robot: &Robot, items: &[Item<'_>]) -> Result<(), Scen
     Ok(())
 }
 
-/// Names of the numbers of a joint that has several.
-pub(crate) fn axes(motion: JointType) -> &'static [&'static str] {
-    match motion {
-        JointType::Revolute { .. } | JointType::Prismatic { .. } => &[],
-        JointType::Planar => &["x", "y", "theta"],
-        JointType::FreeFlyer => &["x", "y", "z", "qx", "qy", "qz", "qw"],
-    }
-}
-
 /// Whether a joint has one coordinate of its own.
 pub(crate) fn has_number(joint: &Joint) -> bool {
-    matches!(joint.source, Source::Coordinates { .. }) && axes(joint.motion).is_empty()
+    matches!(joint.source, Source::Coordinates { .. }) && joint.motion.axes().is_empty()
 }
 
-/// Whether a name is that of the root joint of a part that is not fixed.
-pub(crate) fn is_moving_root(name: &str, robot: &Robot) -> bool {
-    robot.joint(name).is_some_and(|joint| robot.parts.iter().any(|p| p.root_joint == Some(joint)))
+/// The joint of a name, where it has several coordinates: a root that moves, or a planar or floating joint of a model.
+pub(crate) fn joint_of_several(name: &str, robot: &Robot) -> Option<JointIndex> {
+    robot.joint(name).filter(|joint| !robot.joints[joint.at()].motion.axes().is_empty())
 }
 
 /// `coordinates`: the names that whole vectors of this scene are written in, as places in a configuration.
@@ -165,6 +156,8 @@ impl Reader<'_> {
                 (q[i], known[i]) = (item.number()?, true);
             } else if let Some(part) = self.robot.parts.iter().find(|p| p.name == *name) {
                 self.root(part, item, q, known)?;
+            } else if let Some(joint) = joint_of_several(name, self.robot) {
+                self.several(joint, item, q, known)?;
             } else {
                 return Err(self.unknown(item, name, &names));
             }
@@ -219,10 +212,16 @@ impl Reader<'_> {
 
     /// A part's root: a pose in the world (free-flyer), or x, y, θ in its plane (planar).
     fn root(&self, part: &Part, item: &Item<'_>, q: &mut [f64], known: &mut [bool]) -> Result<(), SceneError> {
-        let joint = part.root_joint.map(|j| &self.robot.joints[j.at()]);
-        let Some((joint, Source::Coordinates { q: i, .. })) = joint.map(|j| (j, j.source)) else {
+        let Some(joint) = part.root_joint else {
             return Err(item.error(format!("the root of `{}` does not move", part.name)));
         };
+        self.several(joint, item, q, known)
+    }
+
+    /// All numbers of a planar or floating joint.
+    fn several(&self, joint: JointIndex, item: &Item<'_>, q: &mut [f64], known: &mut [bool]) -> Result<(), SceneError> {
+        let joint = &self.robot.joints[joint.at()];
+        let Source::Coordinates { q: i, .. } = joint.source else { return Ok(()) };
         match joint.motion {
             JointType::Planar => q[i..i + 3].copy_from_slice(&item.array::<3>("x y theta")?),
             _ => q[i..i + 7].copy_from_slice(&pose_to_array(&item.pose()?)),

@@ -1,6 +1,6 @@
 //! `[locked]`: joints that never move, at values of their own or where the start has them.
 
-use crate::scene::assemble::names::configuration::{has_number, is_moving_root};
+use crate::scene::assemble::names::configuration::{has_number, joint_of_several};
 use crate::scene::reading::error::{SceneError, did_you_mean};
 use crate::scene::reading::keys::{Item, Keys};
 use foliate_components::problem::RestingJoint;
@@ -21,7 +21,7 @@ pub(crate) fn read(keys: &mut Keys<'_>, robot: &Robot) -> Result<Locks, SceneErr
     let mut locks = Locks::default();
     let Some(item) = keys.optional("locked") else { return Ok(locks) };
     for (name, item) in item.keys()?.entries() {
-        if is_moving_root(name, robot) {
+        if joint_of_several(name, robot).is_some() {
             // Its bounds are equal already.
             continue;
         }

@@ -13,7 +13,7 @@ use crate::scene::urdf::read;
 use foliate_components::Pose;
 use foliate_components::pose::pose_to_array;
 use foliate_components::robot::model::{JointKind, Model};
-use foliate_components::robot::{PartKind, PartPlacement, RootJoint};
+use foliate_components::robot::{JointType, PartKind, PartPlacement, RootJoint};
 use glam::DQuat;
 use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::PI;
@@ -165,10 +165,12 @@ fn root_bounds(keys: &mut Keys<'_>, root: RootJoint) -> Result<Vec<(f64, f64)>, 
     }
 }
 
-/// `"part/root_joint" = [x, y, theta]`, or a pose, in `[locked]`: the root's bounds become equal, so that it never moves.
+/// `"part/root_joint" = [x, y, theta]`, or a pose, in `[locked]`: the root's bounds become equal, so that it never moves. The same for
+/// planar and floating joints of models.
 pub(crate) fn lock_roots(keys: &mut Keys<'_>, parts: &mut [LoadedPart<'_>]) -> Result<(), SceneError> {
     let Some(item) = keys.optional("locked") else { return Ok(()) };
     for (name, item) in item.keys()?.entries() {
+        lock_joint(name, &item, parts)?;
         let part = name.strip_suffix("/root_joint");
         let found = parts.iter_mut().find(|p| Some(p.placement.name.as_str()) == part);
         let Some(placement) = found.map(|p| &mut p.placement) else { continue };
@@ -186,15 +188,56 @@ pub(crate) fn lock_roots(keys: &mut Keys<'_>, parts: &mut [LoadedPart<'_>]) -> R
     Ok(())
 }
 
+/// The bounds of a planar or floating joint of a model become equal.
+fn lock_joint(name: &str, item: &Item<'_>, parts: &mut [LoadedPart<'_>]) -> Result<(), SceneError> {
+    let Some((part, joint)) = name.split_once('/') else { return Ok(()) };
+    let Some(part) = parts.iter_mut().find(|p| p.placement.name == part) else { return Ok(()) };
+    let Some(kind) = part.model.joints.iter().find(|j| j.name == joint).map(|j| j.kind) else { return Ok(()) };
+    let (motion, values) = match kind {
+        JointKind::Planar => (JointType::Planar, item.array::<3>("x y theta")?.to_vec()),
+        JointKind::Floating => (JointType::FreeFlyer, pose_to_array(&item.pose()?).to_vec()),
+        _ => return Ok(()),
+    };
+    let bounds = &mut part.placement.joint_bounds;
+    for (axis, value) in motion.axes().iter().zip(values) {
+        let name = format!("{joint}/{axis}");
+        if bounds.iter().any(|(known, low, high)| *known == name && !(*low..=*high).contains(&value)) {
+            return Err(item.error(format!("is outside the `joint_bounds` of `{name}`")));
+        }
+        bounds.retain(|(known, ..)| *known != name);
+        bounds.push((name, value, value));
+    }
+    Ok(())
+}
+
 fn joint_bounds(keys: &mut Keys<'_>, model: &Model) -> Result<Vec<(String, f64, f64)>, SceneError> {
     let Some(item) = keys.optional("joint_bounds") else { return Ok(Vec::new()) };
     let mut bounds = Vec::new();
     for (name, item) in item.keys()?.entries() {
-        joint_of(&item, name, model)?;
         let (low, high) = item.bounds()?;
+        match number_of(name, model) {
+            Some("theta") if high - low > PI => {
+                let hint = "leave them out where it may turn freely";
+                return Err(item.error("the bounds of theta span more than half a turn").hint(hint));
+            }
+            Some(_) => {}
+            None => drop(joint_of(&item, name, model)?),
+        }
         bounds.push((name.to_owned(), low, high));
     }
     Ok(bounds)
+}
+
+/// The axis that a key names of a planar or floating joint: `joint/x`.
+fn number_of<'n>(name: &'n str, model: &Model) -> Option<&'n str> {
+    let (joint, axis) = name.rsplit_once('/')?;
+    let kind = model.joints.iter().find(|j| j.name == joint)?.kind;
+    let axes: &[&str] = match kind {
+        JointKind::Planar => &["x", "y", "theta"],
+        JointKind::Floating => &["x", "y", "z"],
+        _ => &[],
+    };
+    axes.contains(&axis).then_some(axis)
 }
 
 /// The joint of one coordinate that a key names.
