@@ -124,7 +124,7 @@ impl Setting<'_> {
 
     /// Plans; the steps of the search where a path was found.
     fn solves(&self, text: &str) -> Result<Option<u64>, SetupError> {
-        let folder = crate::scene::sources::source::folder_of(&self.request.place);
+        let folder = crate::scene::sources::mesh_name::folder_of(&self.request.place);
         let scene = Scene::from_text(&self.request.place.display().to_string(), text, folder, self.packages)?;
         let planner = Planner::new(scene).map_err(|error| SetupError::Request(error.to_string()))?;
         let settings = SearchSettings::default().with(|s| (s.seed, s.max_steps) = (self.request.seed, STEPS));

@@ -8,8 +8,9 @@ use crate::scene::mesh::formats::triangles::UpAxis;
 use crate::scene::mesh::meshes::{MeshError, MeshRequest, Meshes};
 use crate::scene::reading::error::{SceneError, quoted};
 use crate::scene::reading::keys::Item;
-use crate::scene::sources::package::{Base, PackagePath};
-use crate::scene::sources::source::{ModelFile, Opened, Origin, Place, folder_of, locate, sha256};
+use crate::scene::sources::mesh_name::{Base, folder_of};
+use crate::scene::sources::package::PackagePath;
+use crate::scene::sources::source::{ModelFile, Opened, Origin, Place, locate, sha256};
 use crate::scene::urdf::read::Context;
 use crate::scene::urdf::values::LONGEST;
 use foliate_components::robot::model::Model;
@@ -210,7 +211,7 @@ pub(crate) fn model(name: &str, solid: &ShapeSolid, packages: &PackagePath) -> R
             let file = path.file_name().map(|file| file.to_string_lossy().into_owned());
             let file = file.ok_or_else(|| SceneError::new(url, "mesh", "names no file"))?;
             let folder = folder_of(path).to_owned();
-            (ShapeSolid::Mesh { url: file, scale: *scale }, Base::Directory(folder))
+            (ShapeSolid::Mesh { url: file, scale: *scale }, Base::Directory(folder, None))
         }
         other => (other.clone(), Base::Embedded),
     };
