@@ -28,8 +28,8 @@ pub use crate::path_file::export;
 #[cfg(feature = "scene")]
 pub use crate::planner::recording;
 pub use crate::planner::{
-    Error, FunnelRow, GoalReport, NoSolution, NoSolutionReason, Planner, Report, Solution, StateRow, Trajectory,
-    TrajectoryError, trajectory,
+    Error, FunnelRow, GoalReport, NoSolution, NoSolutionReason, ObjectTries, Planner, Report, Solution, StateRow,
+    Trajectory, TrajectoryError, trajectory,
 };
 // Crates whose types stand in the signatures of this one: a host that uses these needs no versions of its own.
 #[cfg(feature = "urdf-rs")]

@@ -66,6 +66,17 @@ pub enum Infeasibility {
     },
     /// The problem has no goal.
     NoGoal,
+    /// Every goal has an object elsewhere than the start, and no state that can be reached lets it move: a proof.
+    ObjectNeverMoves {
+        /// The object's name.
+        object: String,
+        /// How far the first goal has it from where it starts, metres.
+        distance: f64,
+        /// How far it is turned there, radians.
+        angle: f64,
+        /// Whether the problem has grippers at all.
+        has_grippers: bool,
+    },
     /// No goal has a configuration: one failure per goal that leaves something free.
     GoalsNotFound(Vec<GoalFailure>),
 }
@@ -272,6 +283,17 @@ impl fmt::Display for Infeasibility {
                 f.write_str("fingers are not where their hands have them, and the graph has no motion of them")
             }
             Self::NoGoal => f.write_str("the problem names no goal"),
+            Self::ObjectNeverMoves { object, distance, angle, has_grippers } => {
+                let (millimetres, degrees) = (distance * 1e3, angle.to_degrees());
+                write!(
+                    f,
+                    "the goal has `{object}` {millimetres:.1} mm and {degrees:.1} degrees from where it starts, and "
+                )?;
+                f.write_str(match has_grippers {
+                    true => "no gripper may hold it in any state that can be reached: it needs a handle, and a grasp that is allowed",
+                    false => "nothing can hold it: no gripper is known. Grippers stand in the SRDF of the robot (`srdf = …` of its part)",
+                })
+            }
             Self::GoalsNotFound(failures) => {
                 let messages: Vec<&str> = failures.iter().map(|failure| failure.message.as_str()).collect();
                 f.write_str(&messages.join("; "))

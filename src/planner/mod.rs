@@ -3,6 +3,7 @@
 
 pub(crate) mod answer;
 pub(crate) mod error;
+pub(crate) mod object_tries;
 #[cfg(feature = "scene")]
 pub mod recording;
 pub(crate) mod refinement;
@@ -13,6 +14,7 @@ pub mod trajectory;
 
 pub use crate::planner::answer::{NoSolution, NoSolutionReason, Solution, outcome_name};
 pub use crate::planner::error::Error;
+pub use crate::planner::object_tries::ObjectTries;
 pub use crate::planner::refinement::{BetterPath, CostRow, ImprovementReport, KeptPath};
 pub use crate::planner::report::{FunnelRow, GoalReport, Report, StateRow};
 pub use crate::planner::search_record::{

@@ -1,5 +1,6 @@
 //! What a search did, for a host: counts, times, and what became of the candidates.
 
+use crate::planner::object_tries::{ObjectTries, object_tries};
 use crate::planner::refinement::ImprovementReport;
 use foliate_components::graph::leaf::LeafIndex;
 use foliate_components::graph::{StateId, TransitionId};
@@ -59,6 +60,8 @@ pub struct Report {
     pub states: Vec<StateRow>,
     /// What became of the tries to find configurations for goals that leave something free.
     pub goals: GoalReport,
+    /// What became of the tries to grasp each object that has to be moved.
+    pub objects: Vec<ObjectTries>,
 }
 
 /// One transition's row of the funnel.
@@ -113,8 +116,10 @@ impl Report {
             true => search.counter(),
             false => worlds.iter().map(|world| world.counter).sum(),
         };
-        let funnel = search.statistics().into_iter().filter(|(_, s)| s.attempts > 0);
+        let statistics = search.statistics();
         let model = search.model().clone();
+        let objects = object_tries(&model, &statistics);
+        let funnel = statistics.into_iter().filter(|(_, s)| s.attempts > 0);
         let funnel = funnel.map(|(id, statistics)| funnel_row(&model, id, statistics)).collect();
         let states = search.states().into_iter().filter(|(_, s)| *s != StateStatistics::default());
         let name = |state: StateId| model.graph.state(state).name.clone();
@@ -142,6 +147,7 @@ impl Report {
             funnel,
             states,
             goals: GoalReport { statistics, blocking_parts },
+            objects,
         }
     }
 }

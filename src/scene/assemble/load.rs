@@ -91,7 +91,15 @@ pub(crate) fn load(
     };
     let parts = parts.into_iter().map(|p| p.source).collect();
     loader.warnings.extend(loader.meshes.finish());
-    Ok(Scene { problem, description, parts, warnings: loader.warnings, file: None, directory, start: from.map(of_start) })
+    Ok(Scene {
+        problem,
+        description,
+        parts,
+        warnings: loader.warnings,
+        file: None,
+        directory,
+        start: from.map(of_start),
+    })
 }
 
 /// Which file says where a scene starts.

@@ -12,6 +12,7 @@ use crate::exploration::roadmap_query::{insert_roadmap, roadmap_in};
 use crate::exploration::roots::{Ending, GivenRoots, Roots};
 use crate::exploration::search_log::SearchLog;
 use crate::exploration::writer;
+use crate::goals::immovable;
 use crate::goals::sampler::GoalSampler;
 use crate::goals::systems::add_start_and_goals;
 use crate::heuristic::placements::PlacementPool;
@@ -111,6 +112,9 @@ fn find_roots(
 ) -> Result<FoundRoots, SearchOutcome> {
     let q = model.problem.start.clone();
     let start = state_classification::reach_start(model, settings, &q).map_err(SearchOutcome::InfeasibleStart)?;
+    if let Some(why) = immovable::refute(model, &start) {
+        return Err(SearchOutcome::InfeasibleGoal(why));
+    }
     let mut sampler = GoalSampler::new(model, settings, &start.q);
     let mut goals = Vec::new();
     let mut complaint = Infeasibility::NoGoal;

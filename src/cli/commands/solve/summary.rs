@@ -12,7 +12,7 @@ use foliate::scene::Scene;
 use foliate::schedulers::portfolio::MemberCount;
 use foliate::systems::improvement::progress::Changes;
 use foliate::systems::search::path_clearance::PathClearance;
-use foliate::{FunnelRow, Report};
+use foliate::{FunnelRow, ObjectTries, Report};
 use std::fmt::Write;
 use std::time::Duration;
 
@@ -98,6 +98,13 @@ pub(crate) fn text(loaded: &Loaded<'_>, answer: &Answer) -> String {
             let _ = writeln!(out, "    {}", coverage::line(pair, &left_out.apart, |shape| name(loaded, shape)));
         }
     }
+    if answer.path().is_none() {
+        report
+            .objects
+            .iter()
+            .filter(|row| row.grasped == 0 && row.tries > 0)
+            .for_each(|row| out.push_str(&ungrasped(row)));
+    }
     if !report.funnel.is_empty() {
         out.push_str(&funnel(&report.funnel, graph, answer.path().is_some()));
     }
@@ -157,6 +164,27 @@ fn closest(loaded: &Loaded<'_>, answer: &Answer) -> String {
         nearest.segment + 1,
         path.segments.len()
     )
+}
+
+/// Why an object that has to be moved was never grasped.
+fn ungrasped(row: &ObjectTries) -> String {
+    let percent = |count: u64| 100.0 * count as f64 / row.tries as f64;
+    let mut out = format!("  `{}` was never grasped: {} tries", row.object, row.tries);
+    if row.out_of_reach > 0 {
+        let _ = write!(
+            out,
+            ", {:.0} % out of reach (no configuration within the joint limits was found)",
+            percent(row.out_of_reach)
+        );
+    }
+    if row.in_collision > 0 {
+        let _ = write!(out, ", {:.0} % in collision", percent(row.in_collision));
+    }
+    if let Some((first, second, _)) = &row.blocked_by {
+        let _ = write!(out, ", most often {first} with {second}");
+    }
+    out.push('\n');
+    out
 }
 
 /// The funnel: what became of the candidates, per transition. Short when the problem is solved.

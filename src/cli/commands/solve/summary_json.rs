@@ -8,7 +8,7 @@ use foliate::components::path::{ManipulationPath, events};
 use foliate::components::problem::{Correction, Moved};
 use foliate::planner::{CostRow, ImprovementReport};
 use foliate::schedulers::portfolio::MemberCount;
-use foliate::{FunnelRow, GoalReport, NoSolutionReason, StateRow};
+use foliate::{FunnelRow, GoalReport, NoSolutionReason, ObjectTries, StateRow};
 use serde_json::{Value, json};
 
 fn closest_json(loaded: &Loaded<'_>) -> Option<Value> {
@@ -71,6 +71,7 @@ pub(crate) fn json(loaded: &Loaded<'_>, search: &SearchArguments, answer: &Answe
         "funnel": funnel,
         "states": states,
         "goals": goals_json(&report.goals),
+        "objects": report.objects.iter().map(object_json).collect::<Vec<_>>(),
         "certificate": certificate,
         "clearance": closest_json(loaded),
         "pairs_left_out": left_out,
@@ -146,6 +147,18 @@ fn state_json(row: &StateRow) -> Value {
         "extended": s.extended,
         "connections_tried": s.connections_tried,
         "connections_made": s.connections_made,
+    })
+}
+
+/// What became of the tries to grasp an object that has to be moved.
+fn object_json(row: &ObjectTries) -> Value {
+    json!({
+        "object": row.object,
+        "tries": row.tries,
+        "grasped": row.grasped,
+        "out_of_reach": row.out_of_reach,
+        "in_collision": row.in_collision,
+        "blocked_by": row.blocked_by,
     })
 }
 

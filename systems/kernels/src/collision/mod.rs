@@ -37,6 +37,6 @@ pub use crate::collision::narrow_phase::settings::CertificateSettings;
 pub use crate::collision::scene::adjacent::{adjacent_links, adjacent_links_while};
 pub use crate::collision::scene::collision_scene::{CollisionScene, Pair, PairId};
 pub use crate::collision::scene::pair_filter::PairRule;
-pub use crate::collision::scene::pair_query::{Contact, contained, pair_clearance, surely_colliding};
+pub use crate::collision::scene::pair_query::{Contact, body_poses, contained, pair_clearance, surely_colliding};
 pub use crate::collision::scene::pair_set::{PairSet, RigidPair};
 pub use crate::collision::solids::solid::Solid;

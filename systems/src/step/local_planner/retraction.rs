@@ -5,7 +5,8 @@
 //! contact configuration.
 
 use crate::step::local_planner::leaf_space::{LeafScratch, LeafSpace};
-use foliate_kernels::collision::{DistanceQuery, PairId, pair_clearance};
+use foliate_components::Pose;
+use foliate_kernels::collision::{DistanceQuery, PairId, body_poses, pair_clearance};
 use glam::DVec3;
 
 /// By so much a push sets the two shapes apart, metres.
@@ -13,6 +14,12 @@ const PUSH: f64 = 0.02;
 
 /// Step of the difference quotient, radians or metres. Distances are exact to within rounding, so that it need not be larger.
 const DIFFERENCE: f64 = 1e-4;
+
+/// By such a step no distance grows by more, metres: farther apart than this is not asked.
+const MOST_CHANGE: f64 = 0.01;
+
+/// Poses that differ by less are the same, metres and radians.
+const ROUNDING: f64 = 1e-11;
 
 /// Squared gradients below this say nothing, 1 / weighted metre².
 const FLAT: f64 = 1e-9;
@@ -48,22 +55,36 @@ impl LeafSpace<'_> {
 
     /// How the distance of a pair grows with each velocity coordinate of the robots that a motion changes, metres per unit.
     fn gradient(&self, q: &[f64], motion: &[f64], pair: PairId, scratch: &mut LeafScratch) -> Vec<f64> {
-        let (space, weights) = (&self.model.problem.robot.space, &self.model.robot_weights);
-        let mut moved = q.to_vec();
-        let mut distance = |q: &mut [f64]| {
-            self.carry(q, scratch);
-            let query = DistanceQuery::exact(f64::MAX);
-            pair_clearance(&self.model.collision, pair, &scratch.X_WJ, query, &mut DVec3::ZERO.clone())
+        let (space, weights, scene) =
+            (&self.model.problem.robot.space, &self.model.robot_weights, &self.model.collision);
+        let mut hint = DVec3::ZERO;
+        let mut distance =
+            |X_WJ: &[Pose], most: f64| pair_clearance(scene, pair, X_WJ, DistanceQuery::exact(most), &mut hint);
+        let relative = |X_WJ: &[Pose]| {
+            let [X_WA, X_WB] = body_poses(scene, pair, X_WJ);
+            X_WA.inverse() * X_WB
         };
-        let here = distance(&mut moved);
+        let mut moved = q.to_vec();
+        self.carry(&mut moved, scratch);
+        let (here, X_AB) = (distance(&scratch.X_WJ, f64::MAX), relative(&scratch.X_WJ));
         let mut by = vec![0.0; motion.len()];
         let mut gradient = vec![0.0; motion.len()];
         for index in (0..motion.len()).filter(|&index| weights[index] > 0.0 && motion[index] != 0.0) {
             by[index] = DIFFERENCE;
             space.integrate(q, &by, &mut moved);
             by[index] = 0.0;
-            gradient[index] = (distance(&mut moved) - here) / DIFFERENCE;
+            self.carry(&mut moved, scratch);
+            if is_same(&X_AB, &relative(&scratch.X_WJ)) {
+                continue;
+            }
+            gradient[index] = (distance(&scratch.X_WJ, here + MOST_CHANGE) - here) / DIFFERENCE;
         }
         gradient
     }
+}
+
+/// Whether two poses differ by rounding alone.
+fn is_same(a: &Pose, b: &Pose) -> bool {
+    let by = a.inverse() * *b;
+    by.translation.length() < ROUNDING && by.rotation.xyz().length() < ROUNDING
 }

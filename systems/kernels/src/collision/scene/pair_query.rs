@@ -153,7 +153,12 @@ fn solids_of(scene: &CollisionScene, id: PairId) -> [&SceneSolid; 2] {
     [&scene.solids[first.at()], &scene.solids[second.at()]]
 }
 
-pub(crate) fn body_poses(scene: &CollisionScene, id: PairId, X_WJ: &[Pose]) -> [Pose; 2] {
+/// The poses in the world of the bodies of a pair's two shapes.
+///
+/// # Panics
+/// If `X_WJ` is shorter than the number of bodies.
+#[must_use]
+pub fn body_poses(scene: &CollisionScene, id: PairId, X_WJ: &[Pose]) -> [Pose; 2] {
     solids_of(scene, id).map(|solid| body_pose(solid, X_WJ))
 }
 
