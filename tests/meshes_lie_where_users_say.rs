@@ -232,6 +232,16 @@ fn models_name_what_lies_below_their_scene_also_when_the_path_is_checked() {
     done(&["check", "out/path.json", "--scene", "scene/s.toml"]);
     done(&["export", "out/path.json", "--to", "glb", "-o", "out/path.glb"]);
     done(&["view", "out/path.json", "-o", "out/path.html"]);
+    // A path file cannot open a folder by calling something in it its scene.
+    let path = std::fs::read_to_string(folder.at("out/path.json")).unwrap();
+    assert!(path.contains("\"../scene/s.toml\""));
+    folder.write("scene/none.toml", "name = \"no scene\"\n");
+    for other in ["../scene/none.toml", "../scene/missing.toml", "../scene"] {
+        folder.write("out/lie.json", &path.replace("../scene/s.toml", other));
+        let refused = foliate(&folder.0, &["check", "out/lie.json"]);
+        let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert!(refused.status.code() == Some(2) && said.contains("outside of"), "{other}: {said}");
+    }
     // A scene that is a text has a directory, too.
     let scene = Scene::from_text("s", text, &folder.at("scene"), &PackagePath::only(&[])).unwrap();
     let visuals = Visuals::of_scene(&scene, &PackagePath::only(&[])).unwrap();

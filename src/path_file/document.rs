@@ -2,6 +2,7 @@
 
 use crate::path_file::constraint::{ConstraintEntry, PoseRow};
 use crate::path_file::place;
+use crate::scene::reading::input;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -10,6 +11,9 @@ use std::path::{Path, PathBuf};
 pub const FORMAT: &str = "foliate.path/2";
 /// The value of `format` in files of version 1, which are still read. They have no velocities, no limits of rates and no events.
 pub const FORMAT_1: &str = "foliate.path/1";
+
+/// The format that every scene file says.
+const SCENE: &[u8] = b"foliate.scene/1";
 
 /// A path file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -65,10 +69,16 @@ pub struct PathFile {
 }
 
 impl PathFile {
-    /// The folder that the file lies in and that of its scene: below them its models may name meshes.
+    /// The folder that the file lies in and that of its scene: below them its models may name meshes. A path file cannot choose any
+    /// folder: what it calls its scene has to be one.
     pub(crate) fn directories(&self, folder: &Path) -> Vec<PathBuf> {
-        let scene = self.scene_file.as_ref().and_then(|scene| Some(folder.join(&scene.file).parent()?.to_owned()));
-        [Some(folder.to_owned()), scene].into_iter().flatten().collect()
+        let scene = self.scene_file.as_ref().map(|scene| folder.join(&scene.file));
+        let is_scene = |path: &PathBuf| {
+            let content = input::bytes(path, input::SCENE_CAP);
+            content.is_ok_and(|content| content.windows(SCENE.len()).any(|words| words == SCENE))
+        };
+        let of_scene = scene.filter(is_scene).and_then(|scene| Some(scene.parent()?.to_owned()));
+        [Some(folder.to_owned()), of_scene].into_iter().flatten().collect()
     }
 }
 
