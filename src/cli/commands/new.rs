@@ -34,6 +34,9 @@ pub(crate) struct Arguments {
     /// The table: "LENGTH WIDTH HEIGHT", metres
     #[arg(long, value_name = "TABLE", default_value = "1.2 0.8 0.75")]
     table: String,
+    /// The robot drives: its root is planar, within 2 m of the origin
+    #[arg(long)]
+    drives: bool,
     /// A link of the hand to use, or a tool frame that holds what its tip touches: LINK, or LINK:AXIS (x, -x, y, ...) where the tool
     /// does not approach along z; may be given several times. Default: all hands with two jaws
     #[arg(long, value_name = "LINK")]
@@ -74,6 +77,7 @@ impl Arguments {
             srdf: self.srdf.clone(),
             objects: self.object.iter().map(|text| parsed::<ObjectRequest>(text)).collect::<Result<_, _>>()?,
             table: parsed::<TableRequest>(&self.table)?,
+            drives: self.drives,
             grippers: self.gripper.clone(),
             grasps: self.grasps.clone(),
             grasp_axes: parsed::<GraspAxes>(&self.grasp_axes)?,
@@ -92,6 +96,12 @@ impl Arguments {
         self.srdf.iter().for_each(|srdf| option("srdf", srdf));
         self.object.iter().for_each(|object| option("object", object));
         option("table", &self.table);
+        if self.drives {
+            line.push_str(" --drives");
+        }
+        let mut option = |name: &str, value: &str| {
+            let _ = write!(line, " --{name} {}", shown(value));
+        };
         self.gripper.iter().for_each(|link| option("gripper", link));
         if let Some(grasps) = &self.grasps {
             option("grasps", &grasps.to_string_lossy());

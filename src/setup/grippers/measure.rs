@@ -20,8 +20,10 @@ const PADS: f64 = 0.015;
 const CHANNEL: f64 = 0.006;
 /// Least opening of a hand, metres.
 const LEAST_OPENING: f64 = 0.005;
-/// An axis of a link is the exact direction where it is nearer than this, radians.
+/// An axis of a frame is the exact approach where it is nearer than this, radians.
 const NEAR_AXIS: f64 = 0.262;
+/// Likewise the closing direction, radians.
+const NEAR_CLOSING: f64 = 0.1;
 
 /// Joints that may be a hand.
 pub(super) struct Jaw<'a> {
@@ -77,7 +79,7 @@ pub(super) fn measured(robot: &Robot, jaw: &Jaw<'_>, ranges: &[FingerRange]) -> 
     if low.fingers.iter().any(Vec::is_empty) || (jaw.is_single && low.palm.is_empty()) {
         return None;
     }
-    let motion = closing_axis(jaw, &low, &high)?;
+    let motion = snapped(robot, jaw, closing_axis(jaw, &low, &high)?, NEAR_CLOSING);
     // Which fingers are on which side, at the bound at which they are farther apart.
     let side = |cloud: &Cloud| sides(jaw, cloud, (&low, &high), motion);
     let apart = |cloud: &Cloud| {
@@ -174,12 +176,20 @@ fn approach_axis(robot: &Robot, jaw: &Jaw<'_>, open: &Cloud, closing: DVec3) -> 
     let farthest = points.iter().map(|p| p.distance(from)).fold(0.0, f64::max);
     let tips: Vec<DVec3> = points.iter().copied().filter(|p| p.distance(from) > 0.7 * farthest).collect();
     let along = (mean(&tips) - from).reject_from_normalized(closing).try_normalize()?;
-    let links = robot.links.iter().filter(|link| link.joint == Some(jaw.palm));
-    let axes = links.flat_map(|link| DVec3::AXES.map(|axis| link.joint_from_link.rotation * axis));
-    let axes = axes.chain(DVec3::AXES).flat_map(|axis| [axis, -axis]);
-    let nearest = axes.max_by(|a, b| a.dot(along).total_cmp(&b.dot(along)))?;
-    let exact = if nearest.angle_between(along) < NEAR_AXIS { nearest } else { along };
+    let exact = snapped(robot, jaw, along, NEAR_AXIS);
     exact.reject_from_normalized(closing).try_normalize().map(|a| if a.dot(exact) > 0.999 { exact } else { a })
+}
+
+/// The nearest axis of a frame of the palm, of its links or of the joints of the fingers, where it is nearer than a limit in radians: arms
+/// with few joints reach exact directions alone.
+fn snapped(robot: &Robot, jaw: &Jaw<'_>, along: DVec3, limit: f64) -> DVec3 {
+    let links = robot.links.iter().filter(|link| link.joint == Some(jaw.palm));
+    let links = links.map(|link| link.joint_from_link.rotation);
+    let joints = jaw.roots.iter().map(|root| robot.joints[root.at()].parent_from_joint.rotation);
+    let axes = links.chain(joints).flat_map(|frame| DVec3::AXES.map(|axis| frame * axis));
+    let axes = axes.chain(DVec3::AXES).flat_map(|axis| [axis, -axis]);
+    let nearest = axes.max_by(|a, b| a.dot(along).total_cmp(&b.dot(along))).unwrap_or(along);
+    if nearest.angle_between(along) < limit { nearest } else { along }
 }
 
 /// Directions of a hand, in the palm.

@@ -39,9 +39,9 @@ fn along(half: f64) -> Vec<(f64, &'static str)> {
     }
 }
 
-/// From each face, closing on each pair of faces that fits, both ways round.
+/// From anywhere around, closing on a pair of faces; and from each face, closing on each pair of faces that fits, both ways round.
 fn on_box(half: DVec3, jaws: &Jaws) -> Vec<FoundHandle> {
-    let mut found = Vec::new();
+    let mut found = around_box(half, jaws);
     for (a, (axis, from)) in AXES.into_iter().enumerate().rev() {
         for (sign, word) in [(1.0, "plus"), (-1.0, "minus")] {
             for (c, (closing, across)) in AXES.into_iter().enumerate().filter(|(c, _)| *c != a) {
@@ -61,6 +61,32 @@ fn on_box(half: DVec3, jaws: &Jaws) -> Vec<FoundHandle> {
                 }
             }
         }
+    }
+    found
+}
+
+/// Closing on a pair of faces, free to turn about the closing direction: over faces and edges alike. In the middle, where the hand has room
+/// for the corners; else near both ends of the longer side.
+fn around_box(half: DVec3, jaws: &Jaws) -> Vec<FoundHandle> {
+    let mut found = Vec::new();
+    for (c, (closing, across)) in AXES.into_iter().enumerate() {
+        let (a, b) = ((c + 1) % 3, (c + 2) % 3);
+        let (long, short) = if half[a] > half[b] { (a, b) } else { (b, a) };
+        let in_middle = half[a].hypot(half[b]);
+        let at_end = half[short] * std::f64::consts::SQRT_2;
+        let off = AXES[long].0 * (half[long] - half[short]);
+        let places = match in_middle <= jaws.depth - ROOM {
+            true => vec![("", DVec3::ZERO, in_middle)],
+            false => vec![("_far", off, at_end), ("_near", -off, at_end)],
+        };
+        let fits = |(_, _, far): &(&str, DVec3, f64)| jaws.fits(2.0 * half[c]) && *far <= jaws.depth - ROOM;
+        found.extend(places.into_iter().filter(fits).map(|(place, at, far)| FoundHandle {
+            name: format!("around_{across}{place}"),
+            link_from_handle: frame(at, if at.length() > 0.0 { -at.normalize() } else { -AXES[long].0 }, closing),
+            clearance: jaws.clearance(far),
+            mask: [true, true, true, true, false, true],
+            reason: format!("jaws along {across}, free to turn about it"),
+        }));
     }
     found
 }

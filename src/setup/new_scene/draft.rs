@@ -7,6 +7,7 @@ use crate::setup::error::SetupError;
 use crate::setup::grippers::{FoundGripper, coordinate, is_beyond};
 use crate::setup::new_scene::holding::{Ways, handle_names};
 use crate::setup::new_scene::read_objects::{Object, seen_from};
+use crate::setup::new_scene::request::DRIVES;
 use crate::setup::new_scene::setting::Setting;
 use crate::setup::objects::RigidObject;
 use crate::setup::places::layout::Layout;
@@ -27,7 +28,8 @@ impl Setting<'_> {
         layout: &Layout,
         q: &[f64],
     ) -> Result<Draft<'d>, SetupError> {
-        let reach = root_bounds::reach(self.model) + 0.25;
+        let drive = if self.request.drives { DRIVES } else { 0.0 };
+        let reach = root_bounds::reach(self.model) + 0.25 + drive;
         let root = DVec3::Z * standing.robot_height;
         let bound = |axis: usize| {
             let (low, high) = (root[axis] - reach, root[axis] + reach);
@@ -73,7 +75,8 @@ impl Setting<'_> {
             objects: objects.iter().enumerate().map(object).collect(),
             grasps: ways.clone(),
             locked: self.locked(),
-            q: q[..self.robot.space.size()].to_vec(),
+            q: q[self.root_size()..self.root_size() + self.robot.space.size()].to_vec(),
+            drives: self.request.drives.then_some(DRIVES),
             goal: layout.goal,
             grasp: format!("`{}` by `{}`", handle, self.grippers[*gripper].name),
         })

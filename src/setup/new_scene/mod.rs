@@ -9,4 +9,4 @@ mod request;
 mod setting;
 
 pub use crate::setup::new_scene::made::new_scene;
-pub use crate::setup::new_scene::request::{NewScene, WrittenScene};
+pub use crate::setup::new_scene::request::{DRIVES, NewScene, WrittenScene};

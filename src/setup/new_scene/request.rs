@@ -6,6 +6,9 @@ use crate::setup::grippers::FoundGripper;
 use crate::setup::request::{ObjectRequest, TableRequest};
 use std::path::PathBuf;
 
+/// How far the root of a robot that drives moves along x and y, metres.
+pub const DRIVES: f64 = 2.0;
+
 /// What a new scene is made of.
 #[derive(Clone, Debug)]
 pub struct NewScene {
@@ -15,6 +18,8 @@ pub struct NewScene {
     pub srdf: Option<String>,
     /// Objects; the first one is to be moved.
     pub objects: Vec<ObjectRequest>,
+    /// Whether the robot drives: its root is planar then, within [`DRIVES`] metres of the origin along x and y.
+    pub drives: bool,
     /// The table.
     pub table: TableRequest,
     /// Links of grippers: a tool frame, or any link of a hand. Where there are none, all hands with two jaws are found.

@@ -9,7 +9,7 @@ use crate::setup::error::SetupError;
 use crate::setup::grippers::{FoundGripper, coordinate};
 use crate::setup::new_scene::holding::Ways;
 use crate::setup::new_scene::read_objects::Object;
-use crate::setup::new_scene::request::NewScene;
+use crate::setup::new_scene::request::{DRIVES, NewScene};
 use crate::setup::places::arm::Arm;
 use crate::setup::places::layout::{Item, Maker};
 use crate::setup::places::reach::{Reached, reached};
@@ -63,6 +63,10 @@ impl Setting<'_> {
         let reach = self.reached(&alone, &arms, &self.opened(&alone));
         let mut tried = Tried { first: None, refused: Vec::new(), left: LAYOUTS };
         for standing in standings(self.robot, &arms, &reach, &size) {
+            // What drives stands on the floor.
+            if self.request.drives && standing.robot_height > 0.0 {
+                continue;
+            }
             if let Some(found) = self.beside(&standing, &size, (objects, ways), &mut tried)? {
                 return Ok(found);
             }
@@ -168,10 +172,13 @@ impl Setting<'_> {
         let height = Pose::from_translation(DVec3::Z * standing.robot_height);
         let table = shape::model("table", &table_solid(size), self.packages)?;
         let X_WT = table_pose(standing);
-        let mut parts = vec![
-            (self.model, placement("robot", PartKind::Robot, RootJoint::Fixed, height)),
-            (&table, placement("table", PartKind::Environment, RootJoint::Fixed, X_WT)),
-        ];
+        let root = if self.request.drives { RootJoint::Planar } else { RootJoint::Fixed };
+        let mut robot = placement("robot", PartKind::Robot, root, height);
+        if self.request.drives {
+            robot.root_bounds = vec![(-DRIVES, DRIVES); 2];
+        }
+        let mut parts =
+            vec![(self.model, robot), (&table, placement("table", PartKind::Environment, RootJoint::Fixed, X_WT))];
         for object in objects {
             let mut free = placement(&object.name, PartKind::Object, RootJoint::FreeFlyer, Pose::identity());
             free.root_bounds = vec![(-1e4, 1e4); 3];
@@ -180,6 +187,11 @@ impl Setting<'_> {
         let robot = Robot::compose(&parts).map_err(|error| SetupError::Request(error.to_string()))?;
         let ignored = self.ignored(&robot);
         Ok(World::new(robot, &ignored))
+    }
+
+    /// How many coordinates the robot's root has, before those of its joints.
+    pub fn root_size(&self) -> usize {
+        if self.request.drives { 3 } else { 0 }
     }
 
     /// The default configuration with all fingers open.
@@ -205,17 +217,18 @@ impl Setting<'_> {
             let joints = fingers.filter_map(|f| robot.joint(&self.robot.joints[f.joint.at()].name));
             joints.into_iter().any(|joint| coordinate(robot, joint) == Some(at))
         };
-        let end = self.robot.space.size();
+        // A root that drives stays at the origin.
+        let first = self.root_size();
+        let end = first + self.robot.space.size();
         let taken = |q: &[f64]| {
             let mut taken = open.clone();
-            (0..end).filter(|at| !is_finger(*at)).for_each(|at| taken[at] = q[at]);
+            (first..end).filter(|at| !is_finger(*at)).for_each(|at| taken[at] = q[at]);
             taken
         };
         let mut middle = open.clone();
-        for at in 0..end {
-            let (low, high) = (robot.space.lower[at], robot.space.upper[at]);
+        for (x, (&low, &high)) in middle.iter_mut().zip(robot.space.lower.iter().zip(&robot.space.upper)).take(end) {
             if low.is_finite() && high.is_finite() {
-                middle[at] = (low + high) / 2.0;
+                *x = (low + high) / 2.0;
             }
         }
         let mut tried = vec![open.clone(), taken(&middle)];

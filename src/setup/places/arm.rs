@@ -6,7 +6,7 @@ use foliate_components::Pose;
 use foliate_components::pose::log_so3;
 use foliate_components::robot::{JointIndex, JointType, Robot, Source};
 use foliate_kernels::kinematics::Kinematics;
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
 /// Most iterations from one seed.
 const ITERATIONS: usize = 60;
@@ -99,13 +99,23 @@ impl Arm {
                     (axis.cross(X_WG.translation - X_WB.translation), axis)
                 }
                 JointType::Prismatic { axis } => (X_WB.rotation * axis, DVec3::ZERO),
-                // Roots that move stay where they are.
-                JointType::Planar | JointType::FreeFlyer => continue,
+                JointType::Planar => {
+                    let plane = robot.joints[joint.at()].parent_from_joint.rotation;
+                    let normal = plane * DVec3::Z;
+                    let lever = X_WG.translation - X_WB.translation;
+                    let moves = [
+                        (plane * DVec3::X, DVec3::ZERO),
+                        (plane * DVec3::Y, DVec3::ZERO),
+                        (normal.cross(lever), normal),
+                    ];
+                    for (offset, (linear, angular)) in moves.into_iter().enumerate() {
+                        columns.push((at + offset, column(into, linear, angular, mask)));
+                    }
+                    continue;
+                }
+                JointType::FreeFlyer => continue,
             };
-            let mut column = [0.0; 6];
-            column[..3].copy_from_slice(&(into * linear * factor).to_array());
-            column[3..].copy_from_slice(&(into * angular * factor).to_array());
-            column.iter_mut().zip(mask).filter(|(_, counts)| !counts).for_each(|(row, _)| *row = 0.0);
+            let column = column(into, linear * factor, angular * factor, mask);
             match columns.iter_mut().find(|(known, _)| *known == at) {
                 Some((_, sum)) => sum.iter_mut().zip(column).for_each(|(sum, row)| *sum += row),
                 None => columns.push((at, column)),
@@ -113,6 +123,15 @@ impl Arm {
         }
         columns
     }
+}
+
+/// A velocity in the axes that `into` leads to, its rows that do not count zero.
+fn column(into: DQuat, linear: DVec3, angular: DVec3, mask: [bool; 6]) -> [f64; 6] {
+    let mut column = [0.0; 6];
+    column[..3].copy_from_slice(&(into * linear).to_array());
+    column[3..].copy_from_slice(&(into * angular).to_array());
+    column.iter_mut().zip(mask).filter(|(_, counts)| !counts).for_each(|(row, _)| *row = 0.0);
+    column
 }
 
 /// Jᵀ(JJᵀ + λ)⁻¹e.
@@ -129,9 +148,8 @@ fn damped(columns: &[(usize, [f64; 6])], error: &[f64; 6]) -> Vec<(usize, f64)> 
     for i in 0..6 {
         for j in i + 1..6 {
             let factor = matrix[j][i] / matrix[i][i];
-            for k in i..7 {
-                matrix[j][k] -= factor * matrix[i][k];
-            }
+            let above = matrix[i];
+            matrix[j].iter_mut().zip(above).skip(i).for_each(|(entry, above)| *entry -= factor * above);
         }
     }
     let mut y = [0.0; 6];

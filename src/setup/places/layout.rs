@@ -192,9 +192,10 @@ impl Maker<'_> {
             return false;
         }
         // Seeds from all sides, where the turn is free.
-        let sides = if handle.mask[5] { 1 } else { SIDES };
+        let sides = if handle.mask[4..].contains(&false) { SIDES } else { 1 };
+        let axis = if handle.mask[5] { DVec3::Y } else { DVec3::Z };
         (0..sides).any(|side| {
-            let turn = DQuat::from_rotation_z(TAU * side as f64 / SIDES as f64);
+            let turn = DQuat::from_axis_angle(axis, TAU * side as f64 / SIDES as f64);
             let target = Target { X_WH: X_WH * Pose::from_rotation(turn), mask: handle.mask };
             let near = seeds(&self.reached[*gripper], &target.X_WH, SEEDS);
             near.into_iter().any(|seed| self.takes(item, arm, handle, (&target, seed, q)))

@@ -27,7 +27,7 @@ impl Reached {
     }
 }
 
-/// A gripper at random configurations of the joints that move it; all others stay as in `q`.
+/// A gripper at random configurations of the joints that move it; a root that moves and all others stay as in `q`.
 pub(crate) fn reached(world: &World, arm: &Arm, q: &[f64], seed: u64, number: usize) -> Vec<Reached> {
     let robot = &world.robot;
     let mut X_WJ = world.bodies();
@@ -37,10 +37,10 @@ pub(crate) fn reached(world: &World, arm: &Arm, q: &[f64], seed: u64, number: us
         let mut at = q.to_vec();
         for (number, joint) in robot.joints.iter().enumerate() {
             if let Some(first) = crate::setup::grippers::coordinate(robot, JointIndex(number as u32))
+                && joint.motion.configuration_size() == 1
                 && arm.is_moved_by(JointIndex(number as u32))
             {
-                let size = joint.motion.configuration_size();
-                at[first..first + size].copy_from_slice(&drawn[first..first + size]);
+                at[first] = drawn[first];
             }
         }
         world.kinematics.forward(&at, &mut X_WJ);

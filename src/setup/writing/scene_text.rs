@@ -31,8 +31,10 @@ pub(crate) struct Draft<'a> {
     pub grasps: Option<Vec<(String, Vec<String>)>>,
     /// Joints that are no part of an arm or a hand.
     pub locked: Vec<JointIndex>,
-    /// Of the robot.
+    /// Of the robot's joints.
     pub q: Vec<f64>,
+    /// How far the root drives along x and y, metres; none where it is fixed.
+    pub drives: Option<f64>,
     /// Where the first object goes, and by which grasp that is known to be within reach.
     pub goal: Pose,
     pub grasp: String,
@@ -99,6 +101,10 @@ impl Draft<'_> {
         let _ = writeln!(out, "\n[[part]]\nname = \"robot\"\nkind = \"robot\"\nurdf = {}", quoted(&self.urdf));
         if let Some(srdf) = &self.srdf {
             let _ = writeln!(out, "srdf = {}", quoted(srdf));
+        }
+        if let Some(far) = self.drives {
+            let bounds = list(&[-far, far]);
+            let _ = writeln!(out, "root = \"planar\" # it drives\nroot_bounds = [{bounds}, {bounds}]");
         }
         if self.robot_height > 0.0 {
             let _ = writeln!(
@@ -214,6 +220,9 @@ impl Draft<'_> {
 
     fn ends(&self, out: &mut String) {
         let _ = writeln!(out, "\n# Nothing collides here, and the fingers are open.\n[start]");
+        if self.drives.is_some() {
+            let _ = writeln!(out, "robot = [0.0, 0.0, 0.0] # x, y, theta");
+        }
         for joint in &self.robot.joints {
             let Source::Coordinates { q, .. } = joint.source else { continue };
             if joint.motion.configuration_size() == 1 {
