@@ -272,6 +272,7 @@ fn the_start_may_come_from_a_file() {
         ("{ \"robot/left_finger\": 0.01 }", "the scene locks it at 0.032"),
         ("{ \"table\": [0, 0, 0, 0, 0, 0, 1] }", "its root does not move"),
         ("[1, 2]", "a start is a JSON object"),
+        ("{ \"robot/left_elbow_pitch\": 1, \"robot/left_elbow_pitch\": 2 }", "is named a second time"),
         ("{", "start.json:1"),
     ] {
         demo.write("start.json", text);

@@ -6,11 +6,41 @@ use crate::scene::reading::input;
 use crate::scene::sources::source::sha256;
 use foliate_components::pose::{pose_from_array, pose_to_array};
 use foliate_components::robot::{JointType, Robot, Source};
+use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
 use serde_json::{Map, Value};
+use std::fmt;
 use std::path::{Path, PathBuf};
 
 /// How far a quaternion may be from length 1.
 const UNIT: f64 = 1e-3;
+
+/// An object that has each name once: JSON would take the last of two.
+struct Once(Map<String, Value>);
+
+impl<'de> Deserialize<'de> for Once {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Names;
+        impl<'de> Visitor<'de> for Names {
+            type Value = Once;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("an object of names and values")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Once, A::Error> {
+                let mut values = Map::new();
+                while let Some((name, value)) = entries.next_entry::<String, Value>()? {
+                    if values.contains_key(&name) {
+                        return Err(A::Error::custom(format!("`{}` is named a second time", quoted(&name))));
+                    }
+                    values.insert(name, value);
+                }
+                Ok(Once(values))
+            }
+        }
+        deserializer.deserialize_map(Names)
+    }
+}
 
 /// Where a scene starts instead of where it says: a JSON object of names and values.
 ///
@@ -50,7 +80,7 @@ impl StartFile {
 
     /// Writes its values into a start.
     pub(crate) fn apply(&self, reader: &Reader<'_>, start: &mut [f64]) -> Result<(), SceneError> {
-        let values: Map<String, Value> = serde_json::from_str(&self.text).map_err(|error| {
+        let Once(values) = serde_json::from_str(&self.text).map_err(|error| {
             let line = u32::try_from(error.line()).ok().filter(|line| *line > 0);
             let hint = "a start is a JSON object of names and values: {\"robot/joint\": 0.3}";
             self.error("JSON", error.to_string()).at(line).because(error).hint(hint)
