@@ -1,6 +1,6 @@
 //! Scenes from models: what MoveIt's Setup Assistant does, as a library.
 //!
-//! [`new_scene`] looks at a robot and some objects and gives the text of a scene that solves. It finds which links touch by design
+//! [`new_scene()`] looks at a robot and some objects and gives the text of a scene that solves. It finds which links touch by design
 //! ([`collision_matrix`]), the grippers ([`grippers`]), where each object can be held ([`handles`]), the faces on which it rests and that
 //! carry it ([`surfaces`]), and places within reach (`places`). All of it is written as plain entries (`writing`); nothing is decided
 //! again when the scene is solved. The same models and seed give the same text.

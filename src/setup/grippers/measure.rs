@@ -234,7 +234,7 @@ struct Size {
 }
 
 impl Size {
-    fn of(jaw: &Jaw<'_>, axes: &Axes, (one, other): (&[DVec3], &[DVec3]), open: &Cloud) -> Option<Self> {
+    fn of(jaw: &Jaw<'_>, axes: &Axes, (one, other): (&[DVec3], &[DVec3]), cloud: &Cloud) -> Option<Self> {
         let tip = axes.tip(one).min(axes.tip(other));
         let ends: Vec<f64> = [one, other]
             .into_iter()
@@ -251,14 +251,13 @@ impl Size {
             return None;
         }
         let middle = (lower + upper) / 2.0;
-        // What is in the channel between the jaws, behind the pads: the palm, or what joins a finger to it.
+        // What is in the channel between the jaws, behind the pads. Fingers bend: whether they leave room is tested with each handle.
         let in_channel = |p: &&DVec3| {
             (p.dot(axes.closing) - middle).abs() < opening / 4.0
                 && (p.dot(axes.across) - across).abs() < 2.0 * CHANNEL
                 && p.dot(axes.approach) < tip - PADS
         };
-        let fingers = open.fingers.iter().flatten();
-        let behind = open.palm.iter().chain(fingers).filter(in_channel).map(|p| p.dot(axes.approach));
+        let behind = cloud.palm.iter().filter(in_channel).map(|p| p.dot(axes.approach));
         let palm = behind.reduce(f64::max).unwrap_or(tip - 0.05).max(tip - 0.2);
         let origin = tip - (0.35 * (tip - palm)).min(0.012);
         Some(Self { tip, origin, palm, middle, across, opening })

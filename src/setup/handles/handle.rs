@@ -38,7 +38,7 @@ pub struct FoundHandle {
     pub reason: String,
 }
 
-/// Settings of [`handles`].
+/// Settings of [`handles`](fn@crate::setup::handles::handles).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HandleSettings {
     /// Points on the surface of a mesh at which grasps are sought.
