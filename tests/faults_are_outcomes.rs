@@ -193,6 +193,9 @@ fn a_panic_in_the_middle_of_a_projection_is_an_outcome() {
     let planner = planner(&problem);
     let reference = told(&planner.solve());
     assert_eq!(reference.0, "solved");
+    // The first solve compiles programs, which the others share. Only what each solve calls is made to fail.
+    own.calls.store(0, Ordering::Relaxed);
+    assert_eq!(told(&planner.solve()), reference);
     let calls = own.calls.swap(0, Ordering::Relaxed);
     assert!(calls > 100, "{calls}");
     for number in numbers().map(|number| 1 + number * calls / 1000).filter(|&number| number <= calls) {

@@ -95,6 +95,42 @@ impl Prior {
     }
 }
 
+/// Tries of a transition on one search side.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SideTries {
+    /// Candidates that chose the transition; those that found nothing to aim at or were stopped do not count.
+    pub tries: u64,
+    /// Those that reached its target.
+    pub reached: u64,
+    /// Those for which no configuration of the robot was found.
+    pub out_of_reach: u64,
+    /// Those that collided.
+    pub in_collision: u64,
+}
+
+impl SideTries {
+    /// Counts the end of a candidate; `None` where it reached the target.
+    pub fn count(&mut self, rejected: Option<Rejection>) {
+        match rejected {
+            Some(Rejection::NoLeafToAimAt | Rejection::Stopped) => return,
+            Some(Rejection::ProjectionFailed(_)) => self.out_of_reach += 1,
+            Some(Rejection::WaypointBlocked(_) | Rejection::MotionBlocked(_)) => self.in_collision += 1,
+            Some(_) => {}
+            None => self.reached += 1,
+        }
+        self.tries += 1;
+    }
+}
+
+impl std::ops::AddAssign for SideTries {
+    fn add_assign(&mut self, other: Self) {
+        self.tries += other.tries;
+        self.reached += other.reached;
+        self.out_of_reach += other.out_of_reach;
+        self.in_collision += other.in_collision;
+    }
+}
+
 /// What became of the candidates that tried a transition.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "ecs", derive(bevy_ecs::prelude::Component))]
@@ -109,6 +145,8 @@ pub struct TransitionStatistics {
     pub rejections: BTreeMap<Rejection, u64>,
     /// Pairs of shapes that stopped candidates, and how often.
     pub blocked_by: BTreeMap<(ShapeIndex, ShapeIndex), u64>,
+    /// The candidates that extended trees of the start's side, and those of the goals' side.
+    pub sides: [SideTries; 2],
 }
 
 impl TransitionStatistics {

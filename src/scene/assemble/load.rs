@@ -29,6 +29,7 @@ const PARTS: usize = 1000;
 ///
 /// # Errors
 /// The first thing that is wrong, in the scene, its models, or the file that says where it starts.
+// Long: one table of the file after another.
 pub(crate) fn load(
     name: &str,
     text: &str,
@@ -40,10 +41,7 @@ pub(crate) fn load(
     let table = file.parse(text)?;
     let mut keys = Keys::root(&file, &table);
     let (scene_name, description) = heading(&mut keys)?;
-    let directory = match &base {
-        SceneBase::Directory(directory) => Some(directory.clone()),
-        SceneBase::Embedded(_) => None,
-    };
+    let directory = base.directory().map(Path::to_owned);
     let packages = &packages.clone().with_readable(&directory);
     let mut loader =
         Loader { packages, base, meshes: Meshes::new(packages), warnings: Vec::new(), sums: HashMap::new() };

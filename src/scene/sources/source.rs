@@ -7,7 +7,7 @@ use crate::scene::sources::package::PackagePath;
 use crate::scene::sources::package_xml::PackagesBelow;
 use crate::scene::sources::{program_files, xacro};
 use sha2::{Digest, Sha256};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Where a scene file's relative names lead.
@@ -16,6 +16,16 @@ pub(crate) enum SceneBase {
     Directory(PathBuf),
     /// Of a shipped scene: its name.
     Embedded(&'static str),
+}
+
+impl SceneBase {
+    /// The folder of a scene on disk.
+    pub fn directory(&self) -> Option<&Path> {
+        match self {
+            Self::Directory(directory) => Some(directory),
+            Self::Embedded(_) => None,
+        }
+    }
 }
 
 /// A model file of a scene.

@@ -5,6 +5,7 @@ use crate::exploration::edges::{Connection, Connections, Obstacle};
 use crate::exploration::entities::{EntityTable, NewNodes};
 use crate::exploration::memory::Compiled;
 use crate::exploration::roadmap_query::roadmap_in;
+use crate::exploration::roots::Roots;
 use crate::exploration::search_log::{RefusedEdge, SearchLog, note_collision};
 use crate::exploration::writer::{
     Born, add_edge, add_node, add_unvalidated_edge, count_in, intern_leaf, take_unvalidated_edge, validate_edge,
@@ -76,7 +77,7 @@ pub fn commit_connections(world: &mut World) {
                 world.despawn(entity);
                 if let Some(Err(obstacle)) = verdict {
                     log_refused(world, &edge, obstacle);
-                    count_obstacle(world, edge.transition, obstacle);
+                    count_obstacle(world, &edge, obstacle);
                 }
             }
         }
@@ -108,12 +109,23 @@ fn log_refused(world: &mut World, edge: &UnvalidatedEdge, obstacle: Obstacle) {
 }
 
 /// An extension that was counted as having reached its target has not done so after all.
-fn count_obstacle(world: &mut World, transition: TransitionId, obstacle: Obstacle) {
-    let entity = world.resource::<EntityTable>().transitions[transition.at()];
+fn count_obstacle(world: &mut World, edge: &UnvalidatedEdge, obstacle: Obstacle) {
+    let entity = world.resource::<EntityTable>().transitions[edge.transition.at()];
+    let side = side_of(world, edge.from);
     if let Some(mut statistics) = world.get_mut::<TransitionStatistics>(entity) {
+        let reason = Rejection::MotionBlocked(obstacle.leg as u8);
         statistics.reached = statistics.reached.saturating_sub(1);
-        statistics.count_rejection(Rejection::MotionBlocked(obstacle.leg as u8), obstacle.blocked_by);
+        statistics.count_rejection(reason, obstacle.blocked_by);
+        let side = &mut statistics.sides[side];
+        side.reached = side.reached.saturating_sub(1);
+        side.in_collision += 1;
     }
+}
+
+/// Place of a node's search side in [`TransitionStatistics::sides`].
+fn side_of(world: &World, node: NodeId) -> usize {
+    let (roadmap, start) = (roadmap_in(world), world.resource::<Roots>().start);
+    usize::from(start.is_none_or(|start| roadmap.node(start).side != roadmap.node(node).side))
 }
 
 pub(crate) fn count(world: &mut World, candidate: &Candidate, kept: bool, complete: bool) {
@@ -123,6 +135,7 @@ pub(crate) fn count(world: &mut World, candidate: &Candidate, kept: bool, comple
     }
     let Some(transition) = candidate.transition else { return };
     let entity = world.resource::<EntityTable>().transitions[transition.at()];
+    let side = candidate.near.map(|near| side_of(world, near));
     let Some(mut statistics) = world.get_mut::<TransitionStatistics>(entity) else { return };
     statistics.attempts += 1;
     let is_first = statistics.attempts == 1;
@@ -133,6 +146,10 @@ pub(crate) fn count(world: &mut World, candidate: &Candidate, kept: bool, comple
     }
     if let Some(reason) = candidate.rejected {
         statistics.count_rejection(reason, candidate.blocked_by);
+    }
+    if let Some(side) = side {
+        let stopped = candidate.rejected.unwrap_or(Rejection::NoProgress);
+        statistics.sides[side].count((!(kept && complete)).then_some(stopped));
     }
     if let (Some(pair), Some(q)) = (candidate.blocked_by, &candidate.blocked_at) {
         note_collision(world, (transition, pair), q);

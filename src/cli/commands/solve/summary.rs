@@ -99,11 +99,7 @@ pub(crate) fn text(loaded: &Loaded<'_>, answer: &Answer) -> String {
         }
     }
     if answer.path().is_none() {
-        report
-            .objects
-            .iter()
-            .filter(|row| row.grasped == 0 && row.tries > 0)
-            .for_each(|row| out.push_str(&ungrasped(row)));
+        report.objects.iter().for_each(|row| out.push_str(&ungrasped(row)));
     }
     if !report.funnel.is_empty() {
         out.push_str(&funnel(&report.funnel, graph, answer.path().is_some()));
@@ -166,24 +162,25 @@ fn closest(loaded: &Loaded<'_>, answer: &Answer) -> String {
     )
 }
 
-/// Why an object that has to be moved was never grasped.
+/// Why an object that has to be moved was never grasped where it starts, or where the goal has it.
 fn ungrasped(row: &ObjectTries) -> String {
-    let percent = |count: u64| 100.0 * count as f64 / row.tries as f64;
-    let mut out = format!("  `{}` was never grasped: {} tries", row.object, row.tries);
-    if row.out_of_reach > 0 {
-        let _ = write!(
-            out,
-            ", {:.0} % out of reach (no configuration within the joint limits was found)",
-            percent(row.out_of_reach)
-        );
+    let mut out = String::new();
+    let both = [(&row.start, &row.goal, "where it starts"), (&row.goal, &row.start, "where the goal has it")];
+    for (side, other, place) in both.into_iter().filter(|(side, ..)| side.tries > 0 && side.reached == 0) {
+        let percent = |count: u64| 100.0 * count as f64 / side.tries as f64;
+        let _ = write!(out, "  `{}` was never grasped {place}: {} tries", row.object, side.tries);
+        if side.out_of_reach > 0 {
+            let reach = "out of reach (no configuration within the joint limits was found)";
+            let _ = write!(out, ", {:.0} % {reach}", percent(side.out_of_reach));
+        }
+        if side.in_collision > 0 {
+            let _ = write!(out, ", {:.0} % in collision", percent(side.in_collision));
+        }
+        if let (Some((first, second, _)), 0) = (&row.blocked_by, other.in_collision) {
+            let _ = write!(out, ", most often {first} with {second}");
+        }
+        out.push('\n');
     }
-    if row.in_collision > 0 {
-        let _ = write!(out, ", {:.0} % in collision", percent(row.in_collision));
-    }
-    if let Some((first, second, _)) = &row.blocked_by {
-        let _ = write!(out, ", most often {first} with {second}");
-    }
-    out.push('\n');
     out
 }
 

@@ -4,6 +4,7 @@ use crate::cli::commands::solve::answer::Answer;
 use crate::cli::commands::solve::arguments::SearchArguments;
 use crate::cli::commands::solve::coverage;
 use crate::cli::commands::solve::summary::{Loaded, name};
+use foliate::components::outcome::SideTries;
 use foliate::components::path::{ManipulationPath, events};
 use foliate::components::problem::{Correction, Moved};
 use foliate::planner::{CostRow, ImprovementReport};
@@ -152,12 +153,18 @@ fn state_json(row: &StateRow) -> Value {
 
 /// What became of the tries to grasp an object that has to be moved.
 fn object_json(row: &ObjectTries) -> Value {
+    let side = |side: &SideTries| {
+        json!({
+            "tries": side.tries,
+            "grasped": side.reached,
+            "out_of_reach": side.out_of_reach,
+            "in_collision": side.in_collision,
+        })
+    };
     json!({
         "object": row.object,
-        "tries": row.tries,
-        "grasped": row.grasped,
-        "out_of_reach": row.out_of_reach,
-        "in_collision": row.in_collision,
+        "start": side(&row.start),
+        "goal": side(&row.goal),
         "blocked_by": row.blocked_by,
     })
 }
