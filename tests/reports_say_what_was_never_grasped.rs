@@ -4,13 +4,14 @@
 
 use foliate::components::problem::Problem;
 use foliate::components::samples::boxes_on_a_table;
+use foliate::systems::goals::reach::Shortfall;
 use foliate::systems::settings::SearchSettings;
 use foliate::{NoSolution, ObjectTries, Planner};
 
-/// What became of the tries of a search that has forty steps.
+/// What became of the tries of a search that has a hundred steps.
 fn tries(problem: Problem) -> Vec<ObjectTries> {
     let planner =
-        Planner::new(problem).unwrap().settings(SearchSettings::default().with(|settings| settings.max_steps = 40));
+        Planner::new(problem).unwrap().settings(SearchSettings::default().with(|settings| settings.max_steps = 100));
     let report = match planner.first_path().solve_on(1) {
         Ok(solution) => solution.report,
         Err(NoSolution { report, .. }) => *report,
@@ -25,9 +26,36 @@ fn a_box_beyond_the_arm_is_out_of_reach() {
     let [far, near] = &rows[..] else { panic!("{rows:?}") };
     assert_eq!((far.object.as_str(), far.start.reached), ("box0", 0));
     assert!(far.start.tries > 20 && far.start.out_of_reach * 10 > far.start.tries * 9, "{far:?}");
+    let reach = far.start_reach.as_ref().unwrap();
+    assert_eq!((reach.gripper.as_str(), reach.handle.as_str()), ("arm/hand", "box0/top"));
+    assert!(matches!(reach.shortfall, Shortfall::Distance(metres) if metres > 0.05), "{reach}");
     // Its goal is within reach.
     assert!(far.goal.reached > 0, "{far:?}");
     assert!(near.start.reached > 0, "{near:?}");
+}
+
+#[test]
+fn a_limit_that_is_in_the_way_is_named() {
+    let problem = boxes_on_a_table(&[(0.6, 0.3)], &[(0.6, -0.2)]).unwrap();
+    let solution = Planner::new(problem.clone()).unwrap().first_path().solve_on(1).unwrap();
+    let robot = &problem.robot;
+    // The first axis turns the arm towards the box: it may turn nearly so far.
+    let path = solution.path.segments.iter().flat_map(|segment| &segment.knots);
+    let turned = path.map(|q| q[0]).fold(0.0, f64::max);
+    assert!(turned > 0.2, "{turned}");
+    let mut limited = problem.clone();
+    let most = 0.15;
+    limited.robot.joints[0].upper[0] = most;
+    limited.robot.space.upper[0] = most;
+    limited.robot.joints[2].upper[0] = 0.0;
+    limited.robot.joints[2].lower[0] = 0.0;
+    limited.robot.space.upper[2] = 0.0;
+    limited.robot.space.lower[2] = 0.0;
+    let [row] = &tries(limited)[..] else { panic!("one box has to be moved") };
+    let reach = row.start_reach.as_ref().unwrap_or_else(|| panic!("{row:?}"));
+    let Shortfall::Limit { joint, needed, limit } = &reach.shortfall else { panic!("{reach}") };
+    assert_eq!(joint, &robot.joints[0].name);
+    assert!(*limit == most && *needed > most, "{reach}");
 }
 
 #[test]

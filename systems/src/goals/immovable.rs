@@ -8,8 +8,9 @@ use crate::planning_model::state_classification::Feasible;
 use foliate_components::Pose;
 use foliate_components::graph::{ConstraintGraph, ConstraintId, ConstraintKind, StateId};
 use foliate_components::infeasibility::Infeasibility;
+use foliate_components::pose::pose_to_array;
 use foliate_components::problem::Goal;
-use foliate_components::robot::PartIndex;
+use foliate_components::robot::{PartIndex, Source};
 
 /// Goals that ask for less than so many times the tolerance of starts are left to the search: they may mean where the object stands.
 const TOLERANCES: f64 = 2.0;
@@ -69,6 +70,21 @@ pub fn objects_to_move(model: &Model, start: &[f64]) -> Vec<usize> {
     let goals = &model.problem.goals;
     let moves = |&object: &usize| goals.iter().all(|goal| displacement(model, start, goal, object).is_some());
     (0..model.objects().len()).filter(moves).filter(|_| !goals.is_empty()).collect()
+}
+
+/// A configuration that has an object where the first goal that says so has it: the goal, or a start with the object moved.
+#[must_use]
+pub fn at_goal(model: &Model, start: &[f64], object: usize) -> Option<Vec<f64>> {
+    let (part, root) = (model.graph.objects[object].part, model.objects()[object].root?);
+    let Source::Coordinates { q: first, .. } = model.problem.robot.joints[root.at()].source else { return None };
+    model.problem.goals.iter().find_map(|goal| match goal {
+        Goal::Configuration(q) => (q.len() == start.len()).then(|| q.clone()),
+        Goal::Partial(goal) => goal.poses.iter().find(|(asked, _)| *asked == part).map(|(_, pose)| {
+            let mut q = start.to_vec();
+            q[first..first + 7].copy_from_slice(&pose_to_array(pose));
+            q
+        }),
+    })
 }
 
 fn contradiction(model: &Model, start: &[f64], goal: &Goal, object: usize) -> Option<Infeasibility> {

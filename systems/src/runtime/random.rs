@@ -36,6 +36,9 @@ impl Purpose {
     /// Drawing changes of a path that is to become better.
     pub const IMPROVE: Self = Self(9);
 
+    /// Finding out why no hand reaches an object.
+    pub const REACH: Self = Self(13);
+
     /// A purpose of a host's own scheduler.
     #[must_use]
     pub const fn of_host(number: u32) -> Self {

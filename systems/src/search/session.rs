@@ -133,6 +133,16 @@ impl Search {
         }
     }
 
+    /// As [`Self::run`], but at most to the end of a step; `None` where the search goes on.
+    pub fn run_to(&mut self, step: u64) -> Option<SearchOutcome> {
+        let watch = Watch::begin();
+        while self.ending.is_none() && self.counter().step < step {
+            watch.call();
+            self.step();
+        }
+        self.ending.clone()
+    }
+
     /// Plans stretches of the path again that seem to need fewer grasps, where the scheduler asks for it, in as many steps as
     /// [`SearchSettings::regrasp_share`] says.
     fn leave_out_regrasps(&mut self) {

@@ -13,8 +13,8 @@ use crate::cli::console::print::{Ending, Refusal, print, print_json, say};
 use foliate::path_file::{PathContext, save, write_path};
 use foliate::scene::{PackagePath, Scene, StartFile};
 use foliate::systems::events::{SearchEvent, SolveEvent};
-use foliate::{NoSolution, NoSolutionReason, Planner, Solution};
-use indicatif::{ProgressBar, ProgressStyle};
+use foliate::{NoSolution, NoSolutionReason, ObjectTries, Planner, Solution};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -116,12 +116,15 @@ pub(crate) fn solve(
     progress: bool,
 ) -> Result<(Planner, Answer), Refusal> {
     let threads = usize::from(arguments.threads);
+    let bar = ProgressBar::new_spinner();
+    let above = bar.clone();
+    let planner = planner.on_out_of_reach(move |rows| above.suspend(|| rows.iter().for_each(doubt)));
     if !(progress && std::io::stderr().is_terminal()) {
+        bar.set_draw_target(ProgressDrawTarget::hidden());
         let answer = begun(planner.solve_on(threads))?;
         return Ok((planner, answer));
     }
     let (planner, events) = planner.events();
-    let bar = ProgressBar::new_spinner();
     if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {msg}") {
         bar.set_style(style);
     }
@@ -133,6 +136,14 @@ pub(crate) fn solve(
         answer
     });
     Ok((planner, begun(answer)?))
+}
+
+/// Says what seems to keep hands from an object, while the search goes on.
+fn doubt(row: &ObjectTries) {
+    let places = [("where it starts", &row.start_reach), ("where the goal has it", &row.goal_reach)];
+    for (place, reach) in places.iter().filter_map(|(place, reach)| Some((place, reach.as_ref()?))) {
+        say(&format!("note: `{}` is likely out of reach {place}: {reach}. The search goes on\n", row.object));
+    }
 }
 
 /// Refuses a solve that did not begin, since there are no threads for it.

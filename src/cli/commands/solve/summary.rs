@@ -165,8 +165,11 @@ fn closest(loaded: &Loaded<'_>, answer: &Answer) -> String {
 /// Why an object that has to be moved was never grasped where it starts, or where the goal has it.
 fn ungrasped(row: &ObjectTries) -> String {
     let mut out = String::new();
-    let both = [(&row.start, &row.goal, "where it starts"), (&row.goal, &row.start, "where the goal has it")];
-    for (side, other, place) in both.into_iter().filter(|(side, ..)| side.tries > 0 && side.reached == 0) {
+    let both = [
+        (&row.start, &row.goal, "where it starts", &row.start_reach),
+        (&row.goal, &row.start, "where the goal has it", &row.goal_reach),
+    ];
+    for (side, other, place, reach) in both.into_iter().filter(|(side, ..)| side.tries > 0 && side.reached == 0) {
         let percent = |count: u64| 100.0 * count as f64 / side.tries as f64;
         let _ = write!(out, "  `{}` was never grasped {place}: {} tries", row.object, side.tries);
         if side.out_of_reach > 0 {
@@ -180,6 +183,9 @@ fn ungrasped(row: &ObjectTries) -> String {
             let _ = write!(out, ", most often {first} with {second}");
         }
         out.push('\n');
+        if let Some(reach) = reach {
+            let _ = writeln!(out, "    likely: {reach}");
+        }
     }
     out
 }

@@ -166,6 +166,8 @@ fn object_json(row: &ObjectTries) -> Value {
         "start": side(&row.start),
         "goal": side(&row.goal),
         "blocked_by": row.blocked_by,
+        "start_reach": row.start_reach.as_ref().map(ToString::to_string),
+        "goal_reach": row.goal_reach.as_ref().map(ToString::to_string),
     })
 }
 
