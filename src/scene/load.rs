@@ -104,15 +104,7 @@ impl ReadModel {
     /// # Errors
     /// As [`Self::compose_alone`].
     pub fn compose_as(&mut self, name: &str) -> Result<Robot, SceneError> {
-        let placement = PartPlacement {
-            name: name.into(),
-            kind: PartKind::Robot,
-            root: RootJoint::Fixed,
-            world_from_root: Pose::identity(),
-            mimic_follows: true,
-            root_bounds: Vec::new(),
-            joint_bounds: Vec::new(),
-        };
+        let placement = PartPlacement::new(name, PartKind::Robot, RootJoint::Fixed, Pose::identity());
         let robot = Robot::compose(&[(&self.model, placement)]).map_err(|error| {
             match (&error, self.urdf.as_ref().and_then(follower_limits::again)) {
                 (ComposeError::NoRoom { room, .. }, Some(urdf)) => follower_limits::refusal(&urdf, room),

@@ -40,15 +40,7 @@ impl RigidObject {
     /// # Errors
     /// A model that cannot be composed, or without collision shapes.
     pub fn of(name: &str, model: &Model) -> Result<Self, SetupError> {
-        let placement = PartPlacement {
-            name: "object".into(),
-            kind: PartKind::Environment,
-            root: RootJoint::Fixed,
-            world_from_root: Pose::identity(),
-            mimic_follows: true,
-            root_bounds: Vec::new(),
-            joint_bounds: Vec::new(),
-        };
+        let placement = PartPlacement::new("object", PartKind::Environment, RootJoint::Fixed, Pose::identity());
         let refused = |message: String| SetupError::Request(format!("`{name}`: {message}"));
         let robot = Robot::compose(&[(model, placement)]).map_err(|error| refused(error.to_string()))?;
         let rigid = |link: &usize| robot.links[*link].joint.is_none();

@@ -41,15 +41,7 @@ mod tests {
             clearance: 0.0,
         };
         model.grippers = links.iter().map(gripper).collect();
-        let placement = PartPlacement {
-            name: "hand".into(),
-            kind: PartKind::Robot,
-            root: RootJoint::FreeFlyer,
-            world_from_root: Pose::identity(),
-            mimic_follows: true,
-            root_bounds: Vec::new(),
-            joint_bounds: Vec::new(),
-        };
+        let placement = PartPlacement::new("hand", PartKind::Robot, RootJoint::FreeFlyer, Pose::identity());
         let robot = Robot::compose(&[(&model, placement)]).expect("a hand");
         fingers(&robot, GripperIndex(0)).into_iter().map(|j| robot.joints[j.at()].name.clone()).collect()
     }

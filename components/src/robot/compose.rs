@@ -325,15 +325,7 @@ mod tests {
     }
 
     fn placement() -> PartPlacement {
-        PartPlacement {
-            name: "part".into(),
-            kind: PartKind::Robot,
-            root: RootJoint::Fixed,
-            world_from_root: Pose::identity(),
-            mimic_follows: true,
-            root_bounds: Vec::new(),
-            joint_bounds: Vec::new(),
-        }
+        PartPlacement::new("part", PartKind::Robot, RootJoint::Fixed, Pose::identity())
     }
 
     #[test]

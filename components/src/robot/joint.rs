@@ -180,3 +180,19 @@ pub struct PartPlacement {
     /// bounds by number: `joint/x`, with the names of [`JointType::axes`].
     pub joint_bounds: Vec<(String, f64, f64)>,
 }
+
+impl PartPlacement {
+    /// A part without bounds of its own; mimic joints follow.
+    #[must_use]
+    pub fn new(name: &str, kind: PartKind, root: RootJoint, world_from_root: Pose) -> Self {
+        Self {
+            name: name.into(),
+            kind,
+            root,
+            world_from_root,
+            mimic_follows: true,
+            root_bounds: Vec::new(),
+            joint_bounds: Vec::new(),
+        }
+    }
+}

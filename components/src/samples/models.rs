@@ -30,15 +30,7 @@ pub fn environment(name: &str, world_from_root: Pose) -> PartPlacement {
 /// A part without bounds of its own; mimic joints follow.
 #[must_use]
 pub fn part(name: &str, kind: PartKind, root: RootJoint, world_from_root: Pose) -> PartPlacement {
-    PartPlacement {
-        name: name.into(),
-        kind,
-        root,
-        world_from_root,
-        mimic_follows: true,
-        root_bounds: Vec::new(),
-        joint_bounds: Vec::new(),
-    }
+    PartPlacement::new(name, kind, root, world_from_root)
 }
 
 /// Two revolute joints about z, links of one metre along x, limits ±π; gripper `tip` at the end, x along the last link.

@@ -160,27 +160,20 @@ impl Setting<'_> {
 
     /// Robot, table and objects as one.
     fn world(&self, objects: &[Object], standing: &Standing, size: &TableSize) -> Result<World, SetupError> {
-        let placement = |name: &str, kind, root, world_from_root| PartPlacement {
-            name: name.into(),
-            kind,
-            root,
-            world_from_root,
-            mimic_follows: true,
-            root_bounds: Vec::new(),
-            joint_bounds: Vec::new(),
-        };
         let height = Pose::from_translation(DVec3::Z * standing.robot_height);
         let table = shape::model("table", &table_solid(size), self.packages)?;
         let X_WT = table_pose(standing);
         let root = if self.request.drives { RootJoint::Planar } else { RootJoint::Fixed };
-        let mut robot = placement("robot", PartKind::Robot, root, height);
+        let mut robot = PartPlacement::new("robot", PartKind::Robot, root, height);
         if self.request.drives {
             robot.root_bounds = vec![(-DRIVES, DRIVES); 2];
         }
-        let mut parts =
-            vec![(self.model, robot), (&table, placement("table", PartKind::Environment, RootJoint::Fixed, X_WT))];
+        let mut parts = vec![
+            (self.model, robot),
+            (&table, PartPlacement::new("table", PartKind::Environment, RootJoint::Fixed, X_WT)),
+        ];
         for object in objects {
-            let mut free = placement(&object.name, PartKind::Object, RootJoint::FreeFlyer, Pose::identity());
+            let mut free = PartPlacement::new(&object.name, PartKind::Object, RootJoint::FreeFlyer, Pose::identity());
             free.root_bounds = vec![(-1e4, 1e4); 3];
             parts.push((&object.model, free));
         }
