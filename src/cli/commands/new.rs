@@ -5,7 +5,6 @@ use crate::cli::console::print::{Ending, Refusal, print, print_json, say};
 use foliate::output;
 use foliate::scene::PackagePath;
 use foliate::setup::grasps_file::GraspAxes;
-use foliate::setup::grippers::{FoundGripper, GripperKind};
 use foliate::setup::request::{ObjectRequest, TableRequest};
 use foliate::setup::{NewScene, SetupError, WrittenScene, new_scene};
 use serde_json::json;
@@ -145,24 +144,10 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     Ok(if written.solved.is_some() { Ending::Done } else { Ending::Failed })
 }
 
-/// A gripper's size in words.
-fn size(gripper: &FoundGripper) -> String {
-    match gripper.kind {
-        GripperKind::Jaws { opening, shut, depth, tip } => format!(
-            "opens {:.0} mm (shut {:.0}), palm {:.0} mm behind, tips {:.0} mm ahead",
-            opening * 1e3,
-            shut * 1e3,
-            depth * 1e3,
-            tip * 1e3
-        ),
-        GripperKind::Tool => "holds what its tip touches".into(),
-    }
-}
-
 fn in_words(arguments: &Arguments, written: &WrittenScene) -> String {
     let mut text = String::new();
     for gripper in &written.grippers {
-        let _ = writeln!(text, "gripper {}: {}; {}", gripper.name, gripper.reason, size(gripper));
+        let _ = writeln!(text, "gripper {}: {}; {}", gripper.name, gripper.reason, gripper.kind);
     }
     let (left_out, pairs) = written.pairs;
     let _ = writeln!(text, "links: {left_out} of {pairs} pairs touch by design and are left out");
@@ -184,7 +169,8 @@ fn in_json(arguments: &Arguments, written: &WrittenScene) -> serde_json::Value {
     let objects = written.objects.iter();
     let objects: Vec<_> = objects.map(|(name, h, f)| json!({ "name": name, "handles": h, "faces": f })).collect();
     let grippers = written.grippers.iter();
-    let grippers: Vec<_> = grippers.map(|g| json!({ "name": g.name, "reason": g.reason, "size": size(g) })).collect();
+    let grippers: Vec<_> =
+        grippers.map(|g| json!({ "name": g.name, "reason": g.reason, "size": g.kind.to_string() })).collect();
     json!({
         "scene": arguments.scene.display().to_string(),
         "grippers": grippers,

@@ -7,6 +7,7 @@ use foliate_components::robot::{JointIndex, LinkIndex, Robot};
 use foliate_kernels::collision::{DistanceQuery, Solid, clearance};
 use foliate_kernels::kinematics::Kinematics;
 use glam::DVec3;
+use std::fmt;
 
 /// How a gripper holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +25,19 @@ pub enum GripperKind {
     },
     /// A tool that holds at its tip, such as a suction cup: the origin of the frame.
     Tool,
+}
+
+impl fmt::Display for GripperKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Jaws { opening, shut, depth, tip } => {
+                let [opening, shut, depth, tip] = [opening, shut, depth, tip].map(|metres| metres * 1e3);
+                write!(f, "opens {opening:.1} mm and shuts to {shut:.1} mm; ")?;
+                write!(f, "the palm is {depth:.1} mm behind the frame, the tips {tip:.1} mm ahead")
+            }
+            Self::Tool => f.write_str("holds what its tip touches"),
+        }
+    }
 }
 
 /// A joint of one coordinate that opens and closes a gripper.

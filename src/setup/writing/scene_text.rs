@@ -1,7 +1,7 @@
 //! A scene file with comments, from what was found.
 
 use crate::setup::collision_matrix::{CollisionMatrix, PairReason};
-use crate::setup::grippers::{FoundGripper, GripperKind};
+use crate::setup::grippers::FoundGripper;
 use crate::setup::handles::FoundHandle;
 use crate::setup::surfaces::FoundSurface;
 use crate::setup::writing::numbers::{list, mask, number, number_within, point, pose, quoted};
@@ -116,7 +116,7 @@ impl Draft<'_> {
         }
         self.ignore(out);
         for gripper in self.grippers {
-            let _ = writeln!(out, "\n# Found: {}.\n{}", gripper.reason, size_of(gripper));
+            let _ = writeln!(out, "\n# Found: {}.\n# It {}.", gripper.reason, gripper.kind);
             let _ = writeln!(
                 out,
                 "[[part.gripper]]\nname = {}\nlink = {}\npose = {} # x approaches, y closes",
@@ -241,20 +241,6 @@ impl Draft<'_> {
             self.objects[0].name,
             pose(&self.goal)
         );
-    }
-}
-
-/// What a gripper's size is, as a comment.
-fn size_of(gripper: &FoundGripper) -> String {
-    match gripper.kind {
-        GripperKind::Jaws { opening, shut, depth, tip } => format!(
-            "# Opens {:.1} mm, shuts to {:.1} mm; the palm is {:.1} mm behind the frame, the tips {:.1} mm ahead.",
-            opening * 1e3,
-            shut * 1e3,
-            depth * 1e3,
-            tip * 1e3
-        ),
-        GripperKind::Tool => "# Holds what its tip touches.".into(),
     }
 }
 
