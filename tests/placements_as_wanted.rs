@@ -318,7 +318,7 @@ fn the_check_lets_objects_be_moved_as_far_as_file_and_scene_say() {
         report.violations.iter().all(|violation| violation.kind != Kind::Start)
     };
     assert!(moved([0.0, 0.0, 4.9e-3], 0.0, Some((4.9e-3, 0.0))) && moved([3e-3, 0.0, 0.0], 0.03, Some((3e-3, 0.03))));
-    assert!(!moved([0.0, 0.0, 1e-4], 0.0, None), "nobody says so");
+    assert!(!moved([0.0, 0.0, 1e-4], 0.0, None), "the file does not say so");
     assert!(!moved([0.0, 0.0, 3e-3], 0.0, Some((2e-3, 0.0))), "by more than is said");
     assert!(!moved([0.0, 0.0, 5.1e-3], 0.0, Some((5.1e-3, 0.0))), "by more than the scene allows");
     assert!(!moved([0.0, 0.0, 0.0], 0.04, Some((0.0, 0.04))), "turned by more than the scene allows");

@@ -60,7 +60,7 @@ fn a_box_above_the_table_is_put_down_and_this_is_said() {
     proved(&report);
     assert!(report.notes.iter().any(|note| note.contains("of the start the path has moved onto its state: box1 by")));
     let said = std::mem::take(&mut file.corrections);
-    assert!(has(&demo.check(&file), Kind::Start), "nobody said so");
+    assert!(has(&demo.check(&file), Kind::Start), "the file does not say so");
     file.corrections = said.clone();
     file.corrections[0].distance = 0.001;
     assert!(has(&demo.check(&file), Kind::Start), "it was moved by more");

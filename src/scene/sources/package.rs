@@ -114,7 +114,7 @@ impl PackagePath {
         self
     }
 
-    /// Whose xacro files the program `xacro` may expand. Without this nobody's: it evaluates what is written in them.
+    /// Which xacro files the program `xacro` may expand. Without this none: it evaluates what is written in them.
     #[must_use]
     pub fn with_xacro(mut self, whose: XacroUse) -> Self {
         self.xacro = whose;

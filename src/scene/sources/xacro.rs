@@ -23,7 +23,7 @@ const SAID: u64 = 4096;
 /// Whose xacro files the program `xacro` may expand. It evaluates expressions that are written in them, and reads what they include.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum XacroUse {
-    /// Nobody's: such files are refused.
+    /// None: xacro files are refused.
     #[default]
     Never,
     /// Those that are named by the host or by a scene, but not those that a path file names.
