@@ -124,6 +124,20 @@ fn fingers_move_alone_close_until_they_nearly_touch_and_open_again() {
     }
 }
 
+#[cfg(feature = "view")]
+#[test]
+fn pages_say_when_hands_close_and_when_they_open() {
+    use foliate::view::{ViewOptions, Visuals, page_of_solution};
+    let scene = demo("", "", "").unwrap();
+    let solution = Planner::new(scene.problem.clone()).unwrap().seed(1).improve_work(500).solve_on(1).unwrap();
+    let visuals = Visuals::of_scene(&scene, &PackagePath::default()).unwrap();
+    let page = page_of_solution(&solution, &visuals, &ViewOptions::default()).unwrap();
+    let words: Vec<String> = page.document.path.unwrap().segments.into_iter().map(|segment| segment.words).collect();
+    let count = |verb: &str| words.iter().filter(|words| words.contains(verb)).count();
+    let (closed, opened) = (count(" closes on "), count(" opens to let go of "));
+    assert!(closed >= 2 && closed == opened, "{words:#?}");
+}
+
 #[test]
 fn start_and_goal_may_have_hands_open_as_far_as_they_like() {
     let start = "\"robot/left_finger\" = 0.005\n";

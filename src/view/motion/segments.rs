@@ -173,8 +173,11 @@ fn fingers_move(
         moved.iter().all(|i| own.contains(i))
     })?;
     let name = &robot.grippers[hand.at()].name;
-    let holds = all[index].held.iter().find(|held| held.gripper == name);
-    Some(match holds {
+    let held_at = |index: usize| all.get(index)?.held.iter().find(|held| held.gripper == name);
+    // The hand still holds while it opens: it lets go at the end of the motion.
+    let lets_go = index + 1 < all.len() && held_at(index + 1).is_none();
+    Some(match held_at(index) {
+        Some(held) if lets_go => format!("{} opens to let go of {}", names.of_name(name), held.object),
         Some(held) => format!("{} closes on {}", names.of_name(name), held.object),
         None => format!("{} opens or closes", names.of_name(name)),
     })
