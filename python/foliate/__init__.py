@@ -1,0 +1,54 @@
+"""Manipulation planning: constraint graphs, foliated manifolds, certified motions.
+
+>>> import foliate
+>>> solution = foliate.solve(foliate.Scene("demo"), seed=1)
+>>> len(solution.path)
+12
+>>> times = solution.path.times(100)
+>>> solution.path.configurations(times).shape[0] == times.size
+True
+"""
+
+from foliate._foliate import (
+    Cancel,
+    CheckReport,
+    Event,
+    FunnelRow,
+    Path,
+    Report,
+    Scene,
+    Segment,
+    Solution,
+    __version__,
+    check,
+    load_path,
+    scenes,
+    schedulers,
+    solve,
+)
+from foliate.batch import plan_batch
+from foliate.errors import FoliateError, ModelError, NoSolution, PathError, SceneError
+
+__all__ = [
+    "Cancel",
+    "CheckReport",
+    "Event",
+    "FoliateError",
+    "FunnelRow",
+    "ModelError",
+    "NoSolution",
+    "Path",
+    "PathError",
+    "Report",
+    "Scene",
+    "SceneError",
+    "Segment",
+    "Solution",
+    "__version__",
+    "check",
+    "load_path",
+    "plan_batch",
+    "scenes",
+    "schedulers",
+    "solve",
+]

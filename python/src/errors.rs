@@ -1,0 +1,61 @@
+//! Exceptions: `foliate/errors.py` has their classes, with an attribute for each thing that an error says.
+
+use foliate::check::CheckError;
+use foliate::path_file::{LoadPathError, PathFileError};
+use foliate::scene::SceneError;
+use foliate::{NoSolution, Report};
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+
+use crate::report::PyReport;
+
+/// An exception of a class of `foliate.errors`.
+fn raised<'py>(py: Python<'py>, class: &str, arguments: impl pyo3::call::PyCallArgs<'py>) -> PyErr {
+    let made = py.import("foliate.errors").and_then(|errors| errors.getattr(class)?.call1(arguments));
+    match made {
+        Ok(exception) => PyErr::from_value(exception),
+        Err(why) => why,
+    }
+}
+
+pub(crate) fn of_scene(py: Python<'_>, error: &SceneError) -> PyErr {
+    let SceneError { file, line, element, message, hint, .. } = error;
+    raised(py, "SceneError", (error.to_string(), file, *line, element, message, hint))
+}
+
+pub(crate) fn of_model(py: Python<'_>, error: &impl std::error::Error) -> PyErr {
+    raised(py, "ModelError", (error.to_string(),))
+}
+
+pub(crate) fn of_path_file(py: Python<'_>, error: &PathFileError) -> PyErr {
+    raised(py, "PathError", (error.to_string(),))
+}
+
+pub(crate) fn of_loading(py: Python<'_>, error: &LoadPathError) -> PyErr {
+    raised(py, "PathError", (error.to_string(),))
+}
+
+pub(crate) fn of_check(py: Python<'_>, error: &CheckError) -> PyErr {
+    raised(py, "PathError", (error.to_string(),))
+}
+
+pub(crate) fn of_path(py: Python<'_>, error: &impl std::fmt::Display) -> PyErr {
+    raised(py, "PathError", (error.to_string(),))
+}
+
+/// A search without a path.
+pub(crate) fn of_search(py: Python<'_>, none: &NoSolution) -> PyErr {
+    let report: &Report = &none.report;
+    let report = match Py::new(py, PyReport::of(report)) {
+        Ok(report) => report,
+        Err(why) => return why,
+    };
+    raised(py, "NoSolution", (none.reason.to_string(), none.reason.name(), none.reason.detail(), report))
+}
+
+/// What a panic of the kernel becomes: the process lives on.
+pub(crate) fn of_panic(payload: &(dyn std::any::Any + Send)) -> PyErr {
+    let text = payload.downcast_ref::<&str>().copied().map(str::to_owned);
+    let text = text.or_else(|| payload.downcast_ref::<String>().cloned());
+    PyRuntimeError::new_err(format!("a bug of foliate: {}", text.unwrap_or_else(|| String::from("a panic"))))
+}

@@ -1,0 +1,358 @@
+//! Paths: what a robot program or a notebook asks of them, as numpy arrays.
+
+use crate::arrays::{Array, Numbers, blocks, matrix, pose_row, row};
+use crate::scene::PyScene;
+use crate::{errors, page};
+use foliate::components::path::{EventKind, ManipulationPath, Segment};
+use foliate::kernels::lanes::Level;
+use foliate::path_file::{LoadedPath, PathContext, save, write_path};
+use foliate::prelude::{PackagePath, Trajectory, TrajectoryError};
+use foliate::trajectory::TrajectoryEvent;
+use foliate::view::{Page, ViewOptions, Visuals, page_of_path, page_of_solution};
+use foliate::{Solution, scene::SceneError};
+use pyo3::prelude::*;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Where a path comes from.
+pub(crate) enum Source {
+    /// A solve.
+    Solved { solution: Arc<Solution>, scene: Py<PyScene>, seed: u64, scheduler: String },
+    /// A file.
+    Loaded { path: Arc<LoadedPath>, file: PathBuf },
+}
+
+/// A certified path: segments, each on one leaf, and, where it has times, a curve over time.
+///
+/// Configurations are rows of numbers: metres, radians, and quaternions x, y, z, w; the numbers of parts one after the other, joints depth first as
+/// pinocchio has them, a free part as x, y, z and its quaternion. Poses are x, y, z and the quaternion, in the world.
+#[pyclass(frozen, name = "Path", module = "foliate")]
+pub struct PyPath {
+    pub(crate) source: Source,
+}
+
+/// A motion on one leaf.
+#[pyclass(frozen, name = "Segment", module = "foliate")]
+pub struct PySegment {
+    segment: Segment,
+    state: String,
+    transition: String,
+}
+
+#[pymethods]
+impl PySegment {
+    /// Name of the state in which the motion lies.
+    #[getter]
+    fn state(&self) -> &str {
+        &self.state
+    }
+
+    /// Name of the transition that is travelled.
+    #[getter]
+    fn transition(&self) -> &str {
+        &self.transition
+    }
+
+    /// Configurations: an array of shape (knots, numbers of a configuration).
+    #[getter]
+    fn knots<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        matrix(py, self.segment.knots.concat(), self.segment.knots.first().map_or(0, Vec::len))
+    }
+
+    /// When the knots are passed, seconds: an array of shape (knots,). `None` in a path without times.
+    #[getter]
+    fn times<'py>(&self, py: Python<'py>) -> Option<Array<'py>> {
+        self.segment.timing.as_ref().map(|timing| row(py, timing.times.clone()))
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Segment({:?}, {} knots)", self.state, self.segment.knots.len())
+    }
+}
+
+impl PyPath {
+    fn path(&self) -> &ManipulationPath {
+        match &self.source {
+            Source::Solved { solution, .. } => &solution.path,
+            Source::Loaded { path, .. } => &path.path,
+        }
+    }
+
+    fn trajectory(&self, py: Python<'_>) -> PyResult<Trajectory<'_>> {
+        let made = match &self.source {
+            Source::Solved { solution, .. } => solution.trajectory(),
+            Source::Loaded { path, .. } => path.trajectory(),
+        };
+        made.map_err(|why| errors::of_path(py, &why))
+    }
+
+    fn page(&self, py: Python<'_>) -> PyResult<Page> {
+        let scene_error = |why: SceneError| errors::of_scene(py, &why);
+        let path_error = |why: TrajectoryError| errors::of_path(py, &why);
+        let options = ViewOptions::default();
+        match &self.source {
+            Source::Solved { solution, scene, .. } => {
+                let scene = scene.get();
+                let packages = scene.packages.clone().with_placeholders();
+                let visuals = Visuals::of_scene(&scene.scene, &packages).map_err(scene_error)?;
+                page_of_solution(solution, &visuals, &options).map_err(path_error)
+            }
+            Source::Loaded { path, file } => {
+                let read = save::read(file).map_err(|why| errors::of_path_file(py, &why))?;
+                let visuals = Visuals::of_shapes(&path.robot);
+                page_of_path((&read, path), None, None, &visuals, &options).map_err(path_error)
+            }
+        }
+    }
+
+    pub(crate) fn framed(&self, py: Python<'_>) -> PyResult<String> {
+        page::framed(&self.page(py)?)
+    }
+}
+
+#[pymethods]
+impl PyPath {
+    /// The segments in the direction of travel.
+    #[getter]
+    fn segments(&self) -> Vec<PySegment> {
+        let name = |index: usize, segment: &Segment| match &self.source {
+            Source::Solved { solution, .. } => {
+                let graph = &solution.model.graph;
+                (graph.state(segment.state).name.clone(), graph.transition(segment.transition).name.clone())
+            }
+            Source::Loaded { path, .. } => (path.states()[index].clone(), path.transitions()[index].clone()),
+        };
+        let made = |(index, segment): (usize, &Segment)| {
+            let (state, transition) = name(index, segment);
+            PySegment { segment: segment.clone(), state, transition }
+        };
+        self.path().segments.iter().enumerate().map(made).collect()
+    }
+
+    /// All knots in the direction of travel: an array of shape (knots, numbers of a configuration). The last knot of a segment is the first of the next
+    /// one, and is there once.
+    #[getter]
+    fn knots<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        let mut rows: Vec<f64> = Vec::new();
+        let mut columns = 0;
+        for segment in &self.path().segments {
+            columns = segment.knots.first().map_or(0, Vec::len);
+            let skipped = usize::from(!rows.is_empty());
+            segment.knots.iter().skip(skipped).for_each(|knot| rows.extend_from_slice(knot));
+        }
+        matrix(py, rows, columns)
+    }
+
+    /// How long it takes, seconds; `None` in a path without times.
+    #[getter]
+    fn duration(&self) -> Option<f64> {
+        self.path().duration()
+    }
+
+    /// Proven lower bound of the distance of all tested pairs beyond their margins, metres; `None` where no pair is tested.
+    #[getter]
+    fn min_clearance(&self) -> Option<f64> {
+        self.path().certificate.min_clearance
+    }
+
+    /// Names of the robots.
+    #[getter]
+    fn robots(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        Ok(self.trajectory(py)?.robots().map(str::to_owned).collect())
+    }
+
+    /// Names of the objects.
+    #[getter]
+    fn objects(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        Ok(self.trajectory(py)?.objects().map(str::to_owned).collect())
+    }
+
+    /// Names of a robot's joints of one coordinate, `part/joint`, depth first (pinocchio's order).
+    fn joint_names(&self, py: Python<'_>, robot: &str) -> PyResult<Vec<String>> {
+        let trajectory = self.trajectory(py)?;
+        let names = trajectory.joint_names(robot).map_err(|why| errors::of_path(py, &why))?;
+        Ok(names.into_iter().map(str::to_owned).collect())
+    }
+
+    /// Times at a rate (per second), the last one exactly at the end: an array of shape (times,), seconds.
+    fn times<'py>(&self, py: Python<'py>, rate: f64) -> PyResult<Array<'py>> {
+        let trajectory = self.trajectory(py)?;
+        let times: Vec<f64> = trajectory.sample_times(rate).map_err(|why| errors::of_path(py, &why))?.collect();
+        Ok(row(py, times))
+    }
+
+    /// Whole configurations at times (seconds; clamped to the path): an array of shape (times, numbers of a configuration). Objects are where they are
+    /// carried.
+    fn configurations<'py>(&self, py: Python<'py>, times: Numbers) -> PyResult<Array<'py>> {
+        let trajectory = self.trajectory(py)?;
+        let (rows, columns) = py.detach(|| {
+            let mut poses = trajectory.poses();
+            let mut rows = Vec::with_capacity(times.0.len() * poses.configuration().len());
+            for &time in &times.0 {
+                poses.place(time);
+                rows.extend_from_slice(poses.configuration());
+            }
+            (rows, poses.configuration().len())
+        });
+        matrix(py, rows, columns)
+    }
+
+    /// What joints do at times: positions, velocities and accelerations, three arrays of shape (times, joints) in rad, rad/s, rad/s² or metres. `joints` is
+    /// the name of a robot, or names of joints.
+    fn joints<'py>(
+        &self,
+        py: Python<'py>,
+        joints: Names,
+        times: Numbers,
+    ) -> PyResult<(Array<'py>, Array<'py>, Array<'py>)> {
+        let trajectory = self.trajectory(py)?;
+        let selected = match &joints {
+            Names::One(robot) => trajectory.joints_of(robot),
+            Names::Several(names) => trajectory.joints(&names.iter().map(String::as_str).collect::<Vec<_>>()),
+        };
+        let selected = selected.map_err(|why| errors::of_path(py, &why))?;
+        let columns = selected.names().len();
+        let [positions, velocities, accelerations] = py.detach(|| {
+            let mut rows = [(); 3].map(|()| Vec::with_capacity(times.0.len() * columns));
+            let mut sample = Default::default();
+            for &time in &times.0 {
+                selected.sample_into(time, &mut sample);
+                rows[0].extend_from_slice(&sample.positions);
+                rows[1].extend_from_slice(&sample.velocities);
+                rows[2].extend_from_slice(&sample.accelerations);
+            }
+            rows
+        });
+        Ok((matrix(py, positions, columns)?, matrix(py, velocities, columns)?, matrix(py, accelerations, columns)?))
+    }
+
+    /// Poses in the world of links (`part/link`) or parts (`part`: its root link) at times: an array of shape (times, names, 7), x, y, z in metres and the
+    /// quaternion x, y, z, w.
+    fn poses<'py>(&self, py: Python<'py>, names: Vec<String>, times: Numbers) -> PyResult<Array<'py>> {
+        let trajectory = self.trajectory(py)?;
+        let links = names.iter().map(|name| trajectory.link(name)).collect::<Result<Vec<_>, _>>();
+        let links = links.map_err(|why| errors::of_path(py, &why))?;
+        let numbers = py.detach(|| {
+            let mut poses = trajectory.poses();
+            let mut numbers = Vec::with_capacity(times.0.len() * links.len() * 7);
+            for &time in &times.0 {
+                poses.place(time);
+                links.iter().for_each(|&link| numbers.extend_from_slice(&pose_row(&poses.link(link))));
+            }
+            numbers
+        });
+        blocks(py, numbers, [times.0.len(), names.len(), 7])
+    }
+
+    /// When hands take and let go, in the order of time.
+    #[getter]
+    fn events(&self, py: Python<'_>) -> PyResult<Vec<PyEvent>> {
+        Ok(self.trajectory(py)?.events().into_iter().map(PyEvent::of).collect())
+    }
+
+    /// Writes the path file (`foliate.path/2`), which `check` and the command `foliate` read.
+    fn save(&self, py: Python<'_>, out: PathBuf) -> PyResult<()> {
+        let error = |why: foliate::path_file::PathFileError| errors::of_path_file(py, &why);
+        match &self.source {
+            Source::Solved { solution, scene, seed, scheduler } => {
+                let scene = scene.get();
+                let models = save::model_names(&scene.scene, &out).map_err(error)?;
+                let context = PathContext {
+                    problem: &solution.model.problem,
+                    graph: &solution.model.graph,
+                    models: &models,
+                    seed: *seed,
+                    scheduler,
+                    simd: Level::default().name(),
+                };
+                save::save(&write_path(&context, &solution.path), &out).map_err(error)
+            }
+            Source::Loaded { file, .. } => save::save(&save::read(file).map_err(error)?, &out).map_err(error),
+        }
+    }
+
+    /// A page that plays the path: its text, or, with `out`, the name of the file into which it is written.
+    #[pyo3(signature = (out = None))]
+    fn view(&self, py: Python<'_>, out: Option<PathBuf>) -> PyResult<String> {
+        page::shown(py, &self.page(py)?, out)
+    }
+
+    fn _repr_html_(&self, py: Python<'_>) -> PyResult<String> {
+        self.framed(py)
+    }
+
+    fn __len__(&self) -> usize {
+        self.path().segments.len()
+    }
+
+    fn __repr__(&self) -> String {
+        let path = self.path();
+        let knots: usize = path.segments.iter().map(|segment| segment.knots.len()).sum();
+        let duration = path.duration().map_or(String::new(), |seconds| format!(", {seconds:.2} s"));
+        format!("Path({} segments, {knots} knots{duration})", path.segments.len())
+    }
+}
+
+/// A hand takes or lets go of an object.
+#[pyclass(frozen, get_all, name = "Event", module = "foliate")]
+pub struct PyEvent {
+    /// Seconds, as the path counts them.
+    time: f64,
+    /// How long the robot stands still then, seconds.
+    dwell: f64,
+    /// `"grasp"` or `"release"`.
+    kind: &'static str,
+    /// The part that is taken or let go.
+    object: String,
+    /// `part/gripper`.
+    gripper: String,
+    /// `part/handle`.
+    handle: String,
+    /// Number of the segment that begins with it.
+    segment: usize,
+    /// Joints of the gripper and where they are when the hand has closed or opened, radians or metres.
+    fingers: BTreeMap<String, f64>,
+}
+
+impl PyEvent {
+    fn of(event: TrajectoryEvent<'_>) -> Self {
+        Self {
+            time: event.time,
+            dwell: event.dwell,
+            kind: match event.kind {
+                EventKind::Grasp => "grasp",
+                EventKind::Release => "release",
+            },
+            object: event.object.to_owned(),
+            gripper: event.gripper.to_owned(),
+            handle: event.handle.to_owned(),
+            segment: event.segment,
+            fingers: event.fingers.iter().map(|&(name, value)| (name.to_owned(), value)).collect(),
+        }
+    }
+}
+
+#[pymethods]
+impl PyEvent {
+    fn __repr__(&self) -> String {
+        let Self { time, kind, object, gripper, .. } = self;
+        format!("Event({time:.3} s: {kind} {object:?} by {gripper:?})")
+    }
+}
+
+/// One name, or several.
+#[derive(FromPyObject)]
+enum Names {
+    One(String),
+    Several(Vec<String>),
+}
+
+/// Reads a path file, of any version of Foliate that wrote one.
+#[pyfunction]
+#[pyo3(signature = (file, *, packages = Vec::new()))]
+pub fn load_path(py: Python<'_>, file: PathBuf, packages: Vec<PathBuf>) -> PyResult<PyPath> {
+    let packages = PackagePath::from_environment(&packages);
+    let path = py.detach(|| LoadedPath::read(&file, &packages)).map_err(|why| errors::of_loading(py, &why))?;
+    Ok(PyPath { source: Source::Loaded { path: Arc::new(path), file } })
+}

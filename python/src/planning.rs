@@ -1,0 +1,134 @@
+//! Planning: a scene in, a solution out.
+
+use crate::errors;
+use crate::interruption::{PyCancel, watched};
+use crate::scene::PyScene;
+use crate::solution::PySolution;
+use foliate::crossbeam_channel::Receiver;
+use foliate::memory::MemoryLimit;
+use foliate::prelude::{CancelToken, Planner, SearchEvent, SolveEvent};
+use foliate::systems::settings::SearchSettings;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::time::{Duration, Instant};
+
+/// `progress` is called this often at most.
+const PROGRESS: Duration = Duration::from_millis(100);
+
+/// Plans a path for a scene.
+///
+/// The answer depends on scene, seed and settings alone, not on `threads` or the machine. `time_limit` is in seconds. `improve_work` is how much counted
+/// work is spent on a better path than the first, `improve_time` seconds instead; `first` asks for the first path, without times. `candidates` is how many
+/// candidates a step has. `progress` is called with a dictionary (`step`, `candidates`, `nodes`, `edges`, `leaves`) at most ten times a second; what it raises
+/// ends the search. `cancel` ends it from another thread. Other threads of Python run meanwhile; Ctrl-C ends the search.
+///
+/// Raises `NoSolution` where there is no path, with the reason and what the search did; `ModelError` where the problem cannot be planned for; `ValueError` for
+/// a value that no option has.
+#[pyfunction]
+#[pyo3(signature = (scene, *, seed = 1, time_limit = 60.0, threads = 1, scheduler = "sequence", first = false, improve_work = None,
+    improve_time = None, candidates = 16, memory_limit = None, progress = None, cancel = None))]
+#[allow(clippy::too_many_arguments, reason = "keywords of a Python function")]
+pub fn solve(
+    py: Python<'_>,
+    scene: Py<PyScene>,
+    seed: u64,
+    time_limit: f64,
+    threads: u16,
+    scheduler: &str,
+    first: bool,
+    improve_work: Option<u64>,
+    improve_time: Option<f64>,
+    candidates: u16,
+    memory_limit: Option<&str>,
+    progress: Option<Py<PyAny>>,
+    cancel: Option<&PyCancel>,
+) -> PyResult<PySolution> {
+    if threads == 0 || candidates == 0 {
+        return Err(PyValueError::new_err("`threads` and `candidates` are at least 1"));
+    }
+    let limit = seconds("time_limit", time_limit)?;
+    let memory: Option<MemoryLimit> = memory_limit
+        .map(|text| text.parse().map_err(|why| PyValueError::new_err(format!("memory_limit: {why}"))))
+        .transpose()?;
+    let improve_time = improve_time.map(|time| seconds("improve_time", time)).transpose()?;
+    let token = cancel.map_or_else(CancelToken::default, |cancel| cancel.token.clone());
+    let begun = Instant::now();
+    let shared = scene.get();
+    let planner = py.detach(|| Planner::from_tables(shared.tables())).map_err(|why| errors::of_model(py, &why))?;
+    let settings = SearchSettings::default().with(|s| {
+        s.seed = seed;
+        s.candidates = usize::from(candidates);
+    });
+    let planner = planner.settings(settings).cancelled_by(token.clone());
+    let planner = planner.time_limit(limit.saturating_sub(begun.elapsed()));
+    let planner = if first { planner.first_path() } else { planner };
+    let planner = match (improve_work, improve_time) {
+        (Some(_), Some(_)) => return Err(PyValueError::new_err("either `improve_work` or `improve_time`")),
+        (Some(work), None) => planner.improve_work(work),
+        (None, Some(time)) => planner.improve_time(time),
+        (None, None) => planner,
+    };
+    let planner = match memory {
+        Some(limit) => planner.memory_limit(limit),
+        None => planner,
+    };
+    let Some(planner) = planner.scheduler_named(scheduler) else {
+        let known = schedulers().join(", ");
+        return Err(PyValueError::new_err(format!("there is no scheduler `{scheduler}`; known: {known}")));
+    };
+    let (planner, mut told) = match progress {
+        Some(function) => {
+            let (planner, events) = planner.events();
+            (planner, Some(Progress { function, events, last: None }))
+        }
+        None => (planner, None),
+    };
+    let tick = |py: Python<'_>| told.as_mut().map_or(Ok(()), |told| told.tell(py));
+    let answer = watched(py, &token, || planner.solve_on(usize::from(threads)), tick)?;
+    match answer {
+        Ok(solution) => Ok(PySolution::new(solution, scene, (seed, scheduler.to_owned()))),
+        Err(none) => Err(errors::of_search(py, &none)),
+    }
+}
+
+/// The schedulers that are shipped.
+#[pyfunction]
+pub fn schedulers() -> Vec<&'static str> {
+    foliate::schedulers::shipped().iter().map(|scheduler| scheduler.name()).collect()
+}
+
+fn seconds(what: &str, value: f64) -> PyResult<Duration> {
+    Duration::try_from_secs_f64(value)
+        .map_err(|_| PyValueError::new_err(format!("{what}: {value} is not a number of seconds")))
+}
+
+/// What is told of progress, and when it was last.
+struct Progress {
+    function: Py<PyAny>,
+    events: Receiver<SolveEvent>,
+    last: Option<Instant>,
+}
+
+impl Progress {
+    fn tell(&mut self, py: Python<'_>) -> PyResult<()> {
+        if self.last.is_some_and(|last| last.elapsed() < PROGRESS) {
+            return Ok(());
+        }
+        let news = self.events.try_iter().filter_map(|told| match told.event {
+            SearchEvent::Progress { step, candidates, nodes, edges, leaves } => {
+                Some((step, candidates, nodes, edges, leaves))
+            }
+            _ => None,
+        });
+        let Some((step, candidates, nodes, edges, leaves)) = news.last() else { return Ok(()) };
+        self.last = Some(Instant::now());
+        let numbers = PyDict::new(py);
+        numbers.set_item("step", step)?;
+        numbers.set_item("candidates", candidates)?;
+        numbers.set_item("nodes", nodes)?;
+        numbers.set_item("edges", edges)?;
+        numbers.set_item("leaves", leaves)?;
+        self.function.call1(py, (numbers,)).map(drop)
+    }
+}

@@ -1,0 +1,222 @@
+//! Scenes: what is planned for.
+
+use crate::errors;
+use crate::page;
+use foliate::components::robot::PartKind;
+use foliate::prelude::{CoordinateValue, Goal, PackagePath, Pose, Problem};
+use foliate::scene::{Scene, shipped_scenes};
+use foliate::systems::planning_model::ProblemTables;
+use foliate::view::{ViewOptions, Visuals, model_of_scene, page_of_scene};
+use pyo3::exceptions::PyValueError;
+use pyo3::inspect::PyStaticExpr;
+use pyo3::prelude::*;
+use pyo3::types::PyMapping;
+use pyo3::{type_hint_identifier, type_hint_subscript};
+use std::path::PathBuf;
+use std::sync::{Arc, OnceLock};
+
+/// What is planned for: robots, objects, who may hold what and where things may lie, a start and goals.
+///
+/// `Scene("demo")` is a scene that is shipped (`scenes()` lists them), `Scene("my.toml")` reads a file, `Scene.from_text` a text. A scene does not
+/// change: `with_start` and `with_goal` give others. It may be used by any number of threads.
+///
+/// `packages` are folders in which `package://` names are looked up, beside those of the environment (`FOLIATE_PACKAGE_PATH`, `ROS_PACKAGE_PATH`).
+///
+/// Raises `SceneError` with file, line and hint where something cannot be read.
+#[pyclass(frozen, name = "Scene", module = "foliate")]
+pub struct PyScene {
+    pub(crate) scene: Scene,
+    pub(crate) packages: PackagePath,
+    tables: OnceLock<Arc<ProblemTables>>,
+}
+
+/// A number, three (x, y, angle) or seven (x, y, z, and the quaternion x, y, z, w).
+#[derive(FromPyObject)]
+pub(crate) enum Value {
+    Number(f64),
+    Numbers(Vec<f64>),
+}
+
+/// Values by names.
+pub(crate) struct Values(Vec<(String, Value)>);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Values {
+    type Error = PyErr;
+
+    const INPUT_TYPE: PyStaticExpr = type_hint_subscript!(
+        type_hint_identifier!("collections.abc", "Mapping"),
+        type_hint_identifier!("builtins", "str"),
+        type_hint_identifier!("numpy.typing", "ArrayLike")
+    );
+
+    fn extract(given: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        let items = given.cast::<PyMapping>()?.items()?;
+        items.iter().map(|item| item.extract()).collect::<PyResult<_>>().map(Self)
+    }
+}
+
+impl PyScene {
+    fn of(scene: Scene, packages: PackagePath) -> Self {
+        Self { scene, packages, tables: OnceLock::new() }
+    }
+
+    /// Tables of the problem, made once.
+    pub(crate) fn tables(&self) -> Arc<ProblemTables> {
+        let made = || Arc::new(ProblemTables::new(self.scene.problem.clone()));
+        Arc::clone(self.tables.get_or_init(made))
+    }
+
+    /// The same with another problem. No file says what it is now.
+    fn changed(&self, change: impl FnOnce(&mut Problem) -> PyResult<()>) -> PyResult<Self> {
+        let mut scene = self.scene.clone();
+        change(&mut scene.problem)?;
+        (scene.file, scene.start) = (None, None);
+        Ok(Self::of(scene, self.packages.clone()))
+    }
+
+    fn names(&self, kind: PartKind) -> Vec<String> {
+        let parts = self.scene.problem.robot.parts.iter();
+        parts.filter(|part| part.kind == kind).map(|part| part.name.clone()).collect()
+    }
+}
+
+#[pymethods]
+impl PyScene {
+    #[new]
+    #[pyo3(signature = (name, *, packages = Vec::new()))]
+    fn new(py: Python<'_>, name: &str, packages: Vec<PathBuf>) -> PyResult<Self> {
+        let packages = PackagePath::from_environment(&packages);
+        let scene = py.detach(|| Scene::load(name, &packages)).map_err(|why| errors::of_scene(py, &why))?;
+        Ok(Self::of(scene, packages))
+    }
+
+    /// Reads a scene from a text in the form of a scene file (TOML). Names of files in it start at `folder`.
+    #[staticmethod]
+    #[pyo3(signature = (text, *, folder = PathBuf::from("."), name = "scene", packages = Vec::new()))]
+    fn from_text(py: Python<'_>, text: &str, folder: PathBuf, name: &str, packages: Vec<PathBuf>) -> PyResult<Self> {
+        let packages = PackagePath::from_environment(&packages);
+        let scene = py.detach(|| Scene::from_text(name, text, &folder, &packages));
+        Ok(Self::of(scene.map_err(|why| errors::of_scene(py, &why))?, packages))
+    }
+
+    /// Its name.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.scene.problem.name
+    }
+
+    /// What it says of itself.
+    #[getter]
+    fn description(&self) -> &str {
+        &self.scene.description
+    }
+
+    /// Names of the robots.
+    #[getter]
+    fn robots(&self) -> Vec<String> {
+        self.names(PartKind::Robot)
+    }
+
+    /// Names of the objects.
+    #[getter]
+    fn objects(&self) -> Vec<String> {
+        self.names(PartKind::Object)
+    }
+
+    /// What reading it has to remark.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.scene.warnings.iter().map(ToString::to_string).collect()
+    }
+
+    /// What a joint (`part/joint`) or part has at the start: a number, three (x, y, angle) or seven (x, y, z, and the quaternion x, y, z, w); metres and
+    /// radians.
+    fn start(&self, py: Python<'_>, name: &str) -> PyResult<Vec<f64>> {
+        let problem = &self.scene.problem;
+        let value = problem.robot.get(&problem.start, name).map_err(|why| errors::of_model(py, &why))?;
+        Ok(match value {
+            CoordinateValue::Number(number) => vec![number],
+            CoordinateValue::Planar(numbers) => numbers.to_vec(),
+            CoordinateValue::Pose(pose) => crate::arrays::pose_row(&pose).to_vec(),
+        })
+    }
+
+    /// The scene with another start: joints (`part/joint`, radians or metres) and parts (poses in the world: x, y, z in metres and the quaternion x, y, z,
+    /// w). What is not named starts as before.
+    fn with_start(&self, py: Python<'_>, values: Values) -> PyResult<Self> {
+        self.changed(|problem| {
+            for (name, value) in &values.0 {
+                problem.set_start(name, value.read(name)?).map_err(|why| errors::of_model(py, &why))?;
+            }
+            Ok(())
+        })
+    }
+
+    /// The scene with another goal: joints and parts as in `with_start` that have these values in the end. What is not named is free, but nothing stays in
+    /// a hand.
+    fn with_goal(&self, py: Python<'_>, values: Values) -> PyResult<Self> {
+        self.changed(|problem| {
+            let read = |(name, value): &(String, Value)| Ok((name.clone(), value.read(name)?));
+            let read: Vec<(String, CoordinateValue)> = values.0.iter().map(read).collect::<PyResult<_>>()?;
+            let named = read.iter().map(|(name, value)| (name.as_str(), *value));
+            let goal: Goal = problem.partial_goal(named).map_err(|why| errors::of_model(py, &why))?;
+            problem.goals = vec![goal];
+            Ok(())
+        })
+    }
+
+    /// A page that shows the scene: its text, or, with `out`, the name of the file into which it is written.
+    #[pyo3(signature = (out = None))]
+    fn view(&self, py: Python<'_>, out: Option<PathBuf>) -> PyResult<String> {
+        page::shown(py, &self.page(py)?, out)
+    }
+
+    fn _repr_html_(&self, py: Python<'_>) -> PyResult<String> {
+        page::framed(&self.page(py)?)
+    }
+
+    fn __repr__(&self) -> String {
+        let (robots, objects) = (self.robots().join(", "), self.objects().join(", "));
+        format!("Scene({:?}: robots {robots}; objects {objects})", self.name())
+    }
+}
+
+impl PyScene {
+    fn page(&self, py: Python<'_>) -> PyResult<foliate::view::Page> {
+        let made = py.detach(|| {
+            let visuals = Visuals::of_scene(&self.scene, &self.packages.clone().with_placeholders())?;
+            Ok(page_of_scene(&self.scene, model_of_scene(&self.scene), &visuals, &ViewOptions::default()))
+        });
+        made.map_err(|why| errors::of_scene(py, &why))
+    }
+}
+
+impl Value {
+    fn read(&self, name: &str) -> PyResult<CoordinateValue> {
+        match self {
+            Self::Number(number) => Ok(CoordinateValue::Number(*number)),
+            Self::Numbers(numbers) => match numbers.as_slice() {
+                &[number] => Ok(CoordinateValue::Number(number)),
+                &[x, y, angle] => Ok(CoordinateValue::Planar([x, y, angle])),
+                &[x, y, z, qx, qy, qz, qw] => {
+                    let rotation = foliate::glam::DQuat::from_xyzw(qx, qy, qz, qw);
+                    // Of numbers that are no rotation `set_start` says so.
+                    let length = rotation.length();
+                    let is_unit = (length - 1.0).abs() < 1e-6;
+                    let rotation = if is_unit { rotation.normalize() } else { rotation };
+                    Ok(CoordinateValue::Pose(Pose::from_parts(foliate::glam::DVec3::new(x, y, z), rotation)))
+                }
+                other => Err(PyValueError::new_err(format!(
+                    "`{name}` has {} numbers; a joint has one, a base on the floor three (x, y, angle), a part seven (x, y, z, and the quaternion x, y, z, w)",
+                    other.len()
+                ))),
+            },
+        }
+    }
+}
+
+/// The scenes that are shipped: name, what it is, and whether it needs published robot models (`foliate models --install`).
+#[pyfunction]
+pub fn scenes() -> Vec<(&'static str, &'static str, bool)> {
+    shipped_scenes().iter().map(|scene| (scene.name, scene.summary, scene.needs_models)).collect()
+}
