@@ -103,4 +103,9 @@ pub enum ConstraintKind {
         /// Number in [`crate::problem::GraphOptions::constraints`].
         constraint: u32,
     },
+    /// A constraint of the problem's own that holds because a gripper holds an object.
+    WhileHeld {
+        /// Number in [`crate::problem::GraphOptions::constraints`].
+        constraint: u32,
+    },
 }

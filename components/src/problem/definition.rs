@@ -142,11 +142,22 @@ pub struct GraphOptions {
     pub constraints: Vec<NamedConstraint>,
     /// Those of them that hold in every state: feet that stand still, balance.
     pub everywhere: Vec<u32>,
+    /// Constraints that hold while a gripper holds an object. They have no parameters.
+    pub while_held: Vec<WhileHeld>,
     /// States of the problem's own, such as the stances of a walking robot. Every state of the graph is one of them
     /// together with a map of grasps; without any there is one without constraints.
     pub states: Vec<WrittenState>,
     /// How the states of the problem's own follow one another.
     pub transitions: Vec<WrittenTransition>,
+}
+
+/// Constraints that hold in every state in which a gripper holds an object: it stays upright, or below a height.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct WhileHeld {
+    /// The object.
+    pub object: PartIndex,
+    /// Numbers of [`GraphOptions::constraints`].
+    pub constraints: Vec<u32>,
 }
 
 /// A joint of one coordinate that moves only while a gripper holds a handle beyond it.

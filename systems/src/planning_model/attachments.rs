@@ -51,7 +51,10 @@ impl Model {
             ConstraintKind::Grasp { handle, .. } | ConstraintKind::Pregrasp { handle, .. } => {
                 self.graph.objects.iter().position(|o| o.handles.contains(&handle))
             }
-            ConstraintKind::JointRest { .. } | ConstraintKind::Finger { .. } | ConstraintKind::Given { .. } => None,
+            ConstraintKind::JointRest { .. }
+            | ConstraintKind::Finger { .. }
+            | ConstraintKind::Given { .. }
+            | ConstraintKind::WhileHeld { .. } => None,
         }
     }
 

@@ -123,7 +123,7 @@ impl ProblemTables {
     pub fn constraint_of(&self, kind: ConstraintKind) -> Option<Constraint> {
         let options = &self.problem.graph;
         match kind {
-            ConstraintKind::Given { constraint } => {
+            ConstraintKind::Given { constraint } | ConstraintKind::WhileHeld { constraint } => {
                 options.constraints.get(constraint as usize).map(|given| given.constraint.clone())
             }
             ConstraintKind::JointRest { joint } => options.resting_joints.get(joint as usize).map(|resting| {

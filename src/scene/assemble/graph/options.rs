@@ -70,7 +70,7 @@ pub(crate) fn read(
         options.hands = hands::read(&item, robot, &options.locked, |item, name| named_gripper(item, name, robot))?;
     }
     options.approach = hands::approach(&mut keys)?;
-    written::read(&mut keys, &mut options)?;
+    written::read(&mut keys, robot, &mut options)?;
     keys.finish()?;
     Ok(options)
 }

@@ -3,6 +3,7 @@
 
 use crate::planning_model::graph::attachment_order::{Chain, grasp_of, is_beyond, root_of};
 use crate::planning_model::graph::checks::GraphError;
+use crate::planning_model::graph::own_constraints::own_constraints;
 use crate::planning_model::graph::support_placement::carrying_bodies;
 use foliate_components::constraint::Grasp;
 use foliate_components::graph::{ConstraintKind, Fingers, Opening};
@@ -192,13 +193,12 @@ impl<'a> StateKeys<'a> {
             }
         }
         manifold.extend(self.fingers(key));
-        let own = self.options.states.get(key.written).map_or(&[][..], |state| &state.constraints);
-        for &constraint in self.options.everywhere.iter().chain(own) {
-            let given = ConstraintKind::Given { constraint };
-            if !manifold.contains(&given) {
-                manifold.push(given);
-            }
-        }
+        let is_held = |part| {
+            let holds =
+                |&(_, handle): &_| self.options.objects.get(self.object_of(handle)).is_some_and(|o| o.part == part);
+            key.grasps.iter().any(holds)
+        };
+        manifold.extend(own_constraints(self.options, key.written, is_held));
         manifold
     }
 
@@ -325,7 +325,7 @@ impl<'a> StateKeys<'a> {
                 };
                 (name, false)
             }
-            ConstraintKind::Given { constraint } => {
+            ConstraintKind::Given { constraint } | ConstraintKind::WhileHeld { constraint } => {
                 let given = &self.options.constraints[constraint as usize];
                 (given.name.clone(), given.constraint.foliates())
             }
