@@ -121,6 +121,7 @@ pub fn waypoints(graph: &ConstraintGraph, id: TransitionId) -> Vec<String> {
             ConstraintKind::Placement { .. } => Some((3, "at the place".to_owned())),
             ConstraintKind::Finger { opening, .. } => Some((4, opening_words(*opening).to_owned())),
             ConstraintKind::Given { .. }
+            | ConstraintKind::Approach { .. }
             | ConstraintKind::WhileHeld { .. }
             | ConstraintKind::Rest { .. }
             | ConstraintKind::JointRest { .. } => None,

@@ -16,7 +16,7 @@ pub(crate) mod row;
 pub use crate::constraint::bounded::{Distance, Region, Tilt};
 pub use crate::constraint::centre_of_mass::{BodyMass, CentreOfMass, CentreOfMassBetween, Masses, NoMass, PlaneRow};
 pub use crate::constraint::custom::{Curvature, Custom, Function, Gradient};
-pub use crate::constraint::grasp::Grasp;
+pub use crate::constraint::grasp::{ApproachBound, Grasp};
 pub use crate::constraint::kind::Constraint;
 pub use crate::constraint::locked::{Locked, LockedValue};
 pub use crate::constraint::mask::{Mask, MaskError};

@@ -1,5 +1,6 @@
 //! The constraints that states and waypoints share, named as HPP names them.
 
+use crate::constraint::ApproachBound;
 use crate::robot::indices::{GripperIndex, HandleIndex, JointIndex};
 
 /// Index of a constraint in [`crate::graph::constraint_graph::ConstraintGraph::constraints`].
@@ -97,6 +98,16 @@ pub enum ConstraintKind {
         finger: u32,
         /// How far the hand is open.
         opening: Opening,
+    },
+    /// The gripper is on the line from the pregrasp to the grasp, and turned as it is there, as far as
+    /// [`GraphOptions::approach_line`](crate::problem::GraphOptions::approach_line) asks.
+    Approach {
+        /// Who approaches.
+        gripper: GripperIndex,
+        /// What is approached.
+        handle: HandleIndex,
+        /// Which of it.
+        bound: ApproachBound,
     },
     /// A constraint of the problem's own.
     Given {

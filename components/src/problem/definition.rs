@@ -138,6 +138,8 @@ pub struct GraphOptions {
     pub hands: Vec<Hand>,
     /// How far hands open to approach.
     pub approach: Approach,
+    /// How straight grippers go from a pregrasp to a grasp, and back; `None` for as they like.
+    pub approach_line: Option<ApproachLine>,
     /// Constraints of the problem's own; what follows names them by number. Parameter rows name slot 0.
     pub constraints: Vec<NamedConstraint>,
     /// Those of them that hold in every state: feet that stand still, balance.
@@ -149,6 +151,16 @@ pub struct GraphOptions {
     pub states: Vec<WrittenState>,
     /// How the states of the problem's own follow one another.
     pub transitions: Vec<WrittenTransition>,
+}
+
+/// How far a gripper may be off the line from a pregrasp to its grasp, where the handle makes it one: it leaves no rotation free but the one
+/// about the line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ApproachLine {
+    /// Along y and along z of the handle, metres.
+    pub distance: f64,
+    /// Between the axes of gripper and handle, radians, as a [`Tilt`](crate::constraint::Tilt) has it.
+    pub angle: f64,
 }
 
 /// Constraints that hold in every state in which a gripper holds an object: it stays upright, or below a height.

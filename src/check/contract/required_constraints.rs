@@ -57,6 +57,8 @@ impl Contract<'_> {
         let mut required: Vec<NamedConstraint> =
             options.everywhere.iter().map(|&number| options.constraints[number as usize].clone()).collect();
         required.extend(self.of_held(motion));
+        required.extend(self.on_lines(file, motion.index));
+        self.line_ends(file, motion, frames, report)?;
         required.extend(self.resting_joints(motion));
         required.extend(self.planes(motion));
         if !options.states.is_empty() {

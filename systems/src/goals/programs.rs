@@ -265,6 +265,7 @@ fn rows_of(model: &Model, goal: &PartialGoal, constraint: ConstraintId) -> Optio
         ConstraintKind::JointRest { .. }
         | ConstraintKind::Finger { .. }
         | ConstraintKind::Given { .. }
+        | ConstraintKind::Approach { .. }
         | ConstraintKind::WhileHeld { .. } => model.constraint(constraint)?.without_parameters(),
     }
 }

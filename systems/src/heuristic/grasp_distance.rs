@@ -245,7 +245,7 @@ impl Of {
             | ConstraintKind::Preplacement { object, .. }
             | ConstraintKind::Rest { object } => Some(Self::Object(object)),
             ConstraintKind::JointRest { joint } => Some(Self::Joint(joint)),
-            ConstraintKind::Finger { .. } | ConstraintKind::WhileHeld { .. } => None,
+            ConstraintKind::Finger { .. } | ConstraintKind::Approach { .. } | ConstraintKind::WhileHeld { .. } => None,
             ConstraintKind::Given { .. } => Some(Self::Stance),
         }
     }

@@ -54,6 +54,7 @@ impl Model {
             ConstraintKind::JointRest { .. }
             | ConstraintKind::Finger { .. }
             | ConstraintKind::Given { .. }
+            | ConstraintKind::Approach { .. }
             | ConstraintKind::WhileHeld { .. } => None,
         }
     }

@@ -36,6 +36,7 @@ impl Model {
             ConstraintKind::JointRest { .. }
             | ConstraintKind::Finger { .. }
             | ConstraintKind::Given { .. }
+            | ConstraintKind::Approach { .. }
             | ConstraintKind::WhileHeld { .. } => {
                 Some(PathConstraint { name, constraint: self.constraint(id)?, argument: value })
             }

@@ -197,6 +197,7 @@ impl<'a> Draft<'a> {
             ConstraintKind::JointRest { .. }
             | ConstraintKind::Finger { .. }
             | ConstraintKind::Given { .. }
+            | ConstraintKind::Approach { .. }
             | ConstraintKind::WhileHeld { .. } => {
                 let constraint = model.constraint(target)?;
                 if drawn { Some(constraint.at_slot(slot)) } else { constraint.without_parameters() }
