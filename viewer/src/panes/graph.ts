@@ -38,7 +38,7 @@ export function graphPane(model: Model, graph: Graph): HTMLElement {
     const near = showNear(drawing, graph, edges);
     model.segment.watch((at) => {
         const segment = model.path?.segment(at);
-        near(segment?.state ?? null);
+        near(segment?.state ?? (model.path ? null : 0));
         states.forEach((element, s) => element.classList.toggle("active", s === segment?.state));
         edges.forEach(({ root }, e) => root.classList.toggle("active", e === segment?.transition));
         const state = graph.states[segment?.state ?? -1];
@@ -104,7 +104,7 @@ function edge(transition: GraphTransition, most: number): Edge {
     return { root, paint };
 }
 
-/** Marks the lines of the state under the pointer or with the focus, else those of the active state, which is told to what is returned. */
+/** Marks the lines of the state under the pointer or with the focus, else those of the active state, which is told to what is returned: without a path the first. */
 function showNear(drawing: SVGSVGElement, graph: Graph, edges: Edge[]): (active: number | null) => void {
     let active: number | null = null;
     let looked: number | null = null;
