@@ -161,6 +161,31 @@ fn the_declared_up_axis_turns_a_mesh_only_where_the_scene_asks_for_it() {
     assert_bounds(&scene("declared"), [-0.05, -0.06, 0.0], [0.10, 0.0, 0.02]);
 }
 
+#[test]
+fn the_program_turns_meshes_of_a_urdf_where_it_is_asked_to() {
+    let urdf = urdf_with("<mesh filename=\"d.dae\"/>");
+    let dae = dae("Y_UP");
+    let files = Files::new("up-program", &[("d.dae", dae.as_bytes()), ("m.urdf", urdf.as_bytes())]);
+    let run = |arguments: &[&str]| {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_foliate"));
+        let done = command.args(arguments).current_dir(&files.0).output().unwrap();
+        (done.status.code(), String::from_utf8_lossy(&done.stderr).into_owned())
+    };
+    let page = |name: &str, options: &[&str]| {
+        let arguments = [&["view", "m.urdf", "-o", name], options].concat();
+        assert_eq!(run(&arguments).0, Some(0), "{arguments:?}");
+        std::fs::read(files.0.join(name)).unwrap()
+    };
+    let usual = page("usual.html", &[]);
+    assert!(usual == page("written.html", &["--mesh-up-axis", "as-written"]));
+    assert!(usual != page("declared.html", &["--mesh-up-axis", "declared"]));
+    assert_eq!(run(&["inspect", "m.urdf", "--mesh-up-axis", "declared"]).0, Some(0));
+    let (code, told) = run(&["inspect", "m.urdf", "--mesh-up-axis", "sideways"]);
+    assert!(code == Some(2) && told.contains("it is `as-written` or `declared`"), "{told}");
+    let (code, told) = run(&["view", "demo", "--mesh-up-axis", "declared", "-o", "none.html"]);
+    assert!(code == Some(2) && told.contains("with `mesh_up_axis`"), "{told}");
+}
+
 fn model_with(srdf: &str) -> Model {
     let urdf = "<robot name=\"r\"><link name=\"a\"/><link name=\"b\"/><joint name=\"j\" type=\"continuous\">\
                 <parent link=\"a\"/><child link=\"b\"/></joint></robot>";

@@ -6,6 +6,7 @@
 #[path = "common/recorded.rs"]
 mod recorded;
 
+use foliate::components::robot::CoordinateValue;
 use foliate::path_file::{LoadedPath, PathContext, save};
 use foliate::recording::Recording;
 use foliate::scene::PackagePath;
@@ -145,6 +146,33 @@ fn an_infeasible_bound_shows_its_number() {
     assert_eq!(violation.value, Some(9.0));
     assert!(violation.limit.is_some_and(|limit| limit < 9.0) && violation.joint.is_some());
     assert!(violation.words.contains("robot/left_shoulder_yaw"), "{}", violation.words);
+}
+
+/// Two boxes in the air: the first 30 cm above its place, the second 20 cm.
+#[test]
+fn objects_that_lie_in_no_state_show_the_way_to_where_they_would_have_to_be() {
+    let folder = Folder::new("page-misplaced");
+    let mut problem = demo().problem.clone();
+    let start = problem.start.clone();
+    for (name, lift) in [("box1", 0.3), ("box2", 0.2)] {
+        let Some(CoordinateValue::Pose(mut pose)) = problem.robot.get(&start, name).ok() else { panic!("a pose") };
+        pose.translation.z += lift;
+        problem.set_start(name, pose).expect("a box");
+    }
+    let answer = Planner::new(problem.clone()).expect("a model").record().solve();
+    let (_, page) = page(&folder, &problem, &answer);
+    let violations = &page.document.violations;
+    assert_eq!(violations.len(), 2, "{violations:?}");
+    assert!(violations[0].words.contains("Nearest: `box1` is 300.00 mm"), "{}", violations[0].words);
+    assert!(violations[1].words.contains("`box2` is 200.00 mm"), "{}", violations[1].words);
+    for (violation, (name, lift)) in violations.iter().zip([("box1", 0.3), ("box2", 0.2)]) {
+        let [here, there] = violation.points.expect("a way");
+        let off = [0, 1, 2].map(|axis| there[axis] - here[axis]);
+        assert!(off[0].abs() < 1e-6 && off[1].abs() < 1e-6 && (off[2] + lift).abs() < 1e-6, "{off:?}");
+        assert!(violation.angle.is_some_and(|angle| angle < 1e-6));
+        let links = violation.links.as_ref().expect("links");
+        assert!(links.iter().all(|&link| page.document.links[link].name.starts_with(name)), "{links:?}");
+    }
 }
 
 #[test]

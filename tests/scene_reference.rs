@@ -25,7 +25,7 @@ fn the_example_loads_as_the_page_says() {
     let scene = load(example()).unwrap_or_else(|e| panic!("{e}"));
     let problem = &scene.problem;
     let robot = &problem.robot;
-    assert_eq!(robot.parts.len(), 6);
+    assert_eq!(robot.parts.len(), 7);
     assert_eq!(robot.space.size(), 18 + 7 + 7 + 1);
     assert_eq!(robot.parts[2].root, RootJoint::FreeFlyer);
     let elbow = robot.joint("robot/left_elbow_pitch").expect("the elbow");
@@ -78,14 +78,14 @@ fn the_example_loads_as_the_page_says() {
 fn every_key_that_is_read_is_in_the_example_and_described() {
     // The readers refuse every other key; a new one belongs here, in the example and in a table.
     let keys = "format name description part shape box cylinder sphere mesh scale mass coordinates ignore margins default_margin constraint locked graph start goal sha256 kind urdf srdf root \
-                pose root_bounds joint_bounds values mimic mesh_up_axis masks mask_complements gripper handle surface link \
+                pose root_bounds joint_bounds values mimic avoided_by mesh_up_axis masks mask_complements gripper handle surface link \
                 clearance mask mask_complement approaching_direction points polygons grippers supports objects grasps rules \
                 when allow placement_margin rests rests_margin preplacement_distance plane frame pair distance configuration handles surfaces xyz rpy \
                 quaternion frame to value parameter at_least at_most length parts polygon margin first second height joint \
-                everywhere state constraints transition from legs within until short hands fingers open closed travel approach approach_clearance resting_joints velocity_limits acceleration_limits \
-                timing velocity_scale velocity acceleration ramp jerk_ramp dwell cost motion grasp_charge suggest \
-                start_tolerance angle on near tolerance held any object x y";
-    let kinds = "\"pose\" \"centre_of_mass\" \"centre_of_mass_between\" \"distance\" \"joint\" \"start\" \"stays\"";
+                everywhere while_held state constraints transition from legs within until short hands fingers open closed travel approach approach_clearance approach_line resting_joints velocity_limits acceleration_limits \
+                timing velocity_scale velocity acceleration ramp jerk_ramp object_speed dwell cost motion grasp_charge suggest \
+                start_tolerance angle on near tolerance held any object x y z within";
+    let kinds = "\"pose\" \"centre_of_mass\" \"centre_of_mass_between\" \"distance\" \"tilt\" \"region\" \"joint\" \"start\" \"stays\"";
     let keys = format!("{keys} {kinds}");
     let tables = REFERENCE.replacen(example(), "", 1);
     for key in keys.split_whitespace() {

@@ -166,7 +166,7 @@ impl fmt::Display for NearestState {
         let Self { state, constraint, residual, off, corrections, tolerance } = self;
         for (number, correction) in corrections.iter().take(MOST_CORRECTIONS).enumerate() {
             f.write_str(if number == 0 { ". Nearest: " } else { "; " })?;
-            write!(f, "`{}` is {} from where {}", correction.name, correction.size(), correction.onto)?;
+            f.write_str(&correction.to_words())?;
             if let Some(target) = correction.target() {
                 write!(f, ", at {target}")?;
             }

@@ -142,6 +142,7 @@ impl Proof<'_> {
             check::check(&motion, self.file, self.frames, &self.attachments[index], report, work)?;
             if let Some(contract) = self.contract {
                 contract.required_constraints(self.file, &motion, self.frames, report, work)?;
+                contract.held_speeds(&motion, self.frames, report, work)?;
             }
             let thresholds = self.pairs.thresholds(self.world, self.file, self.attachments, index);
             tester.check(&motion, &thresholds, &mut moving, report, work);

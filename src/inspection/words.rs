@@ -120,7 +120,11 @@ pub fn waypoints(graph: &ConstraintGraph, id: TransitionId) -> Vec<String> {
             ConstraintKind::Grasp { .. } => Some((2, "at the grasp".to_owned())),
             ConstraintKind::Placement { .. } => Some((3, "at the place".to_owned())),
             ConstraintKind::Finger { opening, .. } => Some((4, opening_words(*opening).to_owned())),
-            ConstraintKind::Given { .. } | ConstraintKind::Rest { .. } | ConstraintKind::JointRest { .. } => None,
+            ConstraintKind::Given { .. }
+            | ConstraintKind::Approach { .. }
+            | ConstraintKind::WhileHeld { .. }
+            | ConstraintKind::Rest { .. }
+            | ConstraintKind::JointRest { .. } => None,
         };
         let best = kinds.iter().filter_map(word).min();
         let own = || constraints.first().map(|&c| graph.constraint(c).name.clone());

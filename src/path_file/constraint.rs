@@ -8,6 +8,8 @@
 //! | `centre_of_mass` | `parts`, `to`, `mask`, `value`, `inequality`, `planes` | the masked rows of the centre of mass in `to`, less `value`, are zero; every plane's row too |
 //! | `centre_of_mass_between` | `parts`, `frame`, `to`, `height` | balance over the line between the origins of two frames |
 //! | `distance` | `frame`, `to`, `length`, `bound` | the origins of the frames are `length` apart, or at least, or at most |
+//! | `tilt` | `frame`, `to`, `within` | the angle between the z axes of the frames is at most `within` |
+//! | `region` | `frame`, `to`, `planes` | the origin of `frame`, read in `to`, keeps every plane's row |
 //! | `joint` | `joint`, `position` | the joint keeps its position |
 //! | `custom` | – | a function of the program that planned, which no other program can prove |
 //!
@@ -24,6 +26,7 @@ use foliate_components::constraint::{
 use foliate_components::path::PathConstraint;
 use foliate_components::pose::pose_to_array;
 use foliate_components::robot::Robot;
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -54,7 +57,7 @@ pub struct ConstraintEntry {
     /// Parts whose common centre of mass is meant; without them the part of `frame`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub parts: Vec<String>,
-    /// Further rows on a centre of mass.
+    /// Further rows on a centre of mass; those of a region.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub planes: Vec<PlaneEntry>,
     /// Height of the centre of mass over the middle of two feet, metres; free where it is left out.
@@ -66,6 +69,9 @@ pub struct ConstraintEntry {
     /// What is asked of a distance.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bound: Option<Bound>,
+    /// The largest angle between two axes, radians.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub within: Option<f64>,
     /// `part/joint`, of one coordinate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joint: Option<String>,
@@ -102,7 +108,7 @@ impl FrameEntry {
     }
 }
 
-/// A plane that a centre of mass lies on, or on one side of: `normal · c − offset` is zero, or not negative.
+/// A plane that a centre of mass or a point lies on, or on one side of: `normal · c − offset` is zero, or not negative.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlaneEntry {
@@ -159,6 +165,18 @@ pub(crate) fn entries(robot: &Robot, requirement: &PathConstraint, tolerance: f6
                 (Row::Zero | Row::Parameter, _) => Bound::Equal,
             }),
             ..entry("distance")
+        }],
+        Constraint::Tilt(tilt) => vec![ConstraintEntry {
+            frame: Some(frame(robot, &tilt.b)),
+            to: Some(frame(robot, &tilt.a)),
+            within: Some(tilt.within),
+            ..entry("tilt")
+        }],
+        Constraint::Region(region) => vec![ConstraintEntry {
+            frame: Some(frame(robot, &region.b)),
+            to: Some(frame(robot, &region.a)),
+            planes: region.rows().iter().map(|row| plane_entry(row, DVec3::ZERO)).collect(),
+            ..entry("region")
         }],
         Constraint::Custom(_) => vec![entry("custom")],
         // Polygons that touch are attachments.
@@ -243,16 +261,19 @@ fn joint(robot: &Robot, locked: &Locked, argument: &Pose, entry: ConstraintEntry
 /// Parameter rows are measured from the argument, others from the origin: said as offsets of planes.
 fn centre_of_mass(robot: &Robot, balance: &CentreOfMass, argument: &Pose, entry: ConstraintEntry) -> ConstraintEntry {
     let from = referred(balance.reference, argument).translation;
-    let plane = |plane: &PlaneRow| PlaneEntry {
-        normal: plane.normal.to_array(),
-        offset: plane.offset + if plane.row == Row::Parameter { plane.normal.dot(from) } else { 0.0 },
-        inequality: plane.row == Row::Inequality,
-    };
     ConstraintEntry {
         parts: parts(robot, &balance.masses),
         to: Some(frame(robot, &balance.frame)),
-        planes: balance.rows.iter().map(plane).collect(),
+        planes: balance.rows.iter().map(|plane| plane_entry(plane, from)).collect(),
         ..entry
+    }
+}
+
+fn plane_entry(plane: &PlaneRow, from: DVec3) -> PlaneEntry {
+    PlaneEntry {
+        normal: plane.normal.to_array(),
+        offset: plane.offset + if plane.row == Row::Parameter { plane.normal.dot(from) } else { 0.0 },
+        inequality: plane.row == Row::Inequality,
     }
 }
 
@@ -270,7 +291,6 @@ mod tests {
     use foliate_components::samples::boxes_on_a_table;
     use foliate_kernels::constraints::{placement_of, relative_pose};
     use foliate_kernels::kinematics::Kinematics;
-    use glam::DVec3;
 
     /// Numbers in [-1, 1), the same in every run.
     struct Numbers(u64);

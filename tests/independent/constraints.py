@@ -1,4 +1,4 @@
-"""Errors of what a segment lists besides its attachments: poses of any two frames, centres of mass, distances, joints.
+"""Errors of what a segment lists besides its attachments: poses of any two frames, centres of mass, distances, tilts, regions, joints.
 
 Errors of relative poses are told in R3 x SO3: translation (m) and rotation (rad) apart. Rotations are never measured
 by single rows of a large logarithm: with all three rows fixed by the angle, with one rotation free by the angle
@@ -27,7 +27,7 @@ def constraint_errors(
     errors = {
         "pose": _pose_errors, "relative_pose": _pose_errors, "position": _pose_errors, "orientation": _pose_errors,
         "centre_of_mass": _centre_errors, "center_of_mass": _centre_errors, "centre_of_mass_between": _between_errors,
-        "distance": _distance_errors, "joint": _joint_errors,
+        "distance": _distance_errors, "tilt": _tilt_errors, "region": _region_errors, "joint": _joint_errors,
     }.get(constraint.kind)
     rotations, sided = sum(constraint.mask[3:]), any(constraint.inequality[3:])
     why = None
@@ -161,7 +161,7 @@ def _between_errors(motion: SegmentMotion, constraint: Constraint, parameters, w
     return {what: np.where(np.isnan(error), np.inf, error) for what, error in errors.items()}
 
 
-# Distances and joints
+# Distances, tilts, regions and joints
 
 
 def _distance_errors(motion: SegmentMotion, constraint: Constraint, _, worlds: Poses) -> dict[str, np.ndarray]:
@@ -170,6 +170,24 @@ def _distance_errors(motion: SegmentMotion, constraint: Constraint, _, worlds: P
     over = apart - (apart[0] if constraint.length is None else constraint.length)
     return {"length": {"equal": np.abs(over), "at_least": np.maximum(-over, 0.0),
                        "at_most": np.maximum(over, 0.0)}[constraint.bound]}
+
+
+def _tilt_errors(motion: SegmentMotion, constraint: Constraint, _, worlds: Poses) -> dict[str, np.ndarray]:
+    """The angle between the z axes of two frames."""
+    if constraint.within is None:
+        _refuse(motion, constraint, "the angle is missing")
+    axes = [_frame(motion, constraint, frame, worlds).rotation[:, :, 2] for frame in (constraint.to, constraint.frame)]
+    return {"tilt": np.maximum(angle_between(*axes) - constraint.within, 0.0)}
+
+
+def _region_errors(motion: SegmentMotion, constraint: Constraint, _, worlds: Poses) -> dict[str, np.ndarray]:
+    if not constraint.planes:
+        _refuse(motion, constraint, "the planes are missing")
+    to = _frame(motion, constraint, constraint.to, worlds)
+    point = to.inverse().apply(_frame(motion, constraint, constraint.frame, worlds).translation)
+    off = [point @ plane.normal - plane.offset for plane in constraint.planes]
+    return {f"plane {number}": np.maximum(-off, 0.0) if plane.inequality else np.abs(off)
+            for number, (plane, off) in enumerate(zip(constraint.planes, off))}
 
 
 def _joint_errors(motion: SegmentMotion, constraint: Constraint, parameters, _) -> dict[str, np.ndarray]:

@@ -124,6 +124,7 @@ class Constraint:
     bound: str
     joint: str | None
     position: float | None
+    within: float | None
     tolerance: float | None
 
     def __str__(self) -> str:
@@ -504,6 +505,7 @@ def _read_constraint(node: _Node) -> Constraint:
         bound=_or_default(node.get("bound", None), "equal").text(BOUNDS),
         joint=None if node.get("joint", None).value is None else node.get("joint").text(),
         position=_optional_number(node.get("position", None)),
+        within=_optional_number(node.get("within", None)),
         tolerance=_optional_number(node.get("tolerance", None)),
     )
 

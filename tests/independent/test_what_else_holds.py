@@ -173,6 +173,21 @@ class DistancesAndJoints(HoldsButNot):
         through, ends = self.turning((0.0, 0.0), (-1.0, 1.0)), math.cos(0.5)
         self.holds_but_not(through, {**apart, "length": 1.0, "bound": "at_most"}, {"bound": "equal"}, {"length": ends})
 
+    def test_an_axis_tilts_no_farther_than_it_may(self):
+        swing = self.turning((-0.4, 0.9), (0.0, 0.0))
+        # The x axis of the lower arm as a z axis, against the world's x axis.
+        aside = [0, math.sqrt(0.5), 0, math.sqrt(0.5)]
+        tilt = {"kind": "tilt", "frame": on("arm/lower", [0, 0, 0, *aside]), "to": on("world", [0, 0, 0, *aside])}
+        self.holds_but_not(swing, {**tilt, "within": 0.9}, {"within": 0.899})
+
+    def test_a_point_stays_in_its_region(self):
+        swing = self.turning((-0.4, 1.0), (0.0, 0.0))
+        planes = [{"normal": [0, -1, 0], "offset": -math.sin(1.0), "inequality": True},
+                  {"normal": [1, 0, 0], "offset": math.cos(1.0), "inequality": True}]
+        nearer = [{**planes[0], "offset": -math.sin(1.0) + 1e-3}, planes[1]]
+        region = {"kind": "region", "frame": on("arm/lower", at(0.5, 0, 0)), "to": "world"}
+        self.holds_but_not(swing, {**region, "planes": planes}, {"planes": nearer})
+
     def test_a_joint_rests(self):
         still = self.turning((0.0, 1.0), (0.3, 0.3))
         self.holds_but_not(still, {"kind": "joint", "joint": "arm/elbow", "position": 0.3}, {"position": 0.301})
@@ -209,6 +224,7 @@ class DistancesAndJoints(HoldsButNot):
             {"kind": "distance", "frame": "arm/thumb", "to": "world"},
             {"kind": "distance", "frame": on("arm/lower", [0, 0, 0, 0, 0, 0, 2]), "to": "world"},
             {"kind": "distance", "frame": "arm", "to": "world", "bound": "often"},
+            {"kind": "tilt", "frame": "arm/lower", "to": "world"}, {"kind": "region", "frame": "arm/lower", "to": "world"},
             {"kind": "joint", "joint": "arm/wrist"}, {"kind": "joint"},
             {"kind": "joint", "joint": "arm/elbow", "position": True},
             {"kind": "centre_of_mass", "parts": ["leg"], "to": "world"},

@@ -155,6 +155,10 @@ test("a finding of the start or goal is shown with its number", async () => {
     await page.click(".finding");
     assert.equal(await page.$eval(".label-failure", (e) => e.textContent), "3.20 mm deep");
     assert.deepEqual(await page.evaluate(() => window.foliate.configuration()), sample("scene").view.goal);
+    // An object that lies in no state: a line leads to where it would have to be, 0.0123 m below and turned by 0.05 rad.
+    await (await page.$$(".finding"))[1].click();
+    assert.equal(await page.$eval(".label-failure", (e) => e.textContent), "12 mm, 2.9\u00b0 off");
+    assert.deepEqual(await page.evaluate(() => window.foliate.configuration()), sample("scene").view.start);
     await page.close();
 });
 

@@ -122,7 +122,7 @@ export function sample(kind = "path") {
         graph: kind === "model" ? null : sampleGraph(hasPath),
         path: isPath ? samplePath(blob, kind === "refused") : null,
         collisions: kind === "scene" ? [{ configuration: "goal", links: [7, 9], depth: 0.0032, point: [0.7, 0.1, 0.45], points: [[0.7, 0.1, 0.45], [0.68, 0.12, 0.45]], words: "box/body and room/ball collide, 3.20 mm deep" }] : [],
-        violations: kind === "scene" ? [{ configuration: "start", words: "box lies on the table: off by 0.0123, allowed 0.0001", value: 0.0123, limit: 0.0001, links: [7] }] : [],
+        violations: kind === "scene" ? [{ configuration: "start", words: "box lies on the table: off by 0.0123, allowed 0.0001", value: 0.0123, limit: 0.0001, links: [7], points: [[0.5, 0.2, 0.4523], [0.5, 0.2, 0.44]], angle: 0.05 }] : [],
         search: hasPath ? sampleSearch(blob, corners().map((corner) => corner.q)) : null,
     };
     return { view, binary: blob.bytes() };

@@ -11,7 +11,7 @@ use std::sync::Arc;
 pub struct BodyMass {
     /// The body; `None` where it is fixed in the world.
     pub body: Option<JointIndex>,
-    /// Kilograms, positive.
+    /// Kilograms, positive; the weight of a point of a [`Tilt`](super::Tilt) or [`Region`](super::Region) has no unit.
     pub mass: f64,
     /// Centre of that mass in the body's joint frame, metres.
     pub center: DVec3,
@@ -59,7 +59,14 @@ impl Masses {
         Ok(Self { parts: parts.into(), bodies: bodies.into() })
     }
 
-    /// The parts whose links were summed up.
+    /// Points of bodies with weights of any sign that sum up to 1 (body, weight, place in its joint frame): what is a weighted sum of
+    /// points is handled as a centre of mass.
+    pub(crate) fn of_points(points: impl Iterator<Item = (Option<JointIndex>, f64, DVec3)>) -> Self {
+        let bodies = points.map(|(body, mass, center)| BodyMass { body, mass, center }).collect();
+        Self { parts: Arc::default(), bodies }
+    }
+
+    /// The parts whose links were summed up; none for the points of a [`Tilt`](super::Tilt) or [`Region`](super::Region).
     #[must_use]
     pub fn parts(&self) -> &[PartIndex] {
         &self.parts

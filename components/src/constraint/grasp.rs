@@ -5,11 +5,12 @@
 //! the common z axis to the complement; HPP's masks allow anything else but exactly one rotation.
 
 use super::row::{Rows, rows};
-use super::{Frame, Mask, MaskError, Reference, RelativePose};
+use super::{Constraint, Frame, Mask, MaskError, Reference, Region, RelativePose, Tilt};
 use crate::Pose;
 use crate::robot::hybrid_robot::Robot;
 use crate::robot::indices::{GripperIndex, HandleIndex};
-use glam::DVec3;
+use glam::{DQuat, DVec3};
+use std::f64::consts::FRAC_PI_2;
 
 /// Which gripper holds which handle, with the frames of both.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +25,17 @@ pub struct Grasp {
     pub complement: Mask,
     /// How far a pre-grasp stands back, metres: the sum of both clearances.
     pub standoff: f64,
+}
+
+/// What is bounded while a gripper goes to a handle along a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ApproachBound {
+    /// How far its origin is from the x axis of the handle.
+    Line,
+    /// The angle between the x axes of both.
+    Aim,
+    /// The angle between the z axes of both.
+    Roll,
 }
 
 impl Grasp {
@@ -77,6 +89,30 @@ impl Grasp {
     pub fn pregrasp_at(&self, distance: f64) -> RelativePose {
         let ahead = Pose::from_translation(DVec3::X * distance);
         RelativePose { a: self.gripper.then(&ahead), ..self.constraint() }
+    }
+
+    /// Whether the pregrasps of this grasp lie on one line, the x axis of the handle: all rows count, but for the rotation about it.
+    #[must_use]
+    pub fn has_line(&self) -> bool {
+        let [tx, ty, tz, _, ry, rz] = self.mask.0;
+        tx && ty && tz && ry && rz && self.standoff > 0.0
+    }
+
+    /// What bounds the way from the pregrasp to the grasp: within `distance` metres of the line along y and z, and turned by no more
+    /// than `angle` radians. None for a rotation about the line that the grasp leaves free.
+    #[must_use]
+    pub fn approach(&self, bound: ApproachBound, distance: f64, angle: f64) -> Option<Constraint> {
+        let (a, b) = (self.handle, self.gripper);
+        let tilt = |about: Pose| Constraint::Tilt(Tilt { a: a.then(&about), b: b.then(&about), within: angle });
+        match bound {
+            ApproachBound::Line => {
+                let bounds = [(f64::NEG_INFINITY, f64::INFINITY), (-distance, distance), (-distance, distance)];
+                Some(Constraint::Region(Region { a, b, bounds }))
+            }
+            // Turned so that z is the x axis.
+            ApproachBound::Aim => Some(tilt(Pose::from_rotation(DQuat::from_rotation_y(FRAC_PI_2)))),
+            ApproachBound::Roll => self.mask.0[3].then(|| tilt(Pose::identity())),
+        }
     }
 
     fn with(&self, rows: Rows, reference: Reference) -> RelativePose {

@@ -4,7 +4,8 @@
 //! solve finds it. Every argument is a pose (a locked joint's value travels as the x of a translation).
 
 use crate::constraint::{
-    CentreOfMass, CentreOfMassBetween, Custom, Distance, Locked, LockedValue, Placement, Reference, RelativePose, Row,
+    CentreOfMass, CentreOfMassBetween, Custom, Distance, Locked, LockedValue, Placement, Reference, Region,
+    RelativePose, Row, Tilt,
 };
 use crate::robot::indices::JointIndex;
 /// One constraint of a state or a transition.
@@ -26,6 +27,10 @@ pub enum Constraint {
     CentreOfMassBetween(CentreOfMassBetween),
     /// Two points at a distance.
     Distance(Distance),
+    /// Two axes within an angle.
+    Tilt(Tilt),
+    /// A point within a box.
+    Region(Region),
     /// A function of a host's own.
     Custom(Custom),
 }
@@ -37,7 +42,12 @@ impl Constraint {
         match self {
             Self::RelativePose(pose) => pose.rows.contains(&Some(Row::Parameter)),
             Self::CentreOfMass(balance) => balance.rows.iter().any(|plane| plane.row == Row::Parameter),
-            Self::Placement(_) | Self::CentreOfMassBetween(_) | Self::Distance(_) | Self::Custom(_) => false,
+            Self::Placement(_)
+            | Self::CentreOfMassBetween(_)
+            | Self::Distance(_)
+            | Self::Tilt(_)
+            | Self::Region(_)
+            | Self::Custom(_) => false,
             Self::PlacementComplement(..) | Self::PlacementHold(..) => true,
             Self::Locked(locked) => matches!(locked.value, LockedValue::Argument(_)),
         }
@@ -62,6 +72,8 @@ impl Constraint {
                 balance.masses.bodies().iter().map(|mass| mass.body).chain(feet).collect()
             }
             Self::Distance(apart) => vec![apart.a.joint, apart.b.joint],
+            Self::Tilt(tilt) => vec![tilt.a.joint, tilt.b.joint],
+            Self::Region(region) => vec![region.a.joint, region.b.joint],
             Self::Custom(own) => own.0.frames().iter().map(|frame| frame.joint).collect(),
         }
     }
@@ -82,7 +94,7 @@ impl Constraint {
             Self::CentreOfMass(balance) => {
                 Self::CentreOfMass(CentreOfMass { reference: Reference::Argument(slot), ..balance })
             }
-            other @ (Self::Placement(_) | Self::CentreOfMassBetween(_) | Self::Distance(_) | Self::Custom(_)) => other,
+            other => other,
         }
     }
 
@@ -107,9 +119,12 @@ impl Constraint {
                 let left = CentreOfMass { rows, reference: Reference::Identity, ..balance.clone() };
                 (!left.rows.is_empty()).then_some(Self::CentreOfMass(left))
             }
-            other @ (Self::Placement(_) | Self::CentreOfMassBetween(_) | Self::Distance(_) | Self::Custom(_)) => {
-                Some(other.clone())
-            }
+            other @ (Self::Placement(_)
+            | Self::CentreOfMassBetween(_)
+            | Self::Distance(_)
+            | Self::Tilt(_)
+            | Self::Region(_)
+            | Self::Custom(_)) => Some(other.clone()),
         }
     }
 }

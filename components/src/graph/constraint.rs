@@ -1,5 +1,6 @@
 //! The constraints that states and waypoints share, named as HPP names them.
 
+use crate::constraint::ApproachBound;
 use crate::robot::indices::{GripperIndex, HandleIndex, JointIndex};
 
 /// Index of a constraint in [`crate::graph::constraint_graph::ConstraintGraph::constraints`].
@@ -98,8 +99,23 @@ pub enum ConstraintKind {
         /// How far the hand is open.
         opening: Opening,
     },
+    /// The gripper is on the line from the pregrasp to the grasp, and turned as it is there, as far as
+    /// [`GraphOptions::approach_line`](crate::problem::GraphOptions::approach_line) asks.
+    Approach {
+        /// Who approaches.
+        gripper: GripperIndex,
+        /// What is approached.
+        handle: HandleIndex,
+        /// Which of it.
+        bound: ApproachBound,
+    },
     /// A constraint of the problem's own.
     Given {
+        /// Number in [`crate::problem::GraphOptions::constraints`].
+        constraint: u32,
+    },
+    /// A constraint of the problem's own that holds because a gripper holds an object.
+    WhileHeld {
         /// Number in [`crate::problem::GraphOptions::constraints`].
         constraint: u32,
     },

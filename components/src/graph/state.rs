@@ -37,6 +37,15 @@ pub enum Fingers {
         /// What is to be held.
         handle: HandleIndex,
     },
+    /// They hold still, and the gripper goes to the handle or backs off from it along a line.
+    OnLine {
+        /// The hand that is open as beside what it is to grasp; `None` where all are as ever.
+        open: Option<u32>,
+        /// Who is to hold.
+        gripper: GripperIndex,
+        /// What is to be held.
+        handle: HandleIndex,
+    },
 }
 
 /// A manifold of configurations, foliated by the complements of its constraints.

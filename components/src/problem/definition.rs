@@ -138,15 +138,38 @@ pub struct GraphOptions {
     pub hands: Vec<Hand>,
     /// How far hands open to approach.
     pub approach: Approach,
+    /// How straight grippers go from a pregrasp to a grasp, and back; `None` for as they like.
+    pub approach_line: Option<ApproachLine>,
     /// Constraints of the problem's own; what follows names them by number. Parameter rows name slot 0.
     pub constraints: Vec<NamedConstraint>,
     /// Those of them that hold in every state: feet that stand still, balance.
     pub everywhere: Vec<u32>,
+    /// Constraints that hold while a gripper holds an object. They have no parameters.
+    pub while_held: Vec<WhileHeld>,
     /// States of the problem's own, such as the stances of a walking robot. Every state of the graph is one of them
     /// together with a map of grasps; without any there is one without constraints.
     pub states: Vec<WrittenState>,
     /// How the states of the problem's own follow one another.
     pub transitions: Vec<WrittenTransition>,
+}
+
+/// How far a gripper may be off the line from a pregrasp to its grasp, where the handle makes it one: it leaves no rotation free but the one
+/// about the line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ApproachLine {
+    /// Along y and along z of the handle, metres.
+    pub distance: f64,
+    /// Between the axes of gripper and handle, radians, as a [`Tilt`](crate::constraint::Tilt) has it.
+    pub angle: f64,
+}
+
+/// Constraints that hold in every state in which a gripper holds an object: it stays upright, or below a height.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct WhileHeld {
+    /// The object.
+    pub object: PartIndex,
+    /// Numbers of [`GraphOptions::constraints`].
+    pub constraints: Vec<u32>,
 }
 
 /// A joint of one coordinate that moves only while a gripper holds a handle beyond it.

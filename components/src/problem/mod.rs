@@ -11,8 +11,8 @@ pub mod timing;
 
 pub use crate::problem::cost::CostOptions;
 pub use crate::problem::definition::{
-    GraphOptions, JointRest, Margin, ObjectOptions, Problem, RestingJoint, RestingPlane, Rule, WrittenLeg,
-    WrittenState, WrittenTransition,
+    ApproachLine, GraphOptions, JointRest, Margin, ObjectOptions, Problem, RestingJoint, RestingPlane, Rule, WhileHeld,
+    WrittenLeg, WrittenState, WrittenTransition,
 };
 pub use crate::problem::goal::{Goal, Holding, NamedConstraint, OtherHands, PartialGoal};
 pub use crate::problem::hand::{Approach, Finger, Hand};

@@ -110,6 +110,12 @@ impl Correction {
         }
     }
 
+    /// What it is about and how far that is off, without where it then is: `` `box` is 12.00 mm and 0.00 degrees from where it lies on table/top``.
+    #[must_use]
+    pub fn to_words(&self) -> String {
+        format!("`{}` is {} from where {}", self.name, self.size(), self.onto)
+    }
+
     /// Where it then is, as a scene file says it.
     #[must_use]
     pub fn target(&self) -> Option<String> {

@@ -1,6 +1,6 @@
 //! How fast joints may move, and how long hands take.
 
-use crate::robot::indices::JointIndex;
+use crate::robot::indices::{JointIndex, PartIndex};
 
 /// How a path is timed. The defaults apply to joints of which the model says nothing.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +16,8 @@ pub struct TimingOptions {
     pub ramp: f64,
     /// Jerk limits of all joints: seconds within which a joint reaches its acceleration limit. 0 for no limit.
     pub jerk_ramp: f64,
+    /// How fast the origin of an object's root link may move while a gripper holds the object, m/s, above 0.
+    pub object_speed: Vec<(PartIndex, f64)>,
     /// How long the robot stands still at every grasp and every release, seconds.
     pub dwell: f64,
 }
@@ -40,6 +42,7 @@ impl Default for TimingOptions {
             acceleration: Vec::new(),
             ramp: 0.5,
             jerk_ramp: 0.0,
+            object_speed: Vec::new(),
             dwell: 0.2,
         }
     }

@@ -56,6 +56,9 @@ impl Contract<'_> {
         let options = &self.problem.graph;
         let mut required: Vec<NamedConstraint> =
             options.everywhere.iter().map(|&number| options.constraints[number as usize].clone()).collect();
+        required.extend(self.of_held(motion));
+        required.extend(self.on_lines(file, motion.index));
+        self.line_ends(file, motion, frames, report)?;
         required.extend(self.resting_joints(motion));
         required.extend(self.planes(motion));
         if !options.states.is_empty() {
@@ -105,6 +108,13 @@ impl Contract<'_> {
         Ok(())
     }
 
+    /// Constraints that hold while a gripper holds an object, where one does.
+    fn of_held(&self, motion: &SegmentMotion<'_>) -> Vec<NamedConstraint> {
+        let (robot, options) = (&self.problem.robot, &self.problem.graph);
+        let rules = options.while_held.iter().filter(|rule| is_held(motion, &robot.parts[rule.object.at()].name));
+        rules.flat_map(|rule| &rule.constraints).map(|&number| options.constraints[number as usize].clone()).collect()
+    }
+
     /// Resting joints, while no gripper holds what is beyond them.
     fn resting_joints(&self, motion: &SegmentMotion<'_>) -> Vec<NamedConstraint> {
         let robot = &self.problem.robot;
@@ -128,7 +138,7 @@ impl Contract<'_> {
         let requirement = |object: &foliate_components::problem::ObjectOptions| {
             let plane = object.plane.as_ref()?;
             let part = &robot.parts[object.part.at()];
-            let held = motion.attachments.iter().any(|a| motion.world.parts[a.part].name == part.name && a.is_grasp());
+            let held = is_held(motion, &part.name);
             let zero = Some(Row::Zero);
             let stands = RelativePose {
                 a: Frame::world(plane.world_from_plane),
@@ -141,6 +151,11 @@ impl Contract<'_> {
         };
         self.problem.graph.objects.iter().filter_map(requirement).collect()
     }
+}
+
+/// Whether a gripper holds a part.
+pub(super) fn is_held(motion: &SegmentMotion<'_>, part: &str) -> bool {
+    motion.attachments.iter().any(|a| motion.world.parts[a.part].name == part && a.is_grasp())
 }
 
 /// Whether a constraint holds along a motion.
@@ -288,7 +303,10 @@ fn same_entry(a: &ConstraintEntry, b: &ConstraintEntry) -> bool {
         _ => false,
     };
     let planes = a.planes.iter().zip(&b.planes).all(|(x, y)| (x.offset - y.offset).abs() <= SAME);
-    let numbers = number(a.height, b.height) && number(a.length, b.length) && number(a.position, b.position);
+    let numbers = number(a.height, b.height)
+        && number(a.length, b.length)
+        && number(a.position, b.position)
+        && number(a.within, b.within);
     alike(a, b) && value && planes && numbers
 }
 

@@ -76,6 +76,7 @@ impl Contract<'_> {
         is_outside
             || options.resting_joints.iter().any(|resting| resting.joint == joint)
             || !options.everywhere.is_empty()
+            || !options.while_held.is_empty()
             || options.states.iter().any(|state| !state.constraints.is_empty())
             || (0..motion.world.parts.len()).any(is_tied)
     }

@@ -89,7 +89,7 @@ pub(crate) fn centre_of_mass(leaf: &mut Leaf<'_>, case: &Case<'_>) -> Result<(),
     Ok(())
 }
 
-fn plane(entry: &PlaneEntry) -> Named {
+pub(crate) fn plane(entry: &PlaneEntry) -> Named {
     let normal = DVec3::from_array(entry.normal);
     if entry.inequality {
         return ("beyond a plane", Form::Outside { point: DVec3::ZERO, planes: vec![(-normal, -entry.offset)] });

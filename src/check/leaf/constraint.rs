@@ -13,6 +13,7 @@ use crate::check::report::kind::Kind;
 use crate::check::world::documents::Frames;
 use crate::path_file::constraint::{Bound, ConstraintEntry};
 use glam::DVec3;
+use std::f64::consts::PI;
 
 /// Proves one constraint along a segment; what is not known here, or cannot be bounded, is told and not passed over.
 pub(crate) fn check(
@@ -37,6 +38,8 @@ pub(crate) fn check(
             pose(leaf, &case, std::array::from_fn(|i| i >= 3 && mask[i]))
         }
         "distance" => distance(leaf, &case),
+        "tilt" => tilt(leaf, &case),
+        "region" => region(leaf, &case),
         "joint" => joint(leaf, &case),
         "centre_of_mass" | "center_of_mass" => balance::centre_of_mass(leaf, &case),
         "centre_of_mass_between" => balance::between(leaf, &case),
@@ -72,6 +75,75 @@ fn pose(leaf: &mut Leaf<'_>, case: &Case<'_>, mask: [bool; 6]) -> Result<(), Che
     let forms = rows(mask, sided);
     leaf.prove([&to, &frame], &pose, &case.relation(), &forms);
     Ok(())
+}
+
+/// The origin of a frame against planes of another.
+fn region(leaf: &mut Leaf<'_>, case: &Case<'_>) -> Result<(), CheckError> {
+    let to = case.frame(leaf, "to", case.entry.to.as_ref())?;
+    let frame = case.frame(leaf, "frame", case.entry.frame.as_ref())?;
+    let motion = leaf.motion;
+    let pose = |at: At| motion.frame(&to, at).inverse() * motion.frame(&frame, at);
+    let planes: Vec<_> = case.entry.planes.iter().map(balance::plane).collect();
+    if planes.is_empty() {
+        return case.refuse("planes", "are missing");
+    }
+    leaf.prove([&to, &frame], &pose, &case.relation(), &planes);
+    Ok(())
+}
+
+/// The angle between the z axes of two frames.
+fn tilt(leaf: &mut Leaf<'_>, case: &Case<'_>) -> Result<(), CheckError> {
+    let Some(within) = case.entry.within.filter(|angle| (0.0..=PI).contains(angle)) else {
+        return case.refuse("within", "is no angle between 0 and pi");
+    };
+    let to = case.frame(leaf, "to", case.entry.to.as_ref())?;
+    let frame = case.frame(leaf, "frame", case.entry.frame.as_ref())?;
+    let motion = leaf.motion;
+    let axis = |at: At| (motion.frame(&to, at).rotation.conjugate() * motion.frame(&frame, at).rotation) * DVec3::Z;
+    let bends = leaf.reach.bends(to.body, (frame.body, 0.0), motion.knots.len());
+    let tilted = Tilted { within, axis: &axis, bends };
+    prove(motion, &tilted, "tilted too far", &case.relation(), leaf.report, leaf.work);
+    Ok(())
+}
+
+/// How far an axis is tilted beyond what it may.
+struct Tilted<'a> {
+    within: f64,
+    /// In the frame from whose z axis the angle is measured.
+    axis: &'a dyn Fn(At) -> DVec3,
+    bends: Bends,
+}
+
+impl Tilted<'_> {
+    /// For a height of the axis's tip: the cosine of the angle. What is not a number stays one.
+    fn beyond(&self, height: f64) -> f64 {
+        let angle = if height.is_nan() { f64::NAN } else { height.clamp(-1.0, 1.0).acos() };
+        if angle <= self.within { 0.0 } else { angle - self.within }
+    }
+}
+
+impl Quantity for Tilted<'_> {
+    type Sample = f64;
+
+    fn sample(&self, at: At) -> f64 {
+        (self.axis)(at).z
+    }
+
+    fn error(&self, height: f64) -> f64 {
+        self.beyond(height)
+    }
+
+    /// A unit vector that turns with ω has a second derivative of ω² + |ω′| at most, and so has its height.
+    fn bound(&self, knot: usize, share: f64, [a, b]: [f64; 2]) -> f64 {
+        let (turn, turn_bend) = (self.bends.turn[knot], self.bends.turn_bend[knot]);
+        let swell = (turn * turn + turn_bend) * share * share / 8.0;
+        // Either being no number makes the sum none.
+        self.beyond(a.min(b) - swell + 0.0 * (a + b))
+    }
+
+    fn travel(&self, knot: usize) -> f64 {
+        self.bends.travel[knot]
+    }
 }
 
 fn distance(leaf: &mut Leaf<'_>, case: &Case<'_>) -> Result<(), CheckError> {

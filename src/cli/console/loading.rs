@@ -5,7 +5,7 @@ use crate::cli::console::print::{Ending, Refusal, print, print_json};
 use foliate::batch::Entry;
 use foliate::components::outcome::SearchOutcome;
 use foliate::output;
-use foliate::scene::{LoadLimits, LoadStop, PackagePath, Scene, SceneError, StartFile};
+use foliate::scene::{LoadLimits, LoadStop, PackagePath, Scene, SceneError, StartFile, UpAxis};
 use foliate::systems::events::StopSignal;
 use foliate::systems::planning_model::ProblemTables;
 use serde_json::json;
@@ -17,6 +17,11 @@ use std::time::{Duration, Instant};
 const INTERVAL: Duration = Duration::from_millis(20);
 /// A file that is being written may take so long to be finished before the process ends without it.
 const LONGEST_WRITE: Duration = Duration::from_millis(500);
+
+/// The up axis that an option names.
+pub(crate) fn up_axis(word: &str) -> Result<UpAxis, String> {
+    UpAxis::of_word(word).ok_or_else(|| "it is `as-written` or `declared`".into())
+}
 
 /// Why there is nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

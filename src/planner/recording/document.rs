@@ -154,6 +154,21 @@ pub struct FindingEntry {
     /// The coordinate that it is about.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coordinate: Option<String>,
+    /// The object that it is about, where the nearest state has an object elsewhere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub misplaced: Option<MisplacedEntry>,
+}
+
+/// An object that no state has where it is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MisplacedEntry {
+    /// The name of its part.
+    pub object: String,
+    /// Where the nearest state has its root link: `[x, y, z, qx, qy, qz, qw]` in the world, metres.
+    pub pose: [f64; 7],
+    /// By which angle it would have to be turned, radians.
+    pub angle: f64,
 }
 
 /// How goals that leave something free fared.

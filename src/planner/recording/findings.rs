@@ -1,8 +1,10 @@
 //! What is wrong with a start or goal that is infeasible, as rows.
 
 use crate::planner::answer::NoSolutionReason;
-use crate::planner::recording::document::FindingEntry;
-use foliate_components::infeasibility::{CollidingPair, Infeasibility};
+use crate::planner::recording::document::{FindingEntry, MisplacedEntry};
+use foliate_components::infeasibility::{CollidingPair, Infeasibility, NearestState};
+use foliate_components::pose::pose_to_array;
+use foliate_components::problem::{Correction, Moved};
 
 /// Rows of a reason; none where it is about no start or goal.
 pub(crate) fn findings(reason: &NoSolutionReason) -> Vec<FindingEntry> {
@@ -24,7 +26,7 @@ fn rows(at: &str, why: &Infeasibility) -> Vec<FindingEntry> {
         Infeasibility::Locked { coordinate, value, locked_at } => {
             vec![FindingEntry { coordinate: Some(coordinate.clone()), ..with_numbers(row, *value, *locked_at) }]
         }
-        Infeasibility::NoState { nearest: Some(nearest), .. } => vec![with_numbers(row, nearest.residual, 0.0)],
+        Infeasibility::NoState { nearest: Some(nearest), .. } => state_rows(row, nearest),
         Infeasibility::FingersBlocked { by: Some((first, second)) } => {
             vec![FindingEntry { shapes: Some([first.clone(), second.clone()]), ..row }]
         }
@@ -33,6 +35,28 @@ fn rows(at: &str, why: &Infeasibility) -> Vec<FindingEntry> {
         }
         _ => vec![row],
     }
+}
+
+/// What keeps a configuration out of the nearest state; where several things would have to be moved, a row for each of the others.
+fn state_rows(row: FindingEntry, nearest: &NearestState) -> Vec<FindingEntry> {
+    let at = row.at.clone();
+    let mut corrections = nearest.corrections.iter();
+    let first = corrections.next().map_or_else(FindingEntry::default, correction_row);
+    let whole = FindingEntry { at: row.at, words: row.words, ..first };
+    let others = corrections.map(|correction| FindingEntry { at: at.clone(), ..correction_row(correction) });
+    std::iter::once(with_numbers(whole, nearest.residual, 0.0)).chain(others).collect()
+}
+
+/// Something that would have to be moved.
+fn correction_row(correction: &Correction) -> FindingEntry {
+    let (name, angle) = (&correction.name, correction.angle);
+    let (coordinate, misplaced) = match correction.moved {
+        Moved::Object(_, pose) => {
+            (None, Some(MisplacedEntry { object: name.clone(), pose: pose_to_array(&pose), angle }))
+        }
+        _ => (Some(name.clone()), None),
+    };
+    FindingEntry { words: correction.to_words(), coordinate, misplaced, ..FindingEntry::default() }
 }
 
 /// What is not finite has no word in JSON.

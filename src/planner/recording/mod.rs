@@ -21,7 +21,7 @@ pub(crate) mod write;
 
 pub use crate::planner::recording::document::{
     BlockedPairEntry, CountsEntry, FORMAT, FindingEntry, FunnelEntry, GoalSearchEntry, LeftOutEntry, MemberEntry,
-    Recording, RecordingHead, RejectionEntry, RootsEntry, StateEntry, TransitionEntry,
+    MisplacedEntry, Recording, RecordingHead, RejectionEntry, RootsEntry, StateEntry, TransitionEntry,
 };
 pub use crate::planner::recording::error::RecordingError;
 pub use crate::planner::recording::shown::{ShownFunnel, ShownPair, ShownSearch, TreeJoin};

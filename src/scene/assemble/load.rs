@@ -55,6 +55,7 @@ pub(crate) fn load(
     configuration::refuse_twins(&robot, &items)?;
     check_sums(&mut keys, &mut loader)?;
     let mut ignored_pairs = pairs::of_parts(&parts, &robot, &loader)?;
+    ignored_pairs.extend(pairs::of_regions(&parts, &robot)?);
     ignored_pairs.extend(pairs::ignored(&mut keys, &robot)?);
     let margins = pairs::margins(&mut keys, &robot)?;
     let order = configuration::order(&mut keys, &robot)?;

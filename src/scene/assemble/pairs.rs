@@ -44,6 +44,29 @@ pub(super) fn of_parts(
     Ok(pairs)
 }
 
+/// `avoided_by` of environments: pairs with what need not avoid them.
+pub(super) fn of_regions(parts: &[LoadedPart<'_>], robot: &Robot) -> Result<Vec<DisabledPair>, SceneError> {
+    let mut pairs = Vec::new();
+    for (loaded, region) in parts.iter().zip(&robot.parts) {
+        let Some(item) = &loaded.avoided_by else { continue };
+        let mut avoiding = BTreeSet::new();
+        for item in item.list()? {
+            avoiding.extend(links(&item, robot)?);
+        }
+        let others = (0..robot.links.len() as u32).map(LinkIndex);
+        let others = others.filter(|link| !avoiding.contains(link) && !region.links.contains(&link.at()));
+        let with_shapes: BTreeSet<LinkIndex> = robot.shapes.iter().map(|shape| shape.link).collect();
+        for other in others.filter(|link| with_shapes.contains(link) && robot.links[link.at()].joint.is_some()) {
+            let own = region.links.clone().map(|link| LinkIndex(link as u32)).filter(|link| with_shapes.contains(link));
+            pairs.extend(own.map(|first| DisabledPair { first, second: other, reason: "region".into() }));
+        }
+        if pairs.len() > PAIRS {
+            return Err(item.error(format!("with this there are more than {PAIRS} pairs of links")));
+        }
+    }
+    Ok(pairs)
+}
+
 fn word(
     item: &Item<'_>,
     neighbours: impl FnOnce() -> Result<Vec<DisabledPair>, SceneError>,

@@ -5,7 +5,7 @@ use crate::scene::reading::error::{SceneError, did_you_mean, quoted};
 use crate::scene::reading::keys::{Item, Keys};
 use foliate_components::problem::cost::MotionCost;
 use foliate_components::problem::{CostOptions, NumberLimit, TimingOptions};
-use foliate_components::robot::{JointIndex, Robot};
+use foliate_components::robot::{JointIndex, PartIndex, PartKind, Robot};
 
 /// `velocity_limits` and `acceleration_limits` of a part, to be read once joints have numbers.
 pub(crate) struct PartRates<'f> {
@@ -47,11 +47,28 @@ pub(crate) fn timing<'r, 'f: 'r>(
     if let Some(item) = keys.optional("jerk_ramp") {
         timing.jerk_ramp = item.distance()?;
     }
+    if let Some(item) = keys.optional("object_speed") {
+        timing.object_speed = object_speed(&item, robot)?;
+    }
     if let Some(item) = keys.optional("dwell") {
         timing.dwell = item.distance()?;
     }
     keys.finish()?;
     Ok(timing)
+}
+
+/// `object_speed = { object = limit }`.
+fn object_speed(item: &Item<'_>, robot: &Robot) -> Result<Vec<(PartIndex, f64)>, SceneError> {
+    let objects = || (0u32..).map(PartIndex).zip(&robot.parts).filter(|(_, part)| part.kind == PartKind::Object);
+    let mut limits = Vec::new();
+    for (name, item) in item.keys()?.entries() {
+        let Some((index, _)) = objects().find(|(_, part)| part.name == name) else {
+            let known = objects().map(|(_, part)| part.name.as_str());
+            return Err(item.error("there is no object of this name").hint(did_you_mean(name, known)));
+        };
+        limits.push((index, positive(&item)?));
+    }
+    Ok(limits)
 }
 
 /// `[cost]`.

@@ -46,4 +46,8 @@ pub struct ViolationEntry {
     pub joint: Option<usize>,
     /// The links that it is about.
     pub links: Option<Vec<usize>>,
+    /// Of an object that lies in no state: the origin of its root link, and where the nearest state has this; in the world.
+    pub points: Option<[[f64; 3]; 2]>,
+    /// By which angle the object would have to be turned besides, radians.
+    pub angle: Option<f64>,
 }

@@ -5,6 +5,7 @@ use crate::view::document::finding::{CollisionEntry, ViolationEntry, WhereEntry}
 use crate::view::document::page::Document;
 use foliate_components::Pose;
 use foliate_components::infeasibility::{CollidingPair, Infeasibility};
+use foliate_components::problem::{Correction, Moved};
 use foliate_components::robot::{Robot, ShapeIndex};
 use foliate_kernels::collision::depth::{PlacedSolid, deepest};
 use foliate_kernels::collision::distance::witness::witnesses;
@@ -87,7 +88,7 @@ impl<'a> Placed<'a> {
                 }
                 document.collisions.extend(told);
             }
-            other => document.violations.push(self.violation(&Violation::of(other))),
+            other => document.violations.extend(Violation::all(other).iter().map(|of| self.violation(of))),
         }
     }
 
@@ -114,8 +115,44 @@ impl<'a> Placed<'a> {
         let moved = |joint: usize| self.robot.links.iter().position(|link| link.joint.is_some_and(|j| j.at() == joint));
         let links = joint.and_then(moved).map(|link| vec![link]);
         let Violation { value, limit, .. } = *of;
-        ViolationEntry { configuration: self.at.clone(), words, value, limit, joint, links }
+        let entry = ViolationEntry {
+            configuration: self.at.clone(),
+            words,
+            value,
+            limit,
+            joint,
+            links,
+            points: None,
+            angle: None,
+        };
+        match &of.misplaced {
+            Some(misplaced) => self.misplaced(misplaced, entry),
+            None => entry,
+        }
     }
+
+    /// The entry with the links of a misplaced object, and the way to where it would have to be.
+    fn misplaced(&self, of: &Misplaced<'_>, entry: ViolationEntry) -> ViolationEntry {
+        let Some(part) = self.robot.parts.iter().find(|part| part.name == of.object) else { return entry };
+        let link = &self.robot.links[part.root_link.at()];
+        let X_WL = link.joint.map_or(Pose::identity(), |joint| self.X_WJ[joint.at()]) * link.joint_from_link;
+        ViolationEntry {
+            links: Some(part.links.clone().collect()),
+            points: Some([X_WL.translation.to_array(), of.pose.translation.to_array()]),
+            angle: Some(of.angle),
+            ..entry
+        }
+    }
+}
+
+/// An object that no state has where it is.
+pub(crate) struct Misplaced<'a> {
+    /// The name of its part.
+    pub object: &'a str,
+    /// The pose of its root link in the world in the nearest state.
+    pub pose: Pose,
+    /// By which angle it would have to be turned, radians.
+    pub angle: f64,
 }
 
 /// Something that is wrong at a configuration, other than a collision.
@@ -125,9 +162,34 @@ pub(crate) struct Violation<'a> {
     pub limit: Option<f64>,
     /// The coordinate that it is about, as messages name it.
     pub coordinate: Option<&'a str>,
+    /// The object that it is about, where it is about one that is elsewhere.
+    pub misplaced: Option<Misplaced<'a>>,
 }
 
 impl<'a> Violation<'a> {
+    /// What is wrong; where several things would have to be moved, each of the others in an entry of its own.
+    fn all(why: &'a Infeasibility) -> Vec<Self> {
+        let whole = Self::of(why);
+        let Infeasibility::NoState { nearest: Some(nearest), .. } = why else { return vec![whole] };
+        let mut corrections = nearest.corrections.iter();
+        let first = corrections.next().map(Self::of_correction);
+        let whole = match first {
+            Some(first) => Self { coordinate: first.coordinate, misplaced: first.misplaced, ..whole },
+            None => whole,
+        };
+        std::iter::once(whole).chain(corrections.map(Self::of_correction)).collect()
+    }
+
+    /// What would have to be moved.
+    fn of_correction(correction: &'a Correction) -> Self {
+        let name = &correction.name;
+        let (coordinate, misplaced) = match correction.moved {
+            Moved::Object(_, pose) => (None, Some(Misplaced { object: name, pose, angle: correction.angle })),
+            _ => (Some(name.as_str()), None),
+        };
+        Self { words: correction.to_words(), value: None, limit: None, coordinate, misplaced }
+    }
+
     fn of(why: &'a Infeasibility) -> Self {
         let (value, limit, coordinate) = match why {
             Infeasibility::OutOfBounds { coordinate, value, bounds: (low, high), .. } => {
@@ -140,6 +202,6 @@ impl<'a> Violation<'a> {
             Infeasibility::NoState { nearest: Some(nearest), .. } => (Some(nearest.residual), None, None),
             _ => (None, None, None),
         };
-        Self { words: why.to_string(), value, limit, coordinate: coordinate.map(String::as_str) }
+        Self { words: why.to_string(), value, limit, coordinate: coordinate.map(String::as_str), misplaced: None }
     }
 }

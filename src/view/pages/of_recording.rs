@@ -2,7 +2,7 @@
 
 use crate::inspection::words::ShortNames;
 use crate::path_file::loaded_path::LoadedPath;
-use crate::planner::recording::{FindingEntry, Recording, ShownFunnel, ShownPair};
+use crate::planner::recording::{FindingEntry, MisplacedEntry, Recording, ShownFunnel, ShownPair};
 use crate::planner::trajectory::error::TrajectoryError;
 use crate::scene::reading::error::SceneError;
 use crate::scene::visuals::Visuals;
@@ -14,9 +14,10 @@ use crate::view::graph::grown::recorded;
 use crate::view::graph::picture::{PictureOptions, picture};
 use crate::view::html::page::Page;
 use crate::view::pages::base::{ViewOptions, approach_as_in, base};
-use crate::view::pages::findings::{Placed, Violation};
+use crate::view::pages::findings::{Misplaced, Placed, Violation};
 use crate::view::pages::of_path::{Told, add_motion};
 use foliate_components::graph::StateId;
+use foliate_components::pose::pose_from_array;
 use foliate_components::robot::{Robot, ShapeIndex};
 use foliate_kernels::collision::{CollisionScene, PairRule};
 use std::collections::HashMap;
@@ -166,9 +167,15 @@ fn add_findings(document: &mut Document, recording: &Recording, path: &LoadedPat
                 value: finding.value,
                 limit: finding.limit,
                 coordinate: finding.coordinate.as_deref(),
+                misplaced: finding.misplaced.as_ref().and_then(misplaced),
             })),
         }
     }
+}
+
+/// Nothing where the pose is none.
+fn misplaced(entry: &MisplacedEntry) -> Option<Misplaced<'_>> {
+    Some(Misplaced { object: &entry.object, pose: pose_from_array(entry.pose)?, angle: entry.angle })
 }
 
 fn shapes(robot: &Robot, finding: &FindingEntry) -> Option<[ShapeIndex; 2]> {

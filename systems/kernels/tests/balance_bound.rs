@@ -6,7 +6,7 @@ mod heavy_world;
 
 use foliate_components::Pose;
 use foliate_components::constraint::{
-    Constraint, Curvature, Custom, Frame, Function, Gradient, Reference, RelativePose, Row,
+    Constraint, Curvature, Custom, Frame, Function, Gradient, Reference, Region, RelativePose, Row, Tilt,
 };
 use foliate_components::robot::Robot;
 use foliate_kernels::constrained_motion::{AttachmentTemplate, ConstraintProgram};
@@ -14,6 +14,7 @@ use foliate_kernels::constraints::{
     centre_of_mass, com_between, custom, distance, placement_of, relative_pose, residual,
 };
 use foliate_kernels::kinematics::{Kinematics, RigidAttachment};
+use glam::DVec3;
 use heavy_world::{Draw, held, poses, world};
 use rand::RngExt;
 use std::sync::Arc;
@@ -108,6 +109,28 @@ impl Bench {
             tightness.ratios.push(most / bound);
         }
     }
+
+    /// By which share of the bound a motion from `q` that is drawn leaves what a constraint allows between its ends; never by more than all.
+    fn leaves_between(&mut self, constraint: &Constraint, q: &[f64]) -> f64 {
+        let carried: Vec<_> =
+            self.rigid_attachments.iter().map(|c| AttachmentTemplate::fixed(c.object, c.carrier, c.X_CO)).collect();
+        let one = std::slice::from_ref(constraint);
+        let program = ConstraintProgram::compile(&self.robot, &self.kinematics, one, &carried, &[]).unwrap();
+        let scale = self.draw.rng.random_range(0.01..0.1);
+        let mut delta = vec![0.0; self.robot.space.dimension()];
+        program.variables().iter().for_each(|&v| delta[v] = self.draw.rng.random_range(-scale..scale));
+        let depth = |t: f64| {
+            let (mut moved, step) = (q.to_vec(), delta.iter().map(|d| d * t).collect::<Vec<_>>());
+            self.robot.space.integrate(q, &step, &mut moved);
+            let X_WJ = poses(&self.kinematics, &self.rigid_attachments, &moved);
+            residual(&self.robot, constraint, &moved, &X_WJ)
+        };
+        let bound = program.residual_bound().between(&delta, &poses(&self.kinematics, &self.rigid_attachments, q));
+        let ends = depth(0.0).max(depth(1.0));
+        let most = (1..20).map(|sample| depth(f64::from(sample) / 20.0)).fold(0.0, f64::max);
+        assert!(most <= ends + bound + 1e-12, "{most} above {ends} by more than {bound}: {constraint:?}");
+        if bound > 0.0 { (most - ends) / bound } else { 0.0 }
+    }
 }
 
 fn both(seed: u64, name: &str, least: f64, mut one: impl FnMut(&mut Bench, &mut Tightness, usize)) {
@@ -155,31 +178,52 @@ fn half_spaces() {
                 plane.offset = plane.normal.dot(center) + bench.draw.rng.random_range(-1e-3..1e-3);
             }
             let constraint = Constraint::CentreOfMass(balance.clone());
-            let carried: Vec<_> = bench
-                .rigid_attachments
-                .iter()
-                .map(|c| AttachmentTemplate::fixed(c.object, c.carrier, c.X_CO))
-                .collect();
-            let one = std::slice::from_ref(&constraint);
-            let program = ConstraintProgram::compile(&bench.robot, &bench.kinematics, one, &carried, &[]).unwrap();
-            let scale = bench.draw.rng.random_range(0.01..0.1);
-            let mut delta = vec![0.0; bench.robot.space.dimension()];
-            program.variables().iter().for_each(|&v| delta[v] = bench.draw.rng.random_range(-scale..scale));
-            let depth = |t: f64| {
-                let (mut moved, step) = (q.clone(), delta.iter().map(|d| d * t).collect::<Vec<_>>());
-                bench.robot.space.integrate(&q, &step, &mut moved);
-                let X_WJ = poses(&bench.kinematics, &bench.rigid_attachments, &moved);
-                residual(&bench.robot, &constraint, &moved, &X_WJ)
-            };
-            let bound =
-                program.residual_bound().between(&delta, &poses(&bench.kinematics, &bench.rigid_attachments, &q));
-            let ends = depth(0.0).max(depth(1.0));
-            let most = (1..20).map(|sample| depth(f64::from(sample) / 20.0)).fold(0.0, f64::max);
-            assert!(most <= ends + bound + 1e-12, "{most} above {ends} by more than {bound}");
-            left += usize::from(most > ends + 0.05 * bound && bound > 0.0);
+            left += usize::from(bench.leaves_between(&constraint, &q) > 0.05);
         }
     }
     assert!(left > 5, "only {left} motions left their half-spaces between the knots");
+}
+
+/// The same of an axis whose angle is bounded, and of a point in a box.
+#[test]
+fn tilts_and_regions() {
+    let mut left = [0; 2];
+    for mut bench in [Bench::new(23, |_| Vec::new()), Bench::new(24, held)] {
+        for _ in 0..16 * ROUNDS {
+            let q = bench.draw.configuration(&bench.robot);
+            let X_WJ = poses(&bench.kinematics, &bench.rigid_attachments, &q);
+            let (a, b) = (bench.draw.frame(&bench.robot), bench.draw.frame(&bench.robot));
+            let in_world = |frame: &Frame| placement_of(frame).in_world(&X_WJ);
+            let X_AB = in_world(&a).inverse() * in_world(&b);
+            let near = |bench: &mut Bench, value: f64| value + bench.draw.rng.random_range(-1e-3..1e-3);
+            let angle = near(&mut bench, (X_AB.rotation * DVec3::Z).z.clamp(-1.0, 1.0).acos());
+            if (Tilt::LEAST..=Tilt::MOST).contains(&angle) {
+                let tilt = Constraint::Tilt(Tilt { a, b, within: angle });
+                left[0] += usize::from(bench.leaves_between(&tilt, &q) > 1e-3);
+            }
+            let [x, y, z] = X_AB.translation.to_array().map(|value| near(&mut bench, value));
+            let bounds = [(x, f64::INFINITY), (y - 1.0, y), (z, z + 1.0)];
+            left[1] += usize::from(bench.leaves_between(&Constraint::Region(Region { a, b, bounds }), &q) > 1e-3);
+        }
+    }
+    assert!(left.iter().all(|&left| left > 5), "only {left:?} motions left what is allowed between the knots");
+}
+
+/// A tilt is worth the angle between two axes, whatever moves them.
+#[test]
+fn a_tilt_is_the_angle_between_two_axes() {
+    let mut bench = Bench::new(26, held);
+    for _ in 0..ROUNDS {
+        let q = bench.draw.configuration(&bench.robot);
+        let X_WJ = poses(&bench.kinematics, &bench.rigid_attachments, &q);
+        let (a, b) = (bench.draw.frame(&bench.robot), bench.draw.frame(&bench.robot));
+        let axis = |frame: &Frame| placement_of(frame).in_world(&X_WJ).rotation * DVec3::Z;
+        let angle = axis(&a).angle_between(axis(&b));
+        let within = bench.draw.rng.random_range(Tilt::LEAST..Tilt::MOST);
+        let found = residual(&bench.robot, &Constraint::Tilt(Tilt { a, b, within }), &q, &X_WJ);
+        let wanted = ((within.cos() - angle.cos()) / within.sin()).max(0.0);
+        assert!((found - wanted).abs() < 1e-9 * (1.0 + wanted), "{angle} within {within}: {found} {wanted}");
+    }
 }
 
 #[test]

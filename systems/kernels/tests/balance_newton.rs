@@ -8,7 +8,7 @@ mod heavy_world;
 use foliate_components::Pose;
 use foliate_components::constraint::{
     CentreOfMass, CentreOfMassBetween, Constraint, Custom, Distance, Frame, Locked, LockedValue, Masses, PlaneRow,
-    Reference, RelativePose, Row,
+    Reference, Region, RelativePose, Row, Tilt,
 };
 use foliate_components::robot::model::Inertial;
 use foliate_components::robot::{PartIndex, PartKind, PartPlacement, Robot, RootJoint};
@@ -370,11 +370,14 @@ fn one_constraint_alone_is_as_far_as_its_program_says() {
             RelativePose { a: draw.frame(&robot), b: draw.frame(&robot), rows, reference }
         };
         let (zero, least) = (Some(Row::Zero), Some(Row::Inequality));
-        let constraint = match round % 6 {
+        let (a, b) = (draw.frame(&robot), draw.frame(&robot));
+        let constraint = match round % 8 {
             0 => Constraint::CentreOfMass(CentreOfMass { reference: Reference::Identity, ..balance }),
             1 => Constraint::CentreOfMassBetween(draw.between(&robot, Some(0.3))),
             2 => Constraint::Distance(draw.distance(&robot, Row::Inequality, true)),
             3 => Constraint::Custom(draw.gaze(&robot)),
+            5 => Constraint::Tilt(Tilt { a, b, within: 0.3 }),
+            6 => Constraint::Region(Region { a, b, bounds: [(0.1, 0.2), (-0.3, f64::INFINITY), (0.0, 0.4)] }),
             4 => Constraint::RelativePose(poses_of(&mut draw, [zero, least, None, zero, zero, None])),
             _ => Constraint::Locked(Locked { joint, value: LockedValue::Fixed(0.2) }),
         };

@@ -11,7 +11,7 @@ use foliate_components::constraint::{
 };
 use foliate_components::robot::{Robot, Source};
 use foliate_kernels::constrained_motion::{
-    AttachmentTemplate, ConstraintProgram, CurveScratch, Scratch, curve_residual,
+    AttachmentTemplate, ConstraintProgram, CurveScratch, Scratch, curve_residual, curve_speed,
 };
 use foliate_kernels::constraints::{centre_of_mass, placement_of, relative_pose};
 use foliate_kernels::curve::HermiteCurve;
@@ -101,6 +101,41 @@ impl Bench {
         let refused = curve_residual(&program, space, &curve, &[], 0.99 * sampled, &mut scratch);
         assert!(refused.is_err(), "{sampled} is sampled: {constraint:?}");
         Some(proved / sampled)
+    }
+}
+
+#[test]
+fn the_speed_of_a_point_is_bounded_closely() {
+    for is_holding in [false, true] {
+        let mut bench = Bench::new(89, is_holding);
+        for round in 0..80 {
+            let (from, frame) = (bench.draw.configuration(&bench.robot), bench.draw.frame(&bench.robot));
+            let rows = bench.curve(&from, 0.3);
+            let curve = rows.curve();
+            let at = |piece: usize, u: f64| {
+                let mut q = bench.robot.space.neutral();
+                curve.at(&bench.robot.space, piece, u, &mut q);
+                let X_WJ = poses(&bench.kinematics, &bench.rigid_attachments, &q);
+                placement_of(&frame).in_world(&X_WJ).translation
+            };
+            let mut sampled = 0.0_f64;
+            for piece in 0..curve.pieces() {
+                let duration = curve.times[piece + 1] - curve.times[piece];
+                let places: Vec<_> = (0..=1000).map(|k| at(piece, f64::from(k) / 1000.0)).collect();
+                let way = places.windows(2).map(|pair| pair[0].distance(pair[1])).fold(0.0, f64::max);
+                sampled = sampled.max(way * 1000.0 / duration);
+            }
+            let bound = |enough| {
+                let Bench { robot, kinematics, rigid_attachments, .. } = &bench;
+                curve_speed(robot, kinematics, rigid_attachments, &frame, &curve, enough)
+            };
+            for enough in [0.0, 0.5 * sampled] {
+                let found = bound(enough);
+                assert!(found >= sampled * (1.0 - 1e-9), "round {round}: {found} proved, {sampled} sampled");
+                assert!(found <= sampled * 1.01 + 1e-9, "round {round}: {found} proved, {sampled} sampled");
+            }
+            assert_eq!(bound(10.0 * sampled + 1.0), 10.0 * sampled + 1.0);
+        }
     }
 }
 

@@ -5,6 +5,7 @@
 use foliate_kernels::trajectory::{
     JerkScratch, Limits, Spline, ThroughScratch, TimedPath, TimingError, TimingScratch, TimingSettings,
     acceleration_jump, blend_polyline, limit_jerk, peak_rates, spline_through, time_at_full_speed, time_optimal,
+    time_optimal_below,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -44,6 +45,35 @@ fn timed(path: &Spline, given: &Given) -> Result<TimedPath, TimingError> {
 fn line(by: &[f64]) -> Spline {
     let knots: Vec<f64> = by.iter().map(|_| 0.3).chain(by.iter().map(|b| 0.3 + b)).collect();
     Spline::from_parts(by.len(), vec![0.0, 1.0], knots, [by, by].concat()).unwrap()
+}
+
+#[test]
+fn a_ceiling_bounds_the_path_velocity() {
+    // 2 m at 1 m/s at most; half of that on the whole path, or on its first half.
+    let (path, given) = (line(&[2.0]), Given::new(vec![1.0], vec![1.0]));
+    let below = |ceiling: &dyn Fn([f64; 2]) -> f64| {
+        let mut out = TimedPath::default();
+        let (settings, mut scratch) = (TimingSettings::default(), TimingScratch::default());
+        time_optimal_below(&path, given.limits(), Some(ceiling), settings, &mut scratch, &mut out).unwrap();
+        out.curve
+    };
+    let free = below(&|_| f64::INFINITY);
+    assert!((free.extent() - 3.0).abs() < 1e-2, "{}", free.extent());
+    let slow = below(&|_| 0.25);
+    assert!((slow.extent() - 4.5).abs() < 1e-2, "{}", slow.extent());
+    let half = below(&|[from, _]| if from < 0.5 { 0.25 } else { f64::INFINITY });
+    assert!(half.extent() > 3.2 && half.extent() < 4.3, "{}", half.extent());
+    let (mut q, mut v, mut fastest) = ([0.0], [0.0], 0.0_f64);
+    for part in 0..=1000 {
+        let time = half.extent() * f64::from(part) / 1000.0;
+        half.position(time, &mut q);
+        half.derivative(time, &mut v);
+        if q[0] - 0.3 <= 1.0 {
+            assert!(v[0] <= 0.5 + 1e-9, "{v:?} at {q:?}");
+        }
+        fastest = fastest.max(v[0]);
+    }
+    assert!(fastest > 0.9);
 }
 
 fn polyline(random: &mut ChaCha8Rng, given: &Given) -> Spline {

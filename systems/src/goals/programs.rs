@@ -262,9 +262,11 @@ fn rows_of(model: &Model, goal: &PartialGoal, constraint: ConstraintId) -> Optio
             Some(model.objects()[object as usize].placement_on(on)?.resting.constraint(lift))
         }
         ConstraintKind::Rest { .. } => None,
-        ConstraintKind::JointRest { .. } | ConstraintKind::Finger { .. } | ConstraintKind::Given { .. } => {
-            model.constraint(constraint)?.without_parameters()
-        }
+        ConstraintKind::JointRest { .. }
+        | ConstraintKind::Finger { .. }
+        | ConstraintKind::Given { .. }
+        | ConstraintKind::Approach { .. }
+        | ConstraintKind::WhileHeld { .. } => model.constraint(constraint)?.without_parameters(),
     }
 }
 

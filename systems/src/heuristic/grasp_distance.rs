@@ -234,7 +234,7 @@ impl GraspDistance {
 }
 
 impl Of {
-    /// What a constraint is about; none for fingers, which follow from what is grasped.
+    /// What a constraint is about; none for what follows from what is grasped: fingers, constraints of held objects.
     fn constraint(graph: &ConstraintGraph, kind: ConstraintKind) -> Option<Self> {
         match kind {
             ConstraintKind::Grasp { handle, .. } | ConstraintKind::Pregrasp { handle, .. } => {
@@ -245,7 +245,7 @@ impl Of {
             | ConstraintKind::Preplacement { object, .. }
             | ConstraintKind::Rest { object } => Some(Self::Object(object)),
             ConstraintKind::JointRest { joint } => Some(Self::Joint(joint)),
-            ConstraintKind::Finger { .. } => None,
+            ConstraintKind::Finger { .. } | ConstraintKind::Approach { .. } | ConstraintKind::WhileHeld { .. } => None,
             ConstraintKind::Given { .. } => Some(Self::Stance),
         }
     }

@@ -51,7 +51,11 @@ impl Model {
             ConstraintKind::Grasp { handle, .. } | ConstraintKind::Pregrasp { handle, .. } => {
                 self.graph.objects.iter().position(|o| o.handles.contains(&handle))
             }
-            ConstraintKind::JointRest { .. } | ConstraintKind::Finger { .. } | ConstraintKind::Given { .. } => None,
+            ConstraintKind::JointRest { .. }
+            | ConstraintKind::Finger { .. }
+            | ConstraintKind::Given { .. }
+            | ConstraintKind::Approach { .. }
+            | ConstraintKind::WhileHeld { .. } => None,
         }
     }
 

@@ -23,7 +23,7 @@ impl Model {
     pub fn moving_fingers(&self, fingers: Fingers) -> impl Iterator<Item = usize> + '_ {
         let all = 0..self.problem.graph.hands.len() as u32;
         let moves = move |hand: &u32| match fingers {
-            Fingers::Still | Fingers::Wide(_) | Fingers::Ready { .. } => false,
+            Fingers::Still | Fingers::Wide(_) | Fingers::Ready { .. } | Fingers::OnLine { .. } => false,
             Fingers::Moving(moving) => moving == *hand,
             Fingers::Free => true,
         };

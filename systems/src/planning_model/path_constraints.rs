@@ -33,7 +33,11 @@ impl Model {
                 let on_plane = matches!(resting, SupportPlacement::Plane { .. }).then(|| resting.constraint(0.0))?;
                 Some(PathConstraint { name, constraint: on_plane, argument: None })
             }
-            ConstraintKind::JointRest { .. } | ConstraintKind::Finger { .. } | ConstraintKind::Given { .. } => {
+            ConstraintKind::JointRest { .. }
+            | ConstraintKind::Finger { .. }
+            | ConstraintKind::Given { .. }
+            | ConstraintKind::Approach { .. }
+            | ConstraintKind::WhileHeld { .. } => {
                 Some(PathConstraint { name, constraint: self.constraint(id)?, argument: value })
             }
             ConstraintKind::Grasp { .. }

@@ -7,7 +7,7 @@ use crate::events::StopSignal;
 use crate::planning_model::graph::snapping::snap;
 use crate::planning_model::hands;
 use crate::planning_model::hands::FingerShares;
-use foliate_components::constraint::{Constraint, Locked, LockedValue};
+use foliate_components::constraint::{Constraint, Grasp, Locked, LockedValue};
 use foliate_components::coverage::LeftOutPair;
 use foliate_components::graph::{ConstraintKind, Opening};
 use foliate_components::problem::{Approach, Correction, Goal, JointRest, Problem};
@@ -123,8 +123,13 @@ impl ProblemTables {
     pub fn constraint_of(&self, kind: ConstraintKind) -> Option<Constraint> {
         let options = &self.problem.graph;
         match kind {
-            ConstraintKind::Given { constraint } => {
+            ConstraintKind::Given { constraint } | ConstraintKind::WhileHeld { constraint } => {
                 options.constraints.get(constraint as usize).map(|given| given.constraint.clone())
+            }
+            ConstraintKind::Approach { gripper, handle, bound } => {
+                let line = options.approach_line?;
+                let grasp = Grasp::new(&self.problem.robot, gripper, handle).ok()?;
+                grasp.approach(bound, line.distance, line.angle)
             }
             ConstraintKind::JointRest { joint } => options.resting_joints.get(joint as usize).map(|resting| {
                 let value = match resting.rest {

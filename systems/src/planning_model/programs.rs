@@ -194,7 +194,11 @@ impl<'a> Draft<'a> {
                 let root = model.objects()[object as usize].root?;
                 drawn.then(|| held_at(None, root, slot))
             }
-            ConstraintKind::JointRest { .. } | ConstraintKind::Finger { .. } | ConstraintKind::Given { .. } => {
+            ConstraintKind::JointRest { .. }
+            | ConstraintKind::Finger { .. }
+            | ConstraintKind::Given { .. }
+            | ConstraintKind::Approach { .. }
+            | ConstraintKind::WhileHeld { .. } => {
                 let constraint = model.constraint(target)?;
                 if drawn { Some(constraint.at_slot(slot)) } else { constraint.without_parameters() }
             }

@@ -237,7 +237,11 @@ fn residual_of(model: &Model, grasp: Option<&Grasp>, kind: ConstraintKind, q: &[
         }
         // It stays wherever it is: no rows.
         ConstraintKind::Rest { .. } => 0.0,
-        ConstraintKind::JointRest { .. } | ConstraintKind::Finger { .. } | ConstraintKind::Given { .. } => {
+        ConstraintKind::JointRest { .. }
+        | ConstraintKind::Finger { .. }
+        | ConstraintKind::Given { .. }
+        | ConstraintKind::Approach { .. }
+        | ConstraintKind::WhileHeld { .. } => {
             let given = model.constraint_of(kind);
             given.map_or(f64::INFINITY, |given| constraints::residual(&model.problem.robot, &given, q, X_WJ))
         }
@@ -269,7 +273,11 @@ pub fn parameter_of(model: &Model, constraint: ConstraintId, q: &[f64], X_WJ: &[
         },
         ConstraintKind::Placement { on, .. } | ConstraintKind::Preplacement { on, .. } => is_carried_by(on),
         ConstraintKind::Rest { .. } => is_carried_by(None),
-        ConstraintKind::JointRest { .. } | ConstraintKind::Finger { .. } | ConstraintKind::Given { .. } => {
+        ConstraintKind::JointRest { .. }
+        | ConstraintKind::Finger { .. }
+        | ConstraintKind::Given { .. }
+        | ConstraintKind::Approach { .. }
+        | ConstraintKind::WhileHeld { .. } => {
             let given = model.constraint(constraint);
             let value = given
                 .map_or_else(Pose::identity, |given| constraints::parameter(&model.problem.robot, &given, q, X_WJ));

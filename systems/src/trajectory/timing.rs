@@ -3,14 +3,15 @@
 
 use crate::improvement::leaf_motion::LeafMotion;
 use crate::planning_model::model::Model;
+use crate::trajectory::held_speed::HeldSpeed;
 use crate::trajectory::rows::Rows;
 use crate::trajectory::smoothing::SmoothPath;
 use crate::trajectory::stretch::Stretch;
 use foliate_components::path::Segment;
 use foliate_components::robot::configuration::Group;
 use foliate_kernels::trajectory::{
-    JerkError, JerkScratch, Limits, Spline, TimedPath, TimingError, TimingScratch, TimingSettings, limit_jerk,
-    peak_rates, time_optimal,
+    Ceiling, JerkError, JerkScratch, Limits, Spline, TimedPath, TimingError, TimingScratch, TimingSettings, limit_jerk,
+    peak_rates, time_optimal_below,
 };
 
 /// How long a motion takes that is as short as rounding, seconds.
@@ -52,6 +53,7 @@ pub(crate) fn segments(
     buffers: &mut TimingBuffers,
 ) -> Result<(Vec<Segment>, f64), StretchError> {
     let size = model.problem.robot.space.size();
+    let held = HeldSpeed::of(model, motions, stretch);
     let motions = &motions[stretch.motions.clone()];
     let mut now = 0.0;
     let mut rows = Rows::beginning_at(model, motions, stretch, motions[0].start(size));
@@ -64,14 +66,17 @@ pub(crate) fn segments(
     let limits = Limits { velocity: &stretch.velocity, acceleration: &stretch.acceleration, jerk: &stretch.jerk };
     let mut timed = TimedPath::default();
     for path in paths {
-        time_optimal(&path.path, limits, TimingSettings::default(), &mut buffers.timing, &mut timed)?;
+        let ceiling = |ends| held.ceiling(&path.path, ends);
+        let ceiling: Option<Ceiling<'_>> = if held.is_empty() { None } else { Some(&ceiling) };
+        let settings = TimingSettings::default();
+        time_optimal_below(&path.path, limits, ceiling, settings, &mut buffers.timing, &mut timed)?;
         let mut joints: Vec<usize> = path.joints.iter().map(|&joint| cut_at(&mut timed, joint)).collect();
         if limits.jerk.iter().any(|limit| limit.is_finite()) {
             bound_jerk(model, stretch, limits, (&mut timed.curve, &mut joints), buffers)?;
         }
         let curve = &mut timed.curve;
         normalise(model, &stretch.carried, curve);
-        let slower = slow_down(curve, limits);
+        let slower = slow_down(curve, limits, held.share(curve));
         for knot in 1..curve.len() {
             rows.push(now + slower * curve.parameters()[knot], curve.knot(knot), curve.velocity(knot));
             joints.iter().filter(|joint| **joint == knot).for_each(|_| rows.next_motion());
@@ -157,11 +162,11 @@ fn normalise(model: &Model, carried: &[bool], curve: &mut Spline) {
     }
 }
 
-/// By how much the curve has to be slower to keep its limits: a scaled quaternion turns a little faster than its numbers did. The
-/// velocities are those of the slower curve.
-fn slow_down(curve: &mut Spline, limits: Limits<'_>) -> f64 {
+/// By how much the curve has to be slower to keep its limits: a scaled quaternion turns a little faster than its numbers did, and an object
+/// that is held uses the share `held` of its speed. The velocities are those of the slower curve.
+fn slow_down(curve: &mut Spline, limits: Limits<'_>, held: f64) -> f64 {
     let peaks = peak_rates(curve, limits);
-    let share = peaks.velocity.share.max(peaks.acceleration.share.sqrt());
+    let share = peaks.velocity.share.max(peaks.acceleration.share.sqrt()).max(held);
     if share <= 1.0 {
         return 1.0;
     }

@@ -194,6 +194,10 @@ export interface Violation {
     value?: number | null;
     limit?: number | null;
     links?: number[] | null;
+    /** Where an object is and where it would have to be. */
+    points?: [Vec3, Vec3] | null;
+    /** By which angle it would have to be turned besides. */
+    angle?: number | null;
 }
 
 export interface FunnelPair {

@@ -28,6 +28,11 @@ export function length(metres: number): string {
     return `${metres.toFixed(3)} m`;
 }
 
+/** Radians, in degrees. */
+export function degrees(radians: number): string {
+    return `${((radians * 180) / Math.PI).toFixed(1)}\u00b0`;
+}
+
 export function seconds(time: number): string {
     return time < 60 ? time.toFixed(2) : `${Math.floor(time / 60)}:${(time % 60).toFixed(1).padStart(4, "0")}`;
 }

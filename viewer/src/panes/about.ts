@@ -25,6 +25,7 @@ export function aboutPane(model: Model): HTMLElement {
         "div",
         {},
         h("dl", { class: "facts" }, ...shown.flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value)])),
+        triangles === 0 ? null : h("p", { class: "quiet" }, "Meshes have the colours of their model; textures are not shown."),
         h("p", { class: "quiet" }, "One file, made by foliate view. It loads nothing from the network. It contains three.js (MIT); the licence is in its source."),
     );
 }

@@ -9,6 +9,8 @@ import { panZoom } from "./pan_zoom";
 
 /** Units of the drawing a pixel above which texts are too small to read. */
 const UNREADABLE = 2.6;
+/** Lines above which only those of the state that is looked at are drawn strongly. */
+const CROWDED = 60;
 
 export function graphPane(model: Model, graph: Graph): HTMLElement {
     const most = graph.transitions.reduce((found, t) => Math.max(found, t.tried ?? 0), 1);
@@ -32,8 +34,11 @@ export function graphPane(model: Model, graph: Graph): HTMLElement {
             go();
         });
     });
+    drawing.classList.toggle("crowded", edges.length > CROWDED);
+    const near = showNear(drawing, graph, edges);
     model.segment.watch((at) => {
         const segment = model.path?.segment(at);
+        near(segment?.state ?? (model.path ? null : 0));
         states.forEach((element, s) => element.classList.toggle("active", s === segment?.state));
         edges.forEach(({ root }, e) => root.classList.toggle("active", e === segment?.transition));
         const state = graph.states[segment?.state ?? -1];
@@ -97,6 +102,35 @@ function edge(transition: GraphTransition, most: number): Edge {
         if (tried > 0) line.style.stroke = colourOf((transition.succeeded ?? 0) / tried);
     };
     return { root, paint };
+}
+
+/** Marks the lines of the state under the pointer or with the focus, else those of the active state, which is told to what is returned: without a path the first. */
+function showNear(drawing: SVGSVGElement, graph: Graph, edges: Edge[]): (active: number | null) => void {
+    let active: number | null = null;
+    let looked: number | null = null;
+    const update = (): void => {
+        const state = looked ?? active;
+        edges.forEach(({ root }, e) => {
+            const { from, to } = graph.transitions[e]!;
+            root.classList.toggle("near", from === state || to === state);
+        });
+    };
+    const look = (event: Event): void => {
+        const id = (event.target as Element).closest("[data-state]")?.getAttribute("data-state");
+        const found = graph.states.findIndex((state) => String(state.id) === id);
+        if (looked === (found < 0 ? null : found)) return;
+        looked = found < 0 ? null : found;
+        update();
+    };
+    for (const kind of ["pointerover", "focusin", "focusout"]) drawing.addEventListener(kind, look);
+    drawing.addEventListener("pointerleave", () => {
+        looked = null;
+        update();
+    });
+    return (state) => {
+        active = state;
+        update();
+    };
 }
 
 function route(transition: GraphTransition): string {

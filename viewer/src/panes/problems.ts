@@ -1,8 +1,11 @@
 /** What is wrong: collisions and violations of the start or goal, places that the check refuses, warnings of the models. */
 import { h } from "../app/dom";
 import type { Mark, Model } from "../app/model";
-import type { Collision, Violation, Where } from "../data/document";
-import { length, pairName, seconds } from "../data/names";
+import type { Collision, Vec3, Violation, Where } from "../data/document";
+import { degrees, length, pairName, seconds } from "../data/names";
+
+/** A turn that is not told, radians: as many degrees as `degrees` rounds to nothing. */
+const SMALL_TURN = 1e-3;
 
 /** Failures, and warnings of the models. */
 export function problemCounts({ view }: Model): { failures: number; warnings: number } {
@@ -59,7 +62,15 @@ function collisionMark(collision: Collision, words: string): Mark {
 }
 
 function violationMark(violation: Violation): Mark {
-    return { links: violation.links ?? [], points: [], number: numbers(violation), words: violation.words };
+    const points = violation.points ?? [];
+    const number = violation.points ? off(violation.points, violation.angle ?? 0) : numbers(violation);
+    return { links: violation.links ?? [], points, number, words: violation.words };
+}
+
+/** How far something is from where it would have to be. */
+function off([here, there]: [Vec3, Vec3], angle: number): string {
+    const way = length(Math.hypot(there[0] - here[0], there[1] - here[1], there[2] - here[2]));
+    return angle > SMALL_TURN ? `${way}, ${degrees(angle)} off` : `${way} off`;
 }
 
 function numbers({ value, limit }: Violation): string {

@@ -26,6 +26,9 @@ pub(crate) struct Arguments {
     /// SRDF: a file, or a package:// URL
     #[arg(long, value_name = "FILE")]
     srdf: Option<String>,
+    /// What is done with the up axis of COLLADA and glTF meshes
+    #[arg(long, value_name = "as-written|declared", value_parser = loading::up_axis, default_value = "as-written")]
+    mesh_up_axis: UpAxis,
     /// List every pair of collision shapes that is not tested, with the reason
     #[arg(long)]
     pairs: bool,
@@ -39,9 +42,9 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Ending, Refusal> {
     let (urdf, srdf, mine) = (arguments.urdf.clone(), arguments.srdf.clone(), packages.clone());
-    let wants_matrix = arguments.collision_matrix;
+    let (up_axis, wants_matrix) = (arguments.mesh_up_axis, arguments.collision_matrix);
     let Ok((read, robot, pairs, matrix, grippers)) = loading::beside(Duration::MAX, Duration::ZERO, move |stop| {
-        let mut read = read_model(&urdf, srdf.as_deref(), UpAxis::AsWritten, &loading::until(&mine, stop))?;
+        let mut read = read_model(&urdf, srdf.as_deref(), up_axis, &loading::until(&mine, stop))?;
         let robot = read.compose_alone()?;
         let pairs = inspect_pairs(&robot);
         let matrix = wants_matrix.then(|| collision_matrix(&robot, MatrixSettings::default()));

@@ -26,6 +26,9 @@ pub(crate) struct Arguments {
     /// The SRDF of a URDF: grippers, handles, and which links may touch
     #[arg(long, value_name = "FILE")]
     srdf: Option<String>,
+    /// What is done with the up axis of a URDF's COLLADA and glTF meshes
+    #[arg(long, value_name = "as-written|declared", value_parser = loading::up_axis)]
+    mesh_up_axis: Option<UpAxis>,
     /// The page; without it a temporary file, whose name is printed
     #[arg(short, long, value_name = "PAGE.html")]
     out: Option<PathBuf>,
@@ -58,11 +61,16 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
 }
 
 fn page(arguments: &Arguments, packages: &PackagePath, limit: Duration, stop: &StopSignal) -> Result<Page, Failure> {
+    let extension = Path::new(&arguments.what).extension().and_then(|e| e.to_str()).unwrap_or_default();
+    let extension = extension.to_ascii_lowercase();
+    if arguments.mesh_up_axis.is_some() && !matches!(extension.as_str(), "urdf" | "xml") {
+        let why = "--mesh-up-axis is for a URDF: a part of a scene says it itself, with `mesh_up_axis`";
+        return Err(Refusal(why.into()).into());
+    }
     if Recording::is_one(Path::new(&arguments.what)) {
         return of_recording(arguments, packages, stop);
     }
-    let extension = Path::new(&arguments.what).extension().and_then(|e| e.to_str()).unwrap_or_default();
-    match extension.to_ascii_lowercase().as_str() {
+    match extension.as_str() {
         "json" => of_path(arguments, packages, limit, stop),
         "urdf" | "xml" => of_model(arguments, packages, stop),
         _ => of_scene(arguments, packages, stop),
@@ -75,8 +83,9 @@ fn options(arguments: &Arguments) -> ViewOptions {
 
 fn of_model(arguments: &Arguments, packages: &PackagePath, stop: &StopSignal) -> Result<Page, Failure> {
     let packages = loading::until(packages, stop).with_placeholders();
-    let mut model = read_model(&arguments.what, arguments.srdf.as_deref(), UpAxis::AsWritten, &packages)?;
-    Ok(page_of_model(&mut model, UpAxis::AsWritten, &packages, &options(arguments))?)
+    let up_axis = arguments.mesh_up_axis.unwrap_or_default();
+    let mut model = read_model(&arguments.what, arguments.srdf.as_deref(), up_axis, &packages)?;
+    Ok(page_of_model(&mut model, up_axis, &packages, &options(arguments))?)
 }
 
 fn of_scene(arguments: &Arguments, packages: &PackagePath, stop: &StopSignal) -> Result<Page, Failure> {

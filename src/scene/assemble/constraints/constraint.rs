@@ -1,13 +1,13 @@
 //! `[[constraint]]`: constraints of the problem's own, by name.
 
 use crate::scene::assemble::constraints::mass;
-use crate::scene::assemble::names::frame::{Context, ReadFrame, frame, one_of, or_start};
+use crate::scene::assemble::names::frame::{Context, ReadFrame, box_bounds, frame, one_of, or_start};
 use crate::scene::assemble::names::locked::scalar_joint;
 use crate::scene::reading::error::SceneError;
 use crate::scene::reading::keys::{Item, Keys};
 use foliate_components::Pose;
 use foliate_components::constraint::{
-    Constraint, Distance, Locked, LockedValue, Mask, Reference, RelativePose, Row, Rows,
+    Constraint, Distance, Locked, LockedValue, Mask, Reference, Region, RelativePose, Row, Rows, Tilt,
 };
 use foliate_components::problem::NamedConstraint;
 use foliate_components::robot::{Robot, Source};
@@ -41,11 +41,13 @@ pub(crate) fn read(keys: &mut Keys<'_>, context: &Context<'_>) -> Result<Vec<Nam
 type Read = fn(&mut Keys<'_>, &Item<'_>, &Context<'_>) -> Result<Constraint, SceneError>;
 
 fn kind(keys: &mut Keys<'_>, item: &Item<'_>, context: &Context<'_>) -> Result<Constraint, SceneError> {
-    let kinds: [(&str, Read); 5] = [
+    let kinds: [(&str, Read); 7] = [
         ("pose", pose),
         ("centre_of_mass", mass::centre),
         ("centre_of_mass_between", mass::between),
         ("distance", distance),
+        ("tilt", tilt),
+        ("region", region),
         ("joint", joint),
     ];
     one_of(&keys.required("kind")?, &kinds)?(keys, item, context)
@@ -122,6 +124,27 @@ fn distance(keys: &mut Keys<'_>, item: &Item<'_>, context: &Context<'_>) -> Resu
             .hint("for points that coincide take a `pose` with mask 1 1 1 0 0 0"));
     }
     Ok(Constraint::Distance(Distance { a: a.frame, b: b.frame, length: value, row: *row, at_most: *at_most }))
+}
+
+/// The z axes of two frames within an angle.
+fn tilt(keys: &mut Keys<'_>, item: &Item<'_>, context: &Context<'_>) -> Result<Constraint, SceneError> {
+    let (b, a) = two_frames(keys, item, context.robot)?;
+    let angle = keys.required("within")?;
+    let within = angle.number()?;
+    if !(Tilt::LEAST..=Tilt::MOST).contains(&within) {
+        return Err(angle
+            .error(format!("is not between {} radians and a right angle", Tilt::LEAST))
+            .hint("an axis that may not tilt at all is a `pose` with mask 0 0 0 1 1 0"));
+    }
+    Ok(Constraint::Tilt(Tilt { a: a.frame, b: b.frame, within }))
+}
+
+/// The origin of a frame within a box of another.
+fn region(keys: &mut Keys<'_>, item: &Item<'_>, context: &Context<'_>) -> Result<Constraint, SceneError> {
+    let (b, a) = two_frames(keys, item, context.robot)?;
+    let free = (f64::NEG_INFINITY, f64::INFINITY);
+    let bounds = box_bounds(keys, item)?.map(|bounds| bounds.unwrap_or(free));
+    Ok(Constraint::Region(Region { a: a.frame, b: b.frame, bounds }))
 }
 
 fn joint(keys: &mut Keys<'_>, _: &Item<'_>, context: &Context<'_>) -> Result<Constraint, SceneError> {

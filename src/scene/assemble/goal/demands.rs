@@ -3,9 +3,9 @@
 
 use crate::scene::assemble::goal::coordinates::{coordinates, moving_object};
 use crate::scene::assemble::names::configuration::Reader;
-use crate::scene::assemble::names::frame::{ReadFrame, frame};
+use crate::scene::assemble::names::frame::{ReadFrame, box_bounds, frame};
 use crate::scene::reading::error::{SceneError, did_you_mean, quoted};
-use crate::scene::reading::keys::{Item, Keys};
+use crate::scene::reading::keys::Item;
 use foliate_components::Pose;
 use foliate_components::constraint::{Constraint, Frame, Reference, RelativePose, Row, Rows};
 use foliate_components::problem::{GraphOptions, Holding, NamedConstraint, OtherHands};
@@ -85,7 +85,7 @@ pub(super) fn within(item: &Item<'_>, robot: &Robot) -> Result<Vec<NamedConstrai
         if of.part == Some(part) {
             return Err(item.error("the region moves with the object").hint("name a `frame` of something else"));
         }
-        let bounds = bounds(&mut keys, item)?;
+        let bounds = box_bounds(&mut keys, item)?;
         keys.finish()?;
         let origin = Frame::on_link(robot, robot[part].root_link, &Pose::identity());
         let name = format!("{} within its region", robot[part].name);
@@ -95,16 +95,6 @@ pub(super) fn within(item: &Item<'_>, robot: &Robot) -> Result<Vec<NamedConstrai
         }));
     }
     Ok(constraints)
-}
-
-/// `x`, `y` and `z`: at least one of them.
-fn bounds(keys: &mut Keys<'_>, item: &Item<'_>) -> Result<[Option<(f64, f64)>; 3], SceneError> {
-    let mut axis = |key| keys.optional(key).map(|item| item.bounds()).transpose();
-    let bounds = [axis("x")?, axis("y")?, axis("z")?];
-    if bounds.iter().all(Option::is_none) {
-        return Err(item.error("bounds nothing").hint("give `x`, `y` or `z` as [lower, upper], metres in the frame"));
-    }
-    Ok(bounds)
 }
 
 /// A point between bounds: above the lower ones in the frame's axes, and in axes that are turned round above the upper ones.

@@ -4,11 +4,15 @@ use crate::scene::assemble::names::frame::one_of;
 use crate::scene::assemble::names::locked::{scalar_joint, within};
 use crate::scene::reading::error::SceneError;
 use crate::scene::reading::keys::{Item, Keys};
-use foliate_components::problem::{Approach, Finger, Hand};
+use foliate_components::constraint::Tilt;
+use foliate_components::problem::{Approach, ApproachLine, Finger, Hand};
 use foliate_components::robot::{GripperIndex, JointIndex, Robot};
 
 /// How far fingers that approach stay off what they are to grasp where a scene does not say, metres.
 const APPROACH_CLEARANCE: f64 = 5e-3;
+
+/// The smallest distance from a line, metres: a few path tolerances.
+const LEAST_DISTANCE: f64 = 1e-3;
 
 /// `hands = { "robot/gripper" = { fingers = { "robot/joint" = { open = …, closed = … } } } or "planned" }`. `gripper` finds the gripper of a
 /// name.
@@ -77,4 +81,20 @@ fn finger(item: &Item<'_>, joint: JointIndex, robot: &Robot) -> Result<Finger, S
         return Err(item.error("is as far open as closed"));
     }
     Ok(Finger { joint, open, closed, travel })
+}
+
+/// `approach_line = { distance, angle }`: metres and radians.
+pub(super) fn approach_line(keys: &mut Keys<'_>) -> Result<Option<ApproachLine>, SceneError> {
+    let Some(item) = keys.optional("approach_line") else { return Ok(None) };
+    let mut keys = item.keys()?;
+    let (distance, angle) = (keys.required("distance")?, keys.required("angle")?);
+    keys.finish()?;
+    let line = ApproachLine { distance: distance.distance()?, angle: angle.number()? };
+    if line.distance < LEAST_DISTANCE {
+        return Err(distance.error(format!("is below {LEAST_DISTANCE} m: motions are not that exact")));
+    }
+    if !(Tilt::LEAST..=Tilt::MOST).contains(&line.angle) {
+        return Err(angle.error(format!("is not between {} radians and a right angle", Tilt::LEAST)));
+    }
+    Ok(Some(line))
 }

@@ -70,7 +70,8 @@ pub(crate) fn read(
         options.hands = hands::read(&item, robot, &options.locked, |item, name| named_gripper(item, name, robot))?;
     }
     options.approach = hands::approach(&mut keys)?;
-    written::read(&mut keys, &mut options)?;
+    options.approach_line = hands::approach_line(&mut keys)?;
+    written::read(&mut keys, robot, &mut options)?;
     keys.finish()?;
     Ok(options)
 }

@@ -1,8 +1,11 @@
-//! `everywhere`, `state` and `transition` of `[graph]`: states that the problem itself writes down, such as stances.
+//! `everywhere`, `while_held`, `state` and `transition` of `[graph]`: states that the problem itself writes down, such as stances.
 
 use crate::scene::reading::error::{SceneError, did_you_mean, quoted};
 use crate::scene::reading::keys::{Item, Keys};
-use foliate_components::problem::{GraphOptions, NamedConstraint, WrittenLeg, WrittenState, WrittenTransition};
+use foliate_components::problem::{
+    GraphOptions, NamedConstraint, WhileHeld, WrittenLeg, WrittenState, WrittenTransition,
+};
+use foliate_components::robot::{PartIndex, Robot};
 
 /// Most states, and most legs of a transition.
 const STATES: usize = 1000;
@@ -10,11 +13,14 @@ const STATES: usize = 1000;
 const TRANSITIONS: usize = 10_000;
 
 /// Reads what names constraints; the constraints themselves are in `options` already.
-pub(super) fn read(keys: &mut Keys<'_>, options: &mut GraphOptions) -> Result<(), SceneError> {
+pub(super) fn read(keys: &mut Keys<'_>, robot: &Robot, options: &mut GraphOptions) -> Result<(), SceneError> {
     let constraints =
         |item: &Item<'_>, known: &[NamedConstraint]| several(item, known.iter().map(|c| c.name.as_str()), "constraint");
     if let Some(item) = keys.optional("everywhere") {
         options.everywhere = constraints(&item, &options.constraints)?;
+    }
+    if let Some(item) = keys.optional("while_held") {
+        options.while_held = while_held(&item, robot, options)?;
     }
     let items = capped(keys.optional("state"), STATES)?;
     for item in &items {
@@ -38,6 +44,26 @@ pub(super) fn read(keys: &mut Keys<'_>, options: &mut GraphOptions) -> Result<()
         options.transitions.push(transition);
     }
     Ok(())
+}
+
+/// `while_held = { object = ["constraint", …] }`.
+fn while_held(item: &Item<'_>, robot: &Robot, options: &GraphOptions) -> Result<Vec<WhileHeld>, SceneError> {
+    let name_of = |part: PartIndex| robot[part].name.as_str();
+    let mut rules = Vec::new();
+    for (name, item) in item.keys()?.entries() {
+        let Some(object) = options.objects.iter().find(|object| name_of(object.part) == name) else {
+            let known = options.objects.iter().map(|object| name_of(object.part));
+            return Err(item.error("there is no object of this name").hint(did_you_mean(name, known)));
+        };
+        let constraints = several(&item, options.constraints.iter().map(|c| c.name.as_str()), "constraint")?;
+        if let Some(&number) = constraints.iter().find(|&&n| options.constraints[n as usize].constraint.foliates()) {
+            let name = quoted(&options.constraints[number as usize].name);
+            let hint = "what holds while an object is held must be the same for every grasp: give it a value";
+            return Err(item.error(format!("`{name}` has parameters")).hint(hint));
+        }
+        rules.push(WhileHeld { object: object.part, constraints });
+    }
+    Ok(rules)
 }
 
 fn transition(item: &Item<'_>, options: &GraphOptions) -> Result<WrittenTransition, SceneError> {

@@ -1,7 +1,7 @@
 //! Frames that constraints relate: on a link, or fixed in the world.
 
 use crate::scene::reading::error::{SceneError, did_you_mean, quoted};
-use crate::scene::reading::keys::Item;
+use crate::scene::reading::keys::{Item, Keys};
 use foliate_components::Pose;
 use foliate_components::constraint::Frame;
 use foliate_components::robot::{JointIndex, LinkIndex, PartIndex, Robot};
@@ -68,6 +68,16 @@ pub(crate) fn frame(item: &Item<'_>, robot: &Robot) -> Result<ReadFrame, SceneEr
         Some(link) => on_link(link, &pose, robot),
         None => ReadFrame { frame: Frame::world(pose), part: None },
     })
+}
+
+/// `x`, `y` and `z`, each `[lower, upper]` in metres: at least one of them.
+pub(crate) fn box_bounds(keys: &mut Keys<'_>, item: &Item<'_>) -> Result<[Option<(f64, f64)>; 3], SceneError> {
+    let mut axis = |key| keys.optional(key).map(|item| item.bounds()).transpose();
+    let bounds = [axis("x")?, axis("y")?, axis("z")?];
+    if bounds.iter().all(Option::is_none) {
+        return Err(item.error("bounds nothing").hint("give `x`, `y` or `z` as [lower, upper], metres in the frame"));
+    }
+    Ok(bounds)
 }
 
 fn on_link(link: LinkIndex, link_from_frame: &Pose, robot: &Robot) -> ReadFrame {

@@ -28,6 +28,8 @@ pub(crate) struct LoadedPart<'f> {
     pub source: PartSource,
     /// The part's `ignore`, to be read once links have numbers.
     pub ignore: Option<Item<'f>>,
+    /// The part's `avoided_by`, likewise.
+    pub avoided_by: Option<Item<'f>>,
     /// The part's rate limits, likewise.
     pub rates: PartRates<'f>,
     /// Where the part stands in the scene file.
@@ -66,13 +68,18 @@ pub(crate) fn read<'f>(item: &Item<'f>, loader: &mut Loader<'_>) -> Result<Loade
         PartKind::Environment => freeze(&mut keys, &mut model, placement.mimic_follows)?,
         PartKind::Robot | PartKind::Object => Vec::new(),
     };
-    let ignore = keys.optional("ignore");
+    let (ignore, avoided_by) = (keys.optional("ignore"), keys.optional("avoided_by"));
+    if let Some(item) = avoided_by.as_ref().filter(|_| kind != PartKind::Environment) {
+        return Err(item
+            .error("only an environment says who avoids it")
+            .hint("`ignore` of the scene names single pairs"));
+    }
     let rates = PartRates::of(&mut keys);
     keys.finish()?;
     let srdf = srdf_file.map(|opened| opened.file);
     let urdf = urdf_file.file;
     let source = PartSource { name: name.to_owned(), urdf, srdf, sha256, mesh_up_axis: up_axis, joint_values };
-    Ok(LoadedPart { model, placement, source, ignore, rates, item: item.clone() })
+    Ok(LoadedPart { model, placement, source, ignore, avoided_by, rates, item: item.clone() })
 }
 
 fn kind(item: &Item<'_>) -> Result<PartKind, SceneError> {

@@ -7,7 +7,7 @@ use crate::constraints::rows_out::placement_of;
 use crate::kinematics::joint_table::JointCoordinates;
 use foliate_components::Pose;
 use foliate_components::constraint::{
-    Constraint, LockedValue, Placement, PlaneRow, Reference, RelativePose, Row, parameter_of,
+    CentreOfMass, Constraint, LockedValue, Placement, PlaneRow, Reference, RelativePose, Row, parameter_of,
 };
 use foliate_components::robot::{JointIndex, Robot};
 use glam::DVec3;
@@ -29,11 +29,9 @@ pub fn residual(robot: &Robot, constraint: &Constraint, q: &[f64], X_WJ: &[Pose]
             LockedValue::Fixed(value) => finite_or_infinite((coordinate(robot, locked.joint, q) - value).abs()),
             LockedValue::Argument(_) => 0.0,
         },
-        Constraint::CentreOfMass(balance) => {
-            let center = centre_of_mass::in_frame(balance, X_WJ);
-            let row = |plane: &PlaneRow| depth(Some(plane.row), centre_of_mass::row(plane, center, DVec3::ZERO));
-            balance.rows.iter().map(row).fold(0.0, f64::max)
-        }
+        Constraint::CentreOfMass(balance) => centre_residual(balance, X_WJ),
+        Constraint::Tilt(tilt) => centre_residual(&tilt.as_weighted_sum(), X_WJ),
+        Constraint::Region(region) => centre_residual(&region.as_weighted_sum(), X_WJ),
         Constraint::CentreOfMassBetween(balance) => {
             let mut values = [0.0; 4];
             let count = com_between::dimension(balance);
@@ -69,8 +67,16 @@ pub fn parameter(robot: &Robot, constraint: &Constraint, q: &[f64], X_WJ: &[Pose
         Constraint::Placement(_)
         | Constraint::CentreOfMassBetween(_)
         | Constraint::Distance(_)
+        | Constraint::Tilt(_)
+        | Constraint::Region(_)
         | Constraint::Custom(_) => Pose::identity(),
     }
+}
+
+fn centre_residual(balance: &CentreOfMass, X_WJ: &[Pose]) -> f64 {
+    let center = centre_of_mass::in_frame(balance, X_WJ);
+    let row = |plane: &PlaneRow| depth(Some(plane.row), centre_of_mass::row(plane, center, DVec3::ZERO));
+    balance.rows.iter().map(row).fold(0.0, f64::max)
 }
 
 /// What a row adds to a residual.

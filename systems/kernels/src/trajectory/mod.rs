@@ -23,5 +23,5 @@ pub use crate::trajectory::peak_rates::{Limits, Peak, PeakRates, acceleration_ju
 pub use crate::trajectory::spline::{Spline, SplineError};
 pub use crate::trajectory::through_knots::{ThroughScratch, spline_through};
 pub use crate::trajectory::time_optimal::{
-    TimedPath, TimingError, TimingReport, TimingScratch, TimingSettings, time_optimal,
+    Ceiling, TimedPath, TimingError, TimingReport, TimingScratch, TimingSettings, time_optimal, time_optimal_below,
 };

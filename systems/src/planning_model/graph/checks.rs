@@ -37,6 +37,8 @@ pub enum GraphError {
     Handle { handle: String, source: MaskError },
     #[error("{user} names constraint number {number}, and the problem has {count}")]
     NoSuchConstraint { user: String, number: u32, count: usize },
+    #[error("`{0}` has parameters: what holds while an object is held must be the same on every leaf")]
+    HeldParameter(String),
     #[error("transition `{transition}` names state number {number}, and the problem has {count} of its own")]
     NoSuchState { transition: String, number: u32, count: usize },
     #[error("resting joint `{0}` has not exactly one coordinate of its own")]
@@ -77,6 +79,13 @@ fn check_numbers(options: &GraphOptions) -> Result<(), GraphError> {
         }
     };
     constraints("`everywhere`", &options.everywhere)?;
+    for rule in &options.while_held {
+        constraints("`while_held`", &rule.constraints)?;
+        let foliates = |&&number: &&u32| options.constraints[number as usize].constraint.foliates();
+        if let Some(&number) = rule.constraints.iter().find(foliates) {
+            return Err(GraphError::HeldParameter(options.constraints[number as usize].name.clone()));
+        }
+    }
     for state in &options.states {
         constraints(&format!("state `{}`", state.name), &state.constraints)?;
     }

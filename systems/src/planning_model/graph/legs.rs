@@ -14,7 +14,6 @@ use crate::planning_model::graph::builder::Builder;
 use crate::planning_model::graph::state_keys::StateKey;
 use crate::planning_model::graph::transitions::{Change, leg};
 use foliate_components::graph::{ConstraintId, ConstraintKind, Fingers, Leg, Opening, StateId};
-use foliate_components::problem::Approach;
 
 /// The states through which a hand with fingers passes between a state without a grasp and one with it.
 struct PassingStates {
@@ -32,13 +31,6 @@ struct PassingStates {
     beside: StateId,
 }
 
-impl PassingStates {
-    /// The state in which the hand goes to a grasp or backs off: open, where it `has_opened`.
-    fn beside(&self, has_opened: bool, without: StateId) -> StateId {
-        if has_opened { self.beside } else { without }
-    }
-}
-
 impl Builder<'_> {
     /// 01 approach, 12 reach the grasp, 23 lift. A hand with fingers opens at the end of 01 (1o) and closes at that of 12 (2c).
     pub(super) fn grasping_legs(&mut self, name: &str, change: Change) -> Vec<Leg> {
@@ -54,7 +46,7 @@ impl Builder<'_> {
                 legs.push(leg(name, "1o", hand.moving_empty, target, true));
             }
         }
-        let beside = hand.as_ref().map_or(without, |hand| hand.beside(!legs.is_empty(), without));
+        let beside = self.beside(change, hand.as_ref().filter(|_| !legs.is_empty()));
         let next = hand.as_ref().map_or(with, |hand| hand.moving_full);
         legs.push(leg(name, "12", beside, self.difference(next, beside), !legs.is_empty()));
         if let Some(hand) = &hand {
@@ -91,7 +83,7 @@ impl Builder<'_> {
         }
         // Where another hand keeps the object, this one only backs off: random motion belongs to the loop of that state.
         if has_pregrasp {
-            let beside = hand.as_ref().map_or(without, |hand| hand.beside(true, without));
+            let beside = self.beside(change, hand.as_ref());
             let target = vec![self.constraint(ConstraintKind::Pregrasp { gripper, handle })];
             legs.push(leg(name, "21", beside, target, true));
             if let Some(hand) = hand.as_ref().filter(|hand| !hand.travels_open) {
@@ -103,6 +95,17 @@ impl Builder<'_> {
             legs.push(leg(name, "21", without, Vec::new(), false));
         }
         legs
+    }
+
+    /// The state in which a hand goes to a grasp or backs off: open where it has opened, on a line where it has to be.
+    fn beside(&mut self, Change { gripper, handle, without, .. }: Change, opened: Option<&PassingStates>) -> StateId {
+        if !self.state_keys.has_line(gripper, handle) {
+            return opened.map_or(without, |hand| hand.beside);
+        }
+        let open = opened.filter(|hand| !hand.travels_open).map(|hand| hand.number);
+        let fingers = Fingers::OnLine { open, gripper, handle };
+        let key = StateKey::clone(&self.key(without));
+        self.passing_state(StateKey { fingers, ..key })
     }
 
     /// What no longer holds once a grasp is made, fingers aside: where the object lies, doors at rest.
@@ -122,12 +125,10 @@ impl Builder<'_> {
         let (without, with) = (self.key(change.without), self.key(change.with));
         let number = self.state_keys.hand_of(change.gripper, &without.grasps)?;
         let Change { gripper, handle, .. } = change;
-        // Without a pregrasp there is no place beside the object at which the hand could open.
-        let is_wide =
-            self.state_keys.options.approach == Approach::Wide || !self.state_keys.has_pregrasp(gripper, handle);
-        let (open, beside) = match is_wide {
-            true => (Opening::Wide, Fingers::Wide(number)),
-            false => (Opening::Ready { gripper, handle }, Fingers::Ready { hand: number, gripper, handle }),
+        let open = self.state_keys.beside(gripper, handle);
+        let beside = match open {
+            Opening::Ready { .. } => Fingers::Ready { hand: number, gripper, handle },
+            _ => Fingers::Wide(number),
         };
         let travels_open = self.state_keys.travel(number) == open;
         let mut at = |key: &StateKey, fingers: Fingers| self.passing_state(StateKey { fingers, ..key.clone() });

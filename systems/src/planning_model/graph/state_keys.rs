@@ -3,8 +3,9 @@
 
 use crate::planning_model::graph::attachment_order::{Chain, grasp_of, is_beyond, root_of};
 use crate::planning_model::graph::checks::GraphError;
+use crate::planning_model::graph::own_constraints::own_constraints;
 use crate::planning_model::graph::support_placement::carrying_bodies;
-use foliate_components::constraint::Grasp;
+use foliate_components::constraint::{ApproachBound, Grasp};
 use foliate_components::graph::{ConstraintKind, Fingers, Opening};
 use foliate_components::problem::{GraphOptions, JointRest, Problem};
 use foliate_components::robot::{GripperIndex, HandleIndex, JointIndex, Robot};
@@ -192,13 +193,15 @@ impl<'a> StateKeys<'a> {
             }
         }
         manifold.extend(self.fingers(key));
-        let own = self.options.states.get(key.written).map_or(&[][..], |state| &state.constraints);
-        for &constraint in self.options.everywhere.iter().chain(own) {
-            let given = ConstraintKind::Given { constraint };
-            if !manifold.contains(&given) {
-                manifold.push(given);
-            }
+        if let Fingers::OnLine { gripper, handle, .. } = key.fingers {
+            manifold.extend(self.on_line(gripper, handle));
         }
+        let is_held = |part| {
+            let holds =
+                |&(_, handle): &_| self.options.objects.get(self.object_of(handle)).is_some_and(|o| o.part == part);
+            key.grasps.iter().any(holds)
+        };
+        manifold.extend(own_constraints(self.options, key.written, is_held));
         manifold
     }
 
@@ -211,6 +214,7 @@ impl<'a> StateKeys<'a> {
             Fingers::Ready { hand: ready, gripper, handle } if ready == hand => {
                 Some(Opening::Ready { gripper, handle })
             }
+            Fingers::OnLine { open: Some(open), gripper, handle } if open == hand => Some(self.beside(gripper, handle)),
             _ => Some(self.opening(hand, &key.grasps)),
         };
         let hands = (0u32..).zip(&self.options.hands);
@@ -302,6 +306,15 @@ impl<'a> StateKeys<'a> {
                 let (g, h) = documents(gripper, handle);
                 (format!("{g} pregrasps {}", h.name), false)
             }
+            ConstraintKind::Approach { gripper, handle, bound } => {
+                let (g, h) = documents(gripper, handle);
+                let what = match bound {
+                    ApproachBound::Line => "is on the line to",
+                    ApproachBound::Aim => "points at",
+                    ApproachBound::Roll => "is not rolled against",
+                };
+                (format!("{g} {what} {}", h.name), false)
+            }
             ConstraintKind::Placement { object, on } => (placed("place", object, on), true),
             ConstraintKind::Preplacement { object, on } => (placed("preplace", object, on), false),
             ConstraintKind::Rest { object } => (format!("rest_{}", self.object_name(object as usize)), true),
@@ -325,73 +338,10 @@ impl<'a> StateKeys<'a> {
                 };
                 (name, false)
             }
-            ConstraintKind::Given { constraint } => {
+            ConstraintKind::Given { constraint } | ConstraintKind::WhileHeld { constraint } => {
                 let given = &self.options.constraints[constraint as usize];
                 (given.name.clone(), given.constraint.foliates())
             }
         }
-    }
-
-    fn object_name(&self, object: usize) -> &str {
-        &self.robot.parts[self.options.objects[object].part.at()].name
-    }
-
-    /// What a body that moves is called: its part, or its link where the part has several.
-    fn body_name(&self, body: JointIndex) -> &str {
-        let part = &self.robot.parts[self.robot.joints[body.at()].part.at()];
-        let link = part.links.clone().find(|&l| self.robot.links[l].joint == Some(body));
-        match link {
-            Some(link) if part.root_joint != Some(body) => &self.robot.links[link].name,
-            _ => &part.name,
-        }
-    }
-
-    pub fn state_name(&self, key: &StateKey) -> String {
-        let grasp = |&(g, h): &(GripperIndex, HandleIndex)| {
-            format!("{} grasps {}", self.robot.grippers[g.at()].name, self.robot.handles[h.at()].name)
-        };
-        let written = self.options.states.get(key.written).map(|state| state.name.clone());
-        let mut words: Vec<String> = written.into_iter().chain(key.grasps.iter().map(grasp)).collect();
-        if words.is_empty() {
-            words.push("free".into());
-        }
-        words.extend(self.lying_name(key, None));
-        let gripper = |hand: u32| &self.robot.grippers[self.options.hands[hand as usize].grippers[0].at()].name;
-        match key.fingers {
-            Fingers::Still => {}
-            Fingers::Free => words.push("fingers move".into()),
-            Fingers::Moving(hand) => words.push(format!("{} moves its fingers", gripper(hand))),
-            Fingers::Wide(hand) => words.push(format!("{} is wide open", gripper(hand))),
-            Fingers::Ready { hand, handle, .. } => {
-                words.push(format!("{} is open for {}", gripper(hand), self.robot.handles[handle.at()].name));
-            }
-        }
-        words.join(" : ")
-    }
-
-    /// `lid on box` for every object that lies on a body which moves, and not in the other case.
-    pub fn lying_name(&self, key: &StateKey, other: Option<&StateKey>) -> Vec<String> {
-        let lies = |object: usize| {
-            let body = key.lying[object].filter(|_| other.is_none_or(|other| other.lying[object] != key.lying[object]));
-            body.map(|body| format!("{} on {}", self.object_name(object), self.body_name(body)))
-        };
-        (0..key.lying.len()).filter_map(lies).collect()
-    }
-
-    /// HPP's short names: `0-1:1-0` for gripper 0 on handle 1 and gripper 1 on handle 0, `f` for free.
-    pub fn abbreviation(&self, key: &StateKey) -> String {
-        let short = |&(gripper, handle): &(GripperIndex, HandleIndex)| {
-            let g = self.options.grippers.iter().position(|&x| x == gripper).unwrap_or_default();
-            let h = handles(self.options).position(|x| x == handle).unwrap_or_default();
-            format!("{g}-{h}")
-        };
-        let grasps = key.grasps.iter().map(short).collect::<Vec<_>>().join(":");
-        let written = self.options.states.get(key.written).map(|state| state.name.clone());
-        let mut words: Vec<String> = written.into_iter().chain((!grasps.is_empty()).then_some(grasps)).collect();
-        if words.is_empty() {
-            words.push("f".into());
-        }
-        words.extend(self.lying_name(key, None));
-        words.join(" : ")
     }
 }

@@ -187,7 +187,7 @@ impl Walk<'_> {
 }
 
 /// The largest speeds and accelerations between two places of a piece, for the way from the one to the other as unit of time.
-fn set_pace(
+pub(crate) fn set_pace(
     space: &ConfigurationSpace,
     cubics: &[Cubic],
     (from, to): (f64, f64),

@@ -4,7 +4,8 @@
 //! `motion` is the entry point: it solves one motion in scalar code, or many by `lane_motion`, which gives each motion a lane.
 //! Both follow a `constrained_path` and solve its steps with `newton`.
 //!
-//! `curve_residual` does not follow a leaf: it proves how far a given curve is from one.
+//! `curve_residual` does not follow a leaf: it proves how far a given curve is from one. `curve_speed` bounds how fast a point moves
+//! along one.
 //!
 //! The bound on second derivatives (`bounds`) adds up how far every joint turns, whatever cancels, and so is often ten
 //! times what the rows really do. Where a step is too long for it, the rows are evaluated in between: in each of n equal parts
@@ -17,6 +18,7 @@
 
 pub(crate) mod constrained_path;
 pub(crate) mod curve_residual;
+pub(crate) mod curve_speed;
 pub(crate) mod lane_motion;
 pub(crate) mod motion;
 pub(crate) mod settings;

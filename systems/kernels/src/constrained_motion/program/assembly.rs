@@ -128,6 +128,11 @@ impl Compiler<'_> {
             let kind = Kind::Contact(ContactBlock { placement: placement.clone(), part, columns, decoded: 0 });
             Block { source, first: 0, rows: part.dimension(), kind }
         };
+        let balanced = |balance: &CentreOfMass| {
+            let masses = masses(&balance.masses, balance.frame.joint);
+            let kind = Kind::Balance { balance: balance.clone(), masses };
+            Block { source, first: 0, rows: balance.rows.len(), kind }
+        };
         match constraint {
             Constraint::RelativePose(pose) => {
                 let kind = Kind::Pose(PoseBlock {
@@ -139,11 +144,9 @@ impl Compiler<'_> {
                 });
                 Block { source, first: 0, rows: pose.dimension(), kind }
             }
-            Constraint::CentreOfMass(balance) => {
-                let masses = masses(&balance.masses, balance.frame.joint);
-                let kind = Kind::Balance { balance: balance.clone(), masses };
-                Block { source, first: 0, rows: balance.rows.len(), kind }
-            }
+            Constraint::CentreOfMass(balance) => balanced(balance),
+            Constraint::Tilt(tilt) => balanced(&tilt.as_weighted_sum()),
+            Constraint::Region(region) => balanced(&region.as_weighted_sum()),
             Constraint::CentreOfMassBetween(balance) => {
                 let feet = [&balance.first, &balance.second].map(|foot| columns(&world, foot));
                 let columns = Box::new(StanceColumns { masses: masses(&balance.masses, None), feet });

@@ -4,7 +4,7 @@
 
 use crate::constrained_motion::program::elimination::Compiler;
 use crate::constrained_motion::program::error::{CompileError, fit, fits_rows};
-use foliate_components::constraint::{BodyMass, Constraint, Masses, PlaneRow, Row};
+use foliate_components::constraint::{BodyMass, Constraint, Masses, PlaneRow, Row, Tilt};
 use foliate_components::robot::{JointIndex, JointType};
 
 impl Compiler<'_> {
@@ -49,6 +49,18 @@ impl Compiler<'_> {
                 let positive = distance.length.is_finite() && distance.length > 0.0;
                 fit(number, (!positive).then_some("the distance is not a positive number"))?;
                 fit(number, (distance.row == Row::Parameter).then_some("a distance is no parameter"))
+            }
+            Constraint::Tilt(tilt) => {
+                self.known(number, tilt.a.joint)?;
+                self.known(number, tilt.b.joint)?;
+                let is_bounded = (Tilt::LEAST..=Tilt::MOST).contains(&tilt.within);
+                fit(number, (!is_bounded).then_some("the angle is not between 0.01 radians and a right angle"))
+            }
+            Constraint::Region(region) => {
+                self.known(number, region.a.joint)?;
+                self.known(number, region.b.joint)?;
+                let is_bounded = !region.rows().is_empty() && region.bounds.iter().all(|(lower, upper)| lower <= upper);
+                fit(number, (!is_bounded).then_some("a lower bound is above its upper one, or nothing is bounded"))
             }
             Constraint::Custom(own) => {
                 own.0.frames().iter().try_for_each(|frame| self.known(number, frame.joint))?;

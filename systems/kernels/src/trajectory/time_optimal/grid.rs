@@ -56,6 +56,13 @@ impl Grid {
         }
     }
 
+    /// Bounds the path velocity on an interval.
+    pub fn lower(&mut self, interval: usize, ceiling: f64) {
+        for top in &mut self.top[interval..interval + 2] {
+            *top = top.min(ceiling * ceiling);
+        }
+    }
+
     fn node(&mut self, path: &Spline, counted: &Counted, piece: usize, parameter: f64, cap: f64) {
         let u = ((parameter - path.parameters()[piece]) / path.width(piece)).clamp(0.0, 1.0);
         let mut share = 0.0_f64;

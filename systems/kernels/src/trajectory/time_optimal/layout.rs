@@ -25,6 +25,9 @@ impl Interval {
 /// Relative change of a derivative up to which a piece is straight. Acceleration changes by so much.
 const STRAIGHT: f64 = 1e-11;
 
+/// Parts of a straight piece on which a ceiling of the path velocity is asked for.
+const STRAIGHT_PARTS: usize = 16;
+
 /// What a piece of the path is.
 enum Kind {
     Still,
@@ -33,11 +36,12 @@ enum Kind {
 }
 
 /// Lays the grid: straight pieces that follow one another become one interval, curved pieces are cut into equal parts, towards a rest
-/// at the ends of the path in halving steps.
+/// at the ends of the path in halving steps. With a ceiling straight pieces are cut into equal parts too.
 pub(super) fn lay(
     path: &Spline,
     counted: &Counted,
     settings: TimingSettings,
+    has_ceiling: bool,
     out: &mut Vec<Interval>,
 ) -> Result<(), TimingError> {
     out.clear();
@@ -45,6 +49,9 @@ pub(super) fn lay(
         let ends = [path.parameters()[piece], path.parameters()[piece + 1]];
         match kind(path, piece, counted)? {
             Kind::Still => {}
+            Kind::Straight if has_ceiling => {
+                cut(ends, STRAIGHT_PARTS, [false; 2], |ends| out.push(Interval { ends, piece, straight: true }));
+            }
             Kind::Straight => match out.last_mut() {
                 Some(run) if run.straight && run.ends[1] == ends[0] => run.ends[1] = ends[1],
                 _ => out.push(Interval { ends, piece, straight: true }),

@@ -20,4 +20,6 @@ pub(crate) mod timing;
 pub use crate::trajectory::time_optimal::curve::TimedPath;
 pub use crate::trajectory::time_optimal::error::TimingError;
 pub use crate::trajectory::time_optimal::settings::TimingSettings;
-pub use crate::trajectory::time_optimal::timing::{TimingReport, TimingScratch, time_optimal};
+pub use crate::trajectory::time_optimal::timing::{
+    Ceiling, TimingReport, TimingScratch, time_optimal, time_optimal_below,
+};

@@ -56,6 +56,26 @@ pub fn time_optimal(
     scratch: &mut TimingScratch,
     out: &mut TimedPath,
 ) -> Result<TimingReport, TimingError> {
+    time_optimal_below(path, limits, None, settings, scratch, out)
+}
+
+/// The largest path velocity that something besides the coordinates allows, between two parameters of the path: above 0, infinite
+/// where there is none.
+pub type Ceiling<'a> = &'a dyn Fn([f64; 2]) -> f64;
+
+/// As [`time_optimal`], with a ceiling of the path velocity. It holds at the grid points of each interval for which it is asked, and between
+/// them as far as the path velocity is monotone there: who needs it proved measures the curve and slows it down.
+///
+/// # Errors
+/// As [`time_optimal`].
+pub fn time_optimal_below(
+    path: &Spline,
+    limits: Limits<'_>,
+    ceiling: Option<Ceiling<'_>>,
+    settings: TimingSettings,
+    scratch: &mut TimingScratch,
+    out: &mut TimedPath,
+) -> Result<TimingReport, TimingError> {
     out.curve.clear(path.size());
     out.parameters.clear();
     path.check()?;
@@ -64,13 +84,16 @@ pub fn time_optimal(
     }
     let TimingScratch { counted, intervals, grid, profile, excess } = scratch;
     counted.find(path, limits)?;
-    lay(path, counted, settings, intervals)?;
+    lay(path, counted, settings, ceiling.is_some(), intervals)?;
     if intervals.is_empty() {
         out.curve.push_with(0.0, |i| (path.knot(0)[i], 0.0));
         out.parameters.push(path.parameters()[0]);
         return Ok(TimingReport { stretch: 1.0, ..TimingReport::default() });
     }
     grid.evaluate(path, counted, intervals, (path.extent() / LEAST_DURATION).powi(2));
+    if let Some(ceiling) = ceiling {
+        intervals.iter().enumerate().for_each(|(k, interval)| grid.lower(k, ceiling(interval.ends)));
+    }
     profile.begin(grid);
     grid.linearise(counted, &[], &profile.slower);
     profile.solve(grid);

@@ -120,7 +120,7 @@ impl<'a> Nearby<'a> {
                 let JointRest::At(value) = resting.rest else { return None };
                 Some(Constraint::Locked(Locked { joint: resting.joint, value: LockedValue::Fixed(value) }))
             }
-            ConstraintKind::Given { constraint } => {
+            ConstraintKind::Given { constraint } | ConstraintKind::WhileHeld { constraint } => {
                 options.constraints.get(constraint as usize)?.constraint.without_parameters()
             }
             _ => None,
