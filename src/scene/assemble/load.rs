@@ -51,6 +51,7 @@ pub(crate) fn load(
     let parts = parts(&mut keys, (&part_items, &items), &mut loader)?;
     let mut robot = compose(&part_items, &parts)?;
     loader.warnings.extend(narrowed(&robot, &parts));
+    loader.warnings.extend(root_bounds::open(&robot, &parts));
 
     configuration::refuse_twins(&robot, &items)?;
     check_sums(&mut keys, &mut loader)?;
