@@ -199,11 +199,25 @@ fn elements_and_attributes_that_no_reader_knows_are_told() {
     // What simulators and controllers say is known, and of other namespaces nothing is.
     let others = "<dynamics damping=\"1\"/><safety_controller k_velocity=\"1\"/><calibration rising=\"0\"/>";
     assert!(folder.told(&arm("revolute", &format!("{limit}/>{others}"))).is_empty());
+    let soft = |low: f64, high: f64| {
+        format!("{limit}/><safety_controller soft_lower_limit=\"{low}\" soft_upper_limit=\"{high}\" k_velocity=\"1\"/>")
+    };
+    one(
+        &arm("revolute", &soft(-0.9, 1.0)),
+        "<safety_controller> of <joint name=\"j\">: its soft limits [-0.9, 1] are narrower than its limits [-1, 1]",
+    );
+    assert!(folder.told(&arm("revolute", &soft(-1.0, 1.2))).is_empty());
     let drake = format!(
         "{}<gazebo/><transmission/><d:thing xmlns:d=\"http://d\"/>",
         link(&format!("<d:x xmlns:d=\"http://d\"/>{BALL}"))
     );
     assert!(folder.told(&drake).is_empty());
+    // The same without the declaration, which published models forget.
+    let told = folder.told(&drake.replace(" xmlns:d=\"http://d\"", ""));
+    assert!(
+        told.len() == 1 && told[0].contains("the prefix `d:` is not declared; it is read as if `xmlns:d` were there"),
+        "{told:?}"
+    );
 }
 
 #[test]
@@ -230,7 +244,9 @@ fn what_an_srdf_says_and_no_reader_knows_is_told() {
     );
     let said = told("<disable_collision link1=\"a\" link2=\"b\"/>");
     assert!(said.len() == 1 && said[0].contains("did you mean <disable_collisions>?"), "{said:?}");
-    assert!(told("<group name=\"g\"/><end_effector name=\"e\"/><virtual_joint name=\"v\"/>").is_empty());
+    assert!(
+        told("<group name=\"g\"/><end_effector name=\"e\" parent_link=\"a\"/><virtual_joint name=\"v\"/>").is_empty()
+    );
 }
 
 #[test]
@@ -238,7 +254,12 @@ fn floating_and_planar_joints_of_models_are_bounded_and_locked() {
     let folder = Folder::new();
     let start = "[start]\n\"m/j\" = [0.1, 0.2, 0.3, 0.0, 0.0, 0.0, 1.0]\n[[goal]]\ncoordinates = { \"m/j/x\" = 0.15 }";
     folder.read(&arm("floating", ""));
-    let error = Planner::new(folder.scene("", start).unwrap().problem).err().unwrap().to_string();
+    let open = folder.scene("", start).unwrap();
+    let told = open.warnings.iter().map(ToString::to_string).find(|told| told.contains("without bounds"));
+    let told = told.expect("a warning with the line of the joint");
+    assert!(told.contains("m.urdf:3: <joint name=\"j\">: moves along x without bounds"), "{told}");
+    assert!(told.contains("joint_bounds = { \"j/x\" = [-1, 1] }") && told.contains("`\"m/j\"` in [locked]"), "{told}");
+    let error = Planner::new(open.problem).err().unwrap().to_string();
     assert!(error.contains("`m/j` moves along x without bounds") && error.contains("`joint_bounds`"), "{error}");
     let bounds = "joint_bounds = { \"j/x\" = [-0.5, 0.5], \"j/y\" = [0, 1], \"j/z\" = [0, 1] }";
     let scene = folder.scene(bounds, start).unwrap();

@@ -85,7 +85,7 @@ fn every_key_that_is_read_is_in_the_example_and_described() {
                 everywhere while_held state constraints transition from legs within until short hands fingers open closed travel approach approach_clearance approach_line resting_joints velocity_limits acceleration_limits \
                 timing velocity_scale velocity acceleration ramp jerk_ramp object_speed dwell cost motion grasp_charge suggest \
                 start_tolerance angle on near tolerance held any object x y z within";
-    let kinds = "\"pose\" \"centre_of_mass\" \"centre_of_mass_between\" \"distance\" \"tilt\" \"region\" \"joint\" \"start\" \"stays\"";
+    let kinds = "\"pose\" \"centre_of_mass\" \"centre_of_mass_between\" \"distance\" \"tilt\" \"region\" \"joint\" \"start\" \"stays\" \"auto\"";
     let keys = format!("{keys} {kinds}");
     let tables = REFERENCE.replacen(example(), "", 1);
     for key in keys.split_whitespace() {

@@ -31,7 +31,7 @@ fn said(output: &Output) -> String {
 
 fn hands() -> Vec<FoundGripper> {
     let mut read = read_model(ROBOT, None, UpAxis::AsWritten, &PackagePath::default()).expect("the demo's robot");
-    grippers(&read.compose_as("robot").expect("composes"), &[]).expect("two hands")
+    grippers(&read.compose_as("robot").expect("composes"), &[], &[]).expect("two hands")
 }
 
 fn object(geometry: Geometry) -> RigidObject {
@@ -257,4 +257,113 @@ fn inspect_lists_which_links_touch_and_where_grippers_are() {
     assert_eq!(found["link_poses"]["body"].as_array().map(Vec::len), Some(7));
     let text = said(&foliate(&folder, &["inspect", ROBOT, "--collision-matrix"]));
     assert!(text.contains("For a scene, so that the default configuration is free: ignore = [\"adjacent\""), "{text}");
+}
+
+/// The blocks of a scene without those that begin with one of these headers, and the keys of a part before its first block.
+fn found_anew(text: &str) -> String {
+    let (mut kept, mut left_out) = (String::new(), false);
+    for line in text.lines() {
+        left_out = match line.starts_with('[') {
+            true => ["[[part.gripper]]", "[[part.handle]]", "[[part.surface]]", "[graph.grasps]"]
+                .iter()
+                .any(|header| line.starts_with(header)),
+            false => left_out,
+        };
+        if !left_out {
+            kept += line;
+            kept.push('\n');
+        }
+        let keys = match line {
+            "kind = \"robot\"" => "grippers = \"auto\"\n",
+            "kind = \"object\"" => "handles = \"auto\"\nsurfaces = \"auto\"\n",
+            "kind = \"environment\"" => "surfaces = \"auto\"\n",
+            _ => "",
+        };
+        kept += keys;
+    }
+    kept
+}
+
+#[test]
+fn what_is_found_when_a_scene_is_read_is_what_would_be_written() {
+    let folder = Folder::new("found-anew");
+    std::fs::write(folder.0.join("wedge.stl"), wedge()).expect("a mesh");
+    let objects = ["--object", "box 0.04 0.05 0.1", "--object", "cylinder 0.02 0.1", "--object", "wedge.stl 0.001"];
+    let output = foliate(
+        &folder,
+        &[&["new", "written.toml", "--robot", ROBOT, "--table", "1.2 0.8 0.7"], &objects[..]].concat(),
+    );
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    let written = std::fs::read_to_string(folder.0.join("written.toml")).expect("the scene");
+    let anew = found_anew(&written);
+    for header in ["[[part.gripper]]", "[[part.handle]]", "[[part.surface]]"] {
+        assert!(written.contains(header) && !anew.contains(header), "{anew}");
+    }
+    let load = |text: &str| {
+        foliate::scene::Scene::from_text("scene", text, &folder.0, &PackagePath::default()).expect("a scene").problem
+    };
+    let (written, anew) = (load(&written), load(&anew));
+    let told = |problem: &foliate::components::problem::Problem| {
+        let robot = &problem.robot;
+        assert!(robot.grippers.len() == 2 && robot.handles.len() > 20 && robot.surfaces.len() > 10);
+        format!(
+            "{:#?}\n{:#?}\n{:#?}\n{:#?}\n{:#?}\n{:#?}",
+            robot.grippers, robot.handles, robot.surfaces, problem.graph, problem.start, problem.goals
+        )
+    };
+    let (written, anew) = (told(&written), told(&anew));
+    let differs = written.lines().zip(anew.lines()).find(|(a, b)| a != b);
+    assert!(written == anew, "{differs:?}");
+}
+
+#[test]
+fn what_cannot_be_found_is_refused_at_its_key() {
+    let folder = Folder::new("found-nothing");
+    let scene = |robot: &str, object: &str, table: &str| {
+        let text = format!(
+            "format = \"foliate.scene/1\"\nname = \"s\"\n[[part]]\nname = \"robot\"\nkind = \"robot\"\nurdf = \"{ROBOT}\"\n{robot}\n\
+             [[part]]\nname = \"box\"\nkind = \"object\"\n{object}\n[[part]]\nname = \"table\"\nkind = \"environment\"\n{table}\n\
+             [start]\nbox = {{ xyz = [0.5, 0.0, 1.0] }}\n[[goal]]\nobjects = {{ box = {{ xyz = [0.5, 0.1, 1.0] }} }}\n"
+        );
+        let read = foliate::scene::Scene::from_text("scene", &text, &folder.0, &PackagePath::default());
+        read.map(|_| ()).expect_err(&text).to_string()
+    };
+    let (hands, small) = ("grippers = \"auto\"", "shape = { box = [0.04, 0.05, 0.1] }\nhandles = \"auto\"");
+    let top = "shape = { box = [1, 1, 0.1] }\nsurfaces = \"auto\"";
+    for ((robot, object, table), key, words) in [
+        (("handles = \"auto\"", small, top), "part[0].handles", "`handles` are found of objects"),
+        (("grippers = \"all\"", small, top), "part[0].grippers", "auto"),
+        (("", small, top), "part[1].handles", "no robot of the scene has a gripper"),
+        ((hands, &small.replace("0.04, 0.05", "0.4, 0.5"), top), "part[1].handles", "it is 400 x 500 x 100 mm"),
+        ((hands, "shape = { sphere = 0.02 }\nsurfaces = \"auto\"", top), "part[1].surfaces", "a ball rests on no face"),
+        ((hands, small, "shape = { sphere = 0.2 }\nsurfaces = \"auto\""), "part[2].surfaces", "no face of it is level"),
+        (
+            ("[[part.gripper]]\nname = \"g\"\nlink = \"left_palm\"\npose = { rpy = [0, 0, 1] }", small, top),
+            "part[0]",
+            "gripper `g` says no sizes",
+        ),
+    ] {
+        let told = scene(robot, object, table);
+        assert!(told.contains(key) && told.contains(words), "{key}: {told}");
+    }
+}
+
+#[test]
+fn end_effectors_of_an_srdf_are_the_grippers() {
+    let folder = Folder::new("end-effectors");
+    let srdf = "<robot name=\"r\">\n<group name=\"hand\"><joint name=\"left_finger\"/></group>\n\
+                <end_effector name=\"left\" parent_link=\"left_palm\" group=\"hand\"/>\n\
+                <end_effector name=\"lost\" parent_link=\"nowhere\" group=\"hand\"/>\n</robot>\n";
+    std::fs::write(folder.0.join("r.srdf"), srdf).expect("a file");
+    let arguments = ["new", "s.toml", "--robot", ROBOT, "--srdf", "r.srdf", "--object", "box 0.04 0.05 0.1"];
+    let output = foliate(&folder, &[&arguments[..], &["--table", "1.2 0.8 0.7 0.6 0.0"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    let told = said(&output);
+    assert!(told.contains("gripper left: end effector `left` of the SRDF, jaws moved by"), "{told}");
+    assert!(told.contains("r.srdf:4") && told.contains("`nowhere`, is not in the URDF"), "{told}");
+    let text = std::fs::read_to_string(folder.0.join("s.toml")).expect("the scene");
+    assert_eq!(text.matches("[[part.gripper]]").count(), 1, "{text}");
+    // The table stands where it was wanted.
+    assert!(text.contains("pose = { xyz = [0.6, 0.0, 0.68]") && text.contains("# as wanted"), "{text}");
+    assert_eq!(text.matches("adjacent").count(), 1, "{text}");
 }

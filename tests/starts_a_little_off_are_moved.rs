@@ -273,6 +273,11 @@ fn the_start_may_come_from_a_file() {
         ("{ \"table\": [0, 0, 0, 0, 0, 0, 1] }", "its root does not move"),
         ("[1, 2]", "a start is a JSON object"),
         ("{ \"robot/left_elbow_pitch\": 1, \"robot/left_elbow_pitch\": 2 }", "is named a second time"),
+        (
+            "{ \"left_elbow_pitch\": 1, \"robot/left_elbow_pitch\": 1 }",
+            "`robot/left_elbow_pitch`, as `left_elbow_pitch` does (name each coordinate once)",
+        ),
+        ("{ \"box1\": [0.5, 0.1, 0.741, 0, 0, 0, 1], \"box1/x\": 0.5 }", "gives `box1/x`, as `box1` does"),
         ("{", "start.json:1"),
     ] {
         demo.write("start.json", text);

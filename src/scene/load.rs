@@ -104,7 +104,14 @@ impl ReadModel {
     /// # Errors
     /// As [`Self::compose_alone`].
     pub fn compose_as(&mut self, name: &str) -> Result<Robot, SceneError> {
-        let placement = PartPlacement::new(name, PartKind::Robot, RootJoint::Fixed, Pose::identity());
+        self.compose_placed(PartPlacement::new(name, PartKind::Robot, RootJoint::Fixed, Pose::identity()))
+    }
+
+    /// As [`Self::compose_alone`], as the part that is described.
+    ///
+    /// # Errors
+    /// As [`Self::compose_alone`].
+    pub fn compose_placed(&mut self, placement: PartPlacement) -> Result<Robot, SceneError> {
         let robot = Robot::compose(&[(&self.model, placement)]).map_err(|error| {
             match (&error, self.urdf.as_ref().and_then(follower_limits::again)) {
                 (ComposeError::NoRoom { room, .. }, Some(urdf)) => follower_limits::refusal(&urdf, room),

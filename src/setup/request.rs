@@ -2,6 +2,7 @@
 
 use crate::setup::error::SetupError;
 use glam::DVec3;
+use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
 use std::str::FromStr;
 
@@ -89,11 +90,14 @@ pub struct TableRequest {
     pub sides: (f64, f64),
     /// Height of the top, metres.
     pub height: f64,
+    /// Where the middle of its top is and how its longer side is turned from x, as x, y (metres) and yaw (radians), seen from the root
+    /// of the robot; none where it is to be found.
+    pub place: Option<[f64; 3]>,
 }
 
 impl Default for TableRequest {
     fn default() -> Self {
-        Self { sides: (1.2, 0.8), height: 0.75 }
+        Self { sides: (1.2, 0.8), height: 0.75, place: None }
     }
 }
 
@@ -101,14 +105,21 @@ impl FromStr for TableRequest {
     type Err = SetupError;
 
     fn from_str(text: &str) -> Result<Self, SetupError> {
-        let numbers: Option<Vec<f64>> = text
-            .split_whitespace()
-            .map(|word| word.parse::<f64>().ok().filter(|x| x.is_finite() && *x > 0.0 && *x < 100.0))
-            .collect();
-        match numbers.as_deref() {
-            Some(&[a, b, height]) => Ok(Self { sides: (a.max(b), a.min(b)), height }),
+        let numbers: Option<Vec<f64>> =
+            text.split_whitespace().map(|word| word.parse::<f64>().ok().filter(|x| x.abs() < 100.0)).collect();
+        let numbers = numbers.unwrap_or_default();
+        let place = match numbers.get(3..) {
+            Some(&[x, y]) => Some([x, y, FRAC_PI_2]),
+            Some(&[x, y, yaw]) => Some([x, y, yaw]),
+            _ => None,
+        };
+        match (numbers.as_slice(), place) {
+            (&[a, b, height], _) | (&[a, b, height, ..], Some(_)) if a > 0.0 && b > 0.0 && height > 0.0 => {
+                Ok(Self { sides: (a.max(b), a.min(b)), height, place })
+            }
             _ => Err(SetupError::Request(format!(
-                "`{}` is no table; write \"LENGTH WIDTH HEIGHT\", metres: \"1.2 0.8 0.75\"",
+                "`{}` is no table; write \"LENGTH WIDTH HEIGHT\", metres, and where its middle is, \"X Y\" or \"X Y YAW\" (metres and \
+                 radians, the yaw of the longer side): \"1.2 0.8 0.75\", \"1.2 0.8 0.75 0.7 0.0\"",
                 text.escape_debug()
             ))),
         }
@@ -132,7 +143,12 @@ mod tests {
             assert_eq!(object(wrong), None, "{wrong}");
         }
         let table = |text: &str| text.parse::<TableRequest>().ok();
-        assert_eq!(table("0.8 1.2 0.75"), Some(TableRequest { sides: (1.2, 0.8), height: 0.75 }));
-        assert_eq!(table("1 2"), None);
+        let plain = TableRequest::default();
+        assert_eq!(table("0.8 1.2 0.75"), Some(plain));
+        assert_eq!(table("1.2 0.8 0.75 0.7 -0.1"), Some(TableRequest { place: Some([0.7, -0.1, FRAC_PI_2]), ..plain }));
+        assert_eq!(table("1.2 0.8 0.75 0.7 0 0.5"), Some(TableRequest { place: Some([0.7, 0.0, 0.5]), ..plain }));
+        for wrong in ["1 2", "1 2 0", "1 2 -3", "1 2 3 4", "1 2 3 4 5 6 7", "1 2 nan", "1 2 3 inf 0", "wide"] {
+            assert_eq!(table(wrong), None, "{wrong}");
+        }
     }
 }

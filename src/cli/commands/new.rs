@@ -30,7 +30,8 @@ pub(crate) struct Arguments {
     /// several times. The first one is to be moved
     #[arg(long, value_name = "OBJECT", required = true)]
     object: Vec<String>,
-    /// The table: "LENGTH WIDTH HEIGHT", metres
+    /// The table: "LENGTH WIDTH HEIGHT", metres; and, where its place is not to be found, "X Y" or "X Y YAW" of the middle of its top
+    /// and of its longer side, seen from the root of the robot (metres, radians)
     #[arg(long, value_name = "TABLE", default_value = "1.2 0.8 0.75")]
     table: String,
     /// The robot drives: its root is planar, within 2 m of the origin

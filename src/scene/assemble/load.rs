@@ -3,7 +3,7 @@
 use crate::scene::assemble::graph::{faces, options, rests};
 use crate::scene::assemble::names::start_file::StartFile;
 use crate::scene::assemble::names::{configuration, locked};
-use crate::scene::assemble::parts::{part, root_bounds};
+use crate::scene::assemble::parts::{auto, part, root_bounds};
 use crate::scene::assemble::scene::{Loader, Scene, SceneFile, SceneOrigin};
 use crate::scene::assemble::{goal, pairs, start_tolerance, suggest, timing};
 use crate::scene::mesh::meshes::Meshes;
@@ -48,9 +48,11 @@ pub(crate) fn load(
 
     let part_items = keys.required("part")?;
     let items = part_items.list()?;
-    let parts = parts(&mut keys, (&part_items, &items), &mut loader)?;
+    let mut parts = parts(&mut keys, (&part_items, &items), &mut loader)?;
+    let ways = auto::complete(&mut parts, &loader)?;
     let mut robot = compose(&part_items, &parts)?;
     loader.warnings.extend(narrowed(&robot, &parts));
+    loader.warnings.extend(root_bounds::open(&robot, &parts));
 
     configuration::refuse_twins(&robot, &items)?;
     check_sums(&mut keys, &mut loader)?;
@@ -63,7 +65,7 @@ pub(crate) fn load(
     let reader = configuration::Reader { robot: &robot, locked: &locks.at_values, order: order.as_deref() };
     let mut start = reader.start(&keys.required("start")?)?;
     from.map_or(Ok(()), |from| from.apply(&reader, &mut start))?;
-    let graph = options::read(&mut keys, &robot, &start, &locks)?;
+    let graph = options::read(&mut keys, &robot, &start, (&locks, ways))?;
     loader.warnings.extend(rests::remarks(name, &robot, &graph));
     let reader = configuration::Reader { locked: &graph.locked, ..reader };
     let goals = goal::read::read(&keys.required("goal")?, &reader, &start, &graph)?;

@@ -32,7 +32,8 @@ pub(crate) fn remarks(robot: &Robot, part: PartIndex, urdf: &Opened) -> Vec<Scen
     robot.narrowed.iter().filter(own).map(remark).collect()
 }
 
-fn at_joint(urdf: &Opened, name: &str, message: String) -> SceneError {
+/// A remark about a joint, with its line.
+pub(crate) fn at_joint(urdf: &Opened, name: &str, message: String) -> SceneError {
     let element = format!("<joint name=\"{}\">", crate::scene::reading::error::quoted(name));
     SceneError::new(&urdf.label, element, message).at(line_of(urdf, name))
 }

@@ -2,6 +2,7 @@
 
 use crate::scene::reading::error::{SceneError, did_you_mean};
 use crate::scene::reading::input;
+use crate::scene::reading::prefixes::declared;
 use crate::scene::sources::mesh_name::{Base, path_of};
 use crate::scene::sources::package::PackagePath;
 use crate::scene::sources::package_xml::PackagesBelow;
@@ -147,7 +148,7 @@ fn read_path(url: &str, path: PathBuf) -> Result<Opened, SceneError> {
     let content = input::bytes(&path, input::MODEL_CAP)?;
     let sha256 = sha256(&content);
     let label = path.display().to_string();
-    let text = input::decode(content, &label)?;
+    let text = declared(input::decode(content, &label)?);
     Ok(Opened { label, text, file: ModelFile { url: url.to_owned(), origin: Origin::File(path), sha256 } })
 }
 

@@ -4,10 +4,11 @@
 //! qz`) or by attributes (`xyz` with `rpy`, `wxyz` or `xyzw`); tags of others are left out.
 //!
 //! `read` goes through a document by a `Reader` (`reader`). Its methods lie with what they read: `frames`, `contact`
-//! (with `flat`, for polygons that are a little bent), `disabled`, `states`. `known` lists what is read.
+//! (with `flat`, for polygons that are a little bent), `disabled`, `states`, `end_effectors`. `known` lists what is read.
 
 pub(crate) mod contact;
 pub(crate) mod disabled;
+pub(crate) mod end_effectors;
 pub(crate) mod flat;
 pub(crate) mod frames;
 pub(crate) mod known;

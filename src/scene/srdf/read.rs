@@ -44,6 +44,7 @@ pub(crate) fn read(
     reader.disabled_pairs(root)?;
     reader.default_pairs(root)?;
     reader.group_states(root)?;
+    reader.end_effectors(root)?;
     KNOWN.tell_unknown(&xml, root, warnings);
     Ok(())
 }

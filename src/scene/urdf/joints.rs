@@ -4,6 +4,7 @@ use super::tree;
 use crate::scene::reading::error::{SceneError, did_you_mean, quoted};
 use crate::scene::reading::xml::{Xml, elements};
 use crate::scene::urdf::range::{Range, meant, meant_velocity};
+use crate::scene::urdf::soft_limits;
 use crate::scene::urdf::values::origin;
 use foliate_components::robot::model::{JointKind, JointModel, Model};
 use glam::DVec3;
@@ -21,6 +22,7 @@ pub(super) fn read(
     let links: HashMap<&str, usize> = model.links.iter().enumerate().map(|(i, l)| (l.name.as_str(), i)).collect();
     let mut by_name = HashMap::new();
     let mut joints = Vec::with_capacity(nodes.len());
+    let mut soft = Vec::new();
     for (index, &node) in nodes.iter().enumerate() {
         xml.look(index)?;
         let name = xml.attribute(node, "name")?;
@@ -32,8 +34,10 @@ pub(super) fn read(
         }
         let (joint, remark) = joint(xml, node, name, &links)?;
         warnings.extend(remark.filter(|_| !stand_still));
+        soft.extend(soft_limits::narrower(node, &joint).filter(|_| !stand_still));
         joints.push(joint);
     }
+    warnings.extend(soft_limits::remark(xml, &soft));
     tree::check(xml, root, &nodes, &joints, model)?;
     tree::check_mimics(xml, &nodes, &mut joints, &by_name, warnings)?;
     model.joints = joints;

@@ -3,6 +3,7 @@
 use crate::scene::mesh::formats::triangles::UpAxis;
 use crate::scene::mesh::meshes::{LoadedMesh, MeshError, MeshRequest, Meshes};
 use crate::scene::reading::error::{SceneError, quoted};
+use crate::scene::reading::prefixes;
 use crate::scene::reading::xml::{Xml, elements};
 use crate::scene::sources::mesh_name::Base;
 use crate::scene::sources::source::hexadecimal;
@@ -67,6 +68,10 @@ pub(crate) fn read(file: &str, text: &str, context: &mut Context<'_, '_>) -> Res
     }
     joints::read(&xml, root, &mut model, (context.may_be_frames, context.warnings))?;
     attributes::KNOWN.tell_unknown(&xml, root, context.warnings);
+    context.warnings.extend(prefixes::undeclared(root).map(|prefix| {
+        let message = format!("the prefix `{prefix}:` is not declared; it is read as if `xmlns:{prefix}` were there");
+        xml.error(root, message)
+    }));
     if model.links.iter().all(|link| link.shapes.is_empty()) {
         context.warnings.extend(attributes::tell_shapeless(&xml, root, context.may_be_frames));
     }

@@ -15,7 +15,7 @@ pub(crate) fn beyond(robot: &Robot, body: JointIndex) -> Vec<JointIndex> {
 }
 
 /// The joint whose coordinate moves a joint: itself, or its leader.
-pub(super) fn leader(robot: &Robot, joint: JointIndex) -> JointIndex {
+pub(crate) fn leader(robot: &Robot, joint: JointIndex) -> JointIndex {
     match robot.joints[joint.at()].source {
         Source::Coordinates { .. } => joint,
         Source::Follows { leader, .. } => leader,

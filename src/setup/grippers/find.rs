@@ -6,18 +6,23 @@ use crate::setup::grippers::bodies::is_beyond;
 use crate::setup::grippers::hand::FoundGripper;
 use crate::setup::grippers::{jaws, tools};
 use foliate_components::Pose;
+use foliate_components::robot::model::EndEffectorModel;
 use foliate_components::robot::{JointIndex, LinkIndex, Robot};
 use foliate_kernels::collision::{CollisionScene, PairRule, Solid};
 
-/// The grippers of a robot, in the order of its links: those called by `names` (links: a tool frame, or any link of a hand), or else
-/// all that have jaws.
+/// The grippers of a robot: those called by `names` (links: a tool frame, or any link of a hand), or else its end effectors, or else all
+/// hands that have jaws. An end effector is the hand whose links are in its group, or a tool on the link that carries it.
 ///
 /// A hand has two or more short chains of joints that begin at one body, move against each other and have shapes. Its approach leads
 /// from the joints of the fingers to their tips; a frame of a link within 15 degrees of that gives the exact direction.
 ///
 /// # Errors
 /// A name that is no link; a robot in which nothing is found.
-pub fn grippers(robot: &Robot, names: &[String]) -> Result<Vec<FoundGripper>, SetupError> {
+pub fn grippers(
+    robot: &Robot,
+    names: &[String],
+    end_effectors: &[EndEffectorModel],
+) -> Result<Vec<FoundGripper>, SetupError> {
     let mut found = hands(robot);
     if !names.is_empty() {
         let all = std::mem::take(&mut found);
@@ -26,15 +31,19 @@ pub fn grippers(robot: &Robot, names: &[String]) -> Result<Vec<FoundGripper>, Se
         }
         found.dedup_by(|a, b| (a.link, a.kind) == (b.link, b.kind));
         rename(robot, &mut found);
+    } else if !end_effectors.is_empty() {
+        found = of_end_effectors(robot, &found, end_effectors);
     }
     if found.is_empty() {
         return Err(SetupError::NoGripper { links: outermost(robot) });
     }
+    Ok(found.into_iter().map(|gripper| with_solids(robot, gripper)).collect())
+}
+
+/// A gripper, with what grasps are tested against.
+pub(super) fn with_solids(robot: &Robot, gripper: FoundGripper) -> FoundGripper {
     let scene = CollisionScene::new(robot, &PairRule::default());
-    for gripper in &mut found {
-        gripper.solids = solids_of(robot, &scene, gripper);
-    }
-    Ok(found)
+    FoundGripper { solids: solids_of(robot, &scene, &gripper), ..gripper }
 }
 
 /// The hands with two jaws of a robot, without what grasps are tested against.
@@ -53,6 +62,37 @@ fn rename(robot: &Robot, found: &mut [FoundGripper]) {
         let own = link.split_once('/').map_or(link, |(_, own)| own);
         gripper.name = if count == 1 { "gripper".into() } else { format!("{own}_gripper") };
     }
+}
+
+/// The end effectors, called as they are.
+fn of_end_effectors(robot: &Robot, hands: &[FoundGripper], effectors: &[EndEffectorModel]) -> Vec<FoundGripper> {
+    let part = robot.parts.first().map_or("", |part| part.name.as_str());
+    let number = |link: &String| robot.link(&format!("{part}/{link}"));
+    let mut found: Vec<FoundGripper> = Vec::new();
+    for effector in effectors {
+        let links: Vec<LinkIndex> = effector.links.iter().filter_map(number).collect();
+        let is_own = |hand: &&FoundGripper| {
+            let is_finger = |link: &LinkIndex| {
+                let body = robot.links[link.at()].joint;
+                body != robot.links[hand.link.at()].joint && hand.moves(robot, body)
+            };
+            links.contains(&hand.link) || links.iter().any(is_finger)
+        };
+        let gripper = match (hands.iter().find(is_own), number(&effector.parent_link)) {
+            (Some(hand), _) => hand.clone(),
+            (None, Some(link)) => tools::tool(robot, link, None),
+            (None, None) => continue,
+        };
+        // One hand may be in several groups.
+        if found.iter().any(|other| (other.link, other.kind) == (gripper.link, gripper.kind)) {
+            continue;
+        }
+        let is_link = robot.link(&format!("{part}/{}", effector.name)).is_some();
+        let name = if is_link { format!("{}_gripper", effector.name) } else { effector.name.clone() };
+        let reason = format!("end effector `{}` of the SRDF, {}", effector.name, gripper.reason);
+        found.push(FoundGripper { name, reason, ..gripper });
+    }
+    found
 }
 
 /// The hand that a link belongs to, or a tool on the link.

@@ -1,7 +1,7 @@
 //! A gripper that was found: its frame, its fingers, its size.
 #![allow(non_snake_case, reason = "pose names carry their frames")]
 
-use crate::setup::grippers::bodies::coordinate;
+use crate::setup::grippers::bodies::{coordinate, leader};
 use foliate_components::Pose;
 use foliate_components::robot::{JointIndex, LinkIndex, Robot};
 use foliate_kernels::collision::{DistanceQuery, Solid, clearance};
@@ -22,6 +22,8 @@ pub enum GripperKind {
         depth: f64,
         /// How far the tips are ahead of the origin, metres.
         tip: f64,
+        /// Whether the jaw on the side of y moves alone: what is held lies against the other one.
+        one_moves: bool,
     },
     /// A tool that holds at its tip, such as a suction cup: the origin of the frame.
     Tool,
@@ -30,10 +32,11 @@ pub enum GripperKind {
 impl fmt::Display for GripperKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Self::Jaws { opening, shut, depth, tip } => {
+            Self::Jaws { opening, shut, depth, tip, one_moves } => {
                 let [opening, shut, depth, tip] = [opening, shut, depth, tip].map(|metres| metres * 1e3);
                 write!(f, "opens {opening:.1} mm and shuts to {shut:.1} mm; ")?;
-                write!(f, "the palm is {depth:.1} mm behind the frame, the tips {tip:.1} mm ahead")
+                write!(f, "the palm is {depth:.1} mm behind the frame, the tips {tip:.1} mm ahead")?;
+                if one_moves { f.write_str("; the jaw on the side of y moves alone") } else { Ok(()) }
             }
             Self::Tool => f.write_str("holds what its tip touches"),
         }
@@ -71,6 +74,12 @@ pub struct FoundGripper {
 }
 
 impl FoundGripper {
+    /// Whether a body is one of its fingers, or beyond one.
+    pub(crate) fn moves(&self, robot: &Robot, body: Option<JointIndex>) -> bool {
+        let is_finger = |joint: JointIndex| self.fingers.iter().any(|finger| finger.joint == leader(robot, joint));
+        std::iter::successors(body, |at| robot.joints[at.at()].parent).any(is_finger)
+    }
+
     /// The poses of all bodies where the fingers are at `share` of the way from open to shut, everything else at its default.
     pub(crate) fn poses(&self, robot: &Robot, share: f64) -> Vec<Pose> {
         let mut q = robot.space.neutral();

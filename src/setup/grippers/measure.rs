@@ -8,7 +8,7 @@ use crate::setup::grippers::hand::{FingerRange, FoundGripper, GripperKind};
 use crate::setup::grippers::tools::frame;
 use crate::setup::solids::surface_points::{on_grid, triangles};
 use foliate_components::Pose;
-use foliate_components::robot::{JointIndex, LinkIndex, Robot};
+use foliate_components::robot::{JointIndex, JointType, LinkIndex, Robot};
 use foliate_kernels::kinematics::Kinematics;
 use glam::DVec3;
 
@@ -24,6 +24,13 @@ const LEAST_OPENING: f64 = 0.005;
 const NEAR_AXIS: f64 = 0.262;
 /// Likewise the closing direction, radians.
 const NEAR_CLOSING: f64 = 0.1;
+
+/// Likewise of a single jaw, whose way is an arc, radians.
+const NEAR_SINGLE: f64 = 0.2;
+/// A single jaw closes along its way from here to shut, as a share of its range.
+const ALMOST: f64 = 0.85;
+/// A single jaw that turns by more than this opens half way alone, radians.
+const WIDE: f64 = 1.2;
 
 /// Joints that may be a hand.
 pub(super) struct Jaw<'a> {
@@ -74,28 +81,29 @@ fn mean(points: &[DVec3]) -> DVec3 {
 /// The hand, measured; none where its fingers do not move against each other, or leave no room between them.
 pub(super) fn measured(robot: &Robot, jaw: &Jaw<'_>, ranges: &[FingerRange]) -> Option<FoundGripper> {
     let kinematics = Kinematics::new(robot);
-    let at = |share: f64| Cloud::of(robot, &kinematics, jaw, ranges, share);
-    let (low, high) = (at(0.0), at(1.0));
+    let at = |ranges: &[FingerRange], share: f64| Cloud::of(robot, &kinematics, jaw, ranges, share);
+    let (low, high) = (at(ranges, 0.0), at(ranges, 1.0));
     if low.fingers.iter().any(Vec::is_empty) || (jaw.is_single && low.palm.is_empty()) {
         return None;
     }
-    let motion = snapped(robot, jaw, closing_axis(jaw, &low, &high)?, NEAR_CLOSING);
-    // Which fingers are on which side, at the bound at which they are farther apart.
-    let side = |cloud: &Cloud| sides(jaw, cloud, (&low, &high), motion);
-    let apart = |cloud: &Cloud| {
-        let (one, other) = side(cloud);
-        (mean(&one) - mean(&other)).dot(motion).abs()
-    };
-    let is_open_low = apart(&low) > apart(&high);
-    let (open, shut) = if is_open_low { (low, high) } else { (high, low) };
+    let chord = closing_axis(jaw, &low, &high)?;
+    let ranges = opened(robot, jaw, ranges, is_open_low(robot, jaw, &low, &high, chord));
+    let (open, shut) = (at(&ranges, 0.0), at(&ranges, 1.0));
+    // One jaw closes along its way shortly before it is shut; two that turn, along the mean of both.
+    let along = if jaw.is_single { closing_axis(jaw, &at(&ranges, ALMOST), &shut)? } else { chord };
+    let motion = snapped(robot, jaw, along, if jaw.is_single { NEAR_SINGLE } else { NEAR_CLOSING });
     let (one, other) = sides(jaw, &open, (&open, &shut), motion);
-    let approach = approach_axis(robot, jaw, &open, motion)?;
-    let closing = if (mean(&one) - mean(&other)).dot(motion) < 0.0 { -motion } else { motion };
+    let approach = approach_axis(robot, jaw, if jaw.is_single { &shut } else { &open }, motion)?;
+    let outwards = match jaw.is_single {
+        true => mean(&open.fingers[0]) - mean(&shut.fingers[0]),
+        false => mean(&one) - mean(&other),
+    };
+    let closing = if outwards.dot(motion) < 0.0 { -motion } else { motion };
     let closing = closing.reject_from_normalized(approach).try_normalize()?;
     let axes = Axes { approach, closing, across: approach.cross(closing) };
-    let opening = Size::of(jaw, &axes, (&one, &other), &open)?.opening;
+    let wide = Size::of(jaw, &axes, (&one, &other), &open)?;
     // Jaws that turn reach farther while they close: half closed is nearest to how they hold something.
-    let half = at(0.5);
+    let half = at(&ranges, 0.5);
     let (one, other) = sides(jaw, &half, (&open, &shut), motion);
     let size = Size::of(jaw, &axes, (&one, &other), &half).or_else(|| {
         let (one, other) = sides(jaw, &open, (&open, &shut), motion);
@@ -104,11 +112,9 @@ pub(super) fn measured(robot: &Robot, jaw: &Jaw<'_>, ranges: &[FingerRange]) -> 
     let (one, other) = sides(jaw, &shut, (&open, &shut), motion);
     let tip = axes.tip(&one).min(axes.tip(&other));
     let left = axes.between(&one, &other, tip, size.across).map_or(0.0, |(low, high)| (high - low).max(0.0));
-    let fingers = ranges.iter().map(|range| match is_open_low {
-        true => *range,
-        false => FingerRange { open: range.closed, closed: range.open, ..*range },
-    });
-    let origin = axes.approach * size.origin + axes.closing * size.middle + axes.across * size.across;
+    // Both jaws meet in the middle; of a single one the fixed jaw says where the middle is.
+    let middle = if jaw.is_single { wide.middle } else { size.middle };
+    let origin = axes.approach * size.origin + axes.closing * middle + axes.across * size.across;
     let link = palm_link(robot, jaw);
     let X_PG = Pose::from_parts(origin, frame(axes.approach, axes.closing));
     let name = |joint: &FingerRange| robot.joints[joint.joint.at()].name.as_str();
@@ -119,15 +125,41 @@ pub(super) fn measured(robot: &Robot, jaw: &Jaw<'_>, ranges: &[FingerRange]) -> 
         link,
         link_from_gripper: robot.links[link.at()].joint_from_link.inverse() * X_PG,
         kind: GripperKind::Jaws {
-            opening,
-            shut: left.min(opening),
+            opening: wide.opening,
+            shut: left.min(wide.opening),
             depth: size.origin - size.palm,
             tip: size.tip - size.origin,
+            one_moves: jaw.is_single,
         },
-        fingers: fingers.collect(),
+        fingers: ranges,
         reason: format!("{jaws} moved by {}", joints.join(", ")),
         solids: Vec::new(),
     })
+}
+
+/// Whether the fingers are farther apart at the lower ends of their ranges.
+fn is_open_low(robot: &Robot, jaw: &Jaw<'_>, low: &Cloud, high: &Cloud, motion: DVec3) -> bool {
+    if jaw.is_single {
+        let from = robot.joints[jaw.roots[0].at()].parent_from_joint.translation;
+        let of = |cloud: &Cloud| gap(&tips(&cloud.fingers[0], from), &cloud.palm);
+        return of(low) > of(high);
+    }
+    let apart = |cloud: &Cloud| {
+        let (one, other) = sides(jaw, cloud, (low, high), motion);
+        (mean(&one) - mean(&other)).dot(motion).abs()
+    };
+    apart(low) > apart(high)
+}
+
+/// The ranges from open to closed. A single jaw that turns far is wide open half way: beyond that it stands across.
+fn opened(robot: &Robot, jaw: &Jaw<'_>, ranges: &[FingerRange], is_open_low: bool) -> Vec<FingerRange> {
+    let turn = |range: &FingerRange| {
+        let (open, closed) = if is_open_low { (range.open, range.closed) } else { (range.closed, range.open) };
+        let turns = matches!(robot.joints[range.joint.at()].motion, JointType::Revolute { .. });
+        let is_wide = jaw.is_single && turns && (open - closed).abs() > WIDE;
+        FingerRange { open: if is_wide { (open + closed) / 2.0 } else { open }, closed, ..*range }
+    };
+    ranges.iter().map(turn).collect()
 }
 
 /// The link of the palm that carries the first finger.
@@ -154,6 +186,20 @@ fn closing_axis(jaw: &Jaw<'_>, low: &Cloud, high: &Cloud) -> Option<DVec3> {
     (mean(&with) - mean(&against)).try_normalize()
 }
 
+/// The points that are far from where fingers begin: beyond 0.7 of the way to the farthest one.
+fn tips(points: &[DVec3], from: DVec3) -> Vec<DVec3> {
+    let farthest = points.iter().map(|p| p.distance(from)).fold(0.0, f64::max);
+    points.iter().copied().filter(|p| p.distance(from) > 0.7 * farthest).collect()
+}
+
+/// Nearly the least distance of points of one kind from some of another, metres: of many points some are compared.
+fn gap(some: &[DVec3], others: &[DVec3]) -> f64 {
+    let of =
+        |points: &[DVec3], count: usize| points.iter().copied().step_by(1 + points.len() / count).collect::<Vec<_>>();
+    let (some, others) = (of(some, 400), of(others, 4000));
+    some.iter().flat_map(|p| others.iter().map(|o| p.distance_squared(*o))).fold(f64::INFINITY, f64::min).sqrt()
+}
+
 /// The points of both sides of a hand: fingers that move one way, and the other way or the palm.
 fn sides(jaw: &Jaw<'_>, cloud: &Cloud, (from, to): (&Cloud, &Cloud), closing: DVec3) -> (Vec<DVec3>, Vec<DVec3>) {
     if jaw.is_single {
@@ -173,11 +219,24 @@ fn approach_axis(robot: &Robot, jaw: &Jaw<'_>, open: &Cloud, closing: DVec3) -> 
     let roots: Vec<DVec3> =
         jaw.roots.iter().map(|root| robot.joints[root.at()].parent_from_joint.translation).collect();
     let from = mean(&roots);
-    let farthest = points.iter().map(|p| p.distance(from)).fold(0.0, f64::max);
-    let tips: Vec<DVec3> = points.iter().copied().filter(|p| p.distance(from) > 0.7 * farthest).collect();
-    let along = (mean(&tips) - from).reject_from_normalized(closing).try_normalize()?;
+    let mut along = (mean(&tips(&points, from)) - from).reject_from_normalized(closing);
+    // Where on its axis a joint has its origin says nothing.
+    if let Some(axis) = common_axis(robot, jaw) {
+        along = along.reject_from_normalized(axis);
+    }
+    let along = along.try_normalize()?;
     let exact = snapped(robot, jaw, along, NEAR_AXIS);
     exact.reject_from_normalized(closing).try_normalize().map(|a| if a.dot(exact) > 0.999 { exact } else { a })
+}
+
+/// The direction of the axes about which all fingers turn; none where they slide, or turn about different ones.
+fn common_axis(robot: &Robot, jaw: &Jaw<'_>) -> Option<DVec3> {
+    let mut axes = jaw.roots.iter().map(|root| match robot.joints[root.at()].motion {
+        JointType::Revolute { axis } => Some(robot.joints[root.at()].parent_from_joint.rotation * axis),
+        _ => None,
+    });
+    let first = axes.next()??;
+    axes.all(|axis| axis.is_some_and(|axis| axis.dot(first).abs() > 0.999)).then_some(first)
 }
 
 /// The nearest axis of a frame of the palm, of its links or of the joints of the fingers, where it is nearer than a limit in radians: arms

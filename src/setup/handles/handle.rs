@@ -18,6 +18,8 @@ const BACK_OFF: f64 = 0.02;
 const STEP: f64 = 0.01;
 /// How far the tips reach around an object at least, metres.
 const LEAST_OVERLAP: f64 = 0.006;
+/// How far an object stays off a jaw that does not move, metres.
+const AGAINST: f64 = 1e-3;
 /// Turns about a free axis at which a grasp is tested.
 pub(super) const TURNS: usize = 8;
 /// Places between pregrasp and grasp at which the open hand is tested.
@@ -102,12 +104,16 @@ pub(super) struct Jaws {
     pub shut: f64,
     pub depth: f64,
     pub tip: f64,
+    /// Whether one jaw moves alone, that on the side of y.
+    pub one_moves: bool,
 }
 
 impl Jaws {
     pub(super) fn of(kind: GripperKind) -> Option<Self> {
         match kind {
-            GripperKind::Jaws { opening, shut, depth, tip } => Some(Self { opening, shut, depth, tip }),
+            GripperKind::Jaws { opening, shut, depth, tip, one_moves } => {
+                Some(Self { opening, shut, depth, tip, one_moves })
+            }
             GripperKind::Tool => None,
         }
     }
@@ -122,6 +128,13 @@ impl Jaws {
     pub(super) fn behind(&self, thick: f64) -> Option<f64> {
         let behind = (thick / 2.0).min(self.depth - ROOM).min(thick - self.tip - ROOM);
         (behind + self.tip > LEAST_OVERLAP).then_some(behind)
+    }
+
+    /// The frame of a handle that holds `width` metres, the middle of which is at `at`, with that approach and closing direction. Where one
+    /// jaw moves alone, the object lies against the other one.
+    pub(super) fn frame(&self, at: DVec3, approach: DVec3, closing: DVec3, width: f64) -> Pose {
+        let beside = if self.one_moves { ((self.opening - width) / 2.0 - AGAINST).max(0.0) } else { 0.0 };
+        frame(at, approach, closing) * Pose::from_translation(DVec3::Y * beside)
     }
 
     /// The clearance of a handle whose object reaches `behind` metres into the hand.

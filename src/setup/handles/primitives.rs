@@ -2,16 +2,20 @@
 #![allow(non_snake_case, reason = "pose names carry their frames")]
 
 use crate::setup::grippers::FoundGripper;
-use crate::setup::handles::handle::{FoundHandle, Jaws, ROOM, frame};
+use crate::setup::handles::handle::{FoundHandle, Jaws, ROOM, TURNS, frame};
 use crate::setup::objects::RigidObject;
 use foliate_components::Pose;
 use foliate_components::robot::shape::Geometry;
-use glam::DVec3;
+use glam::{DQuat, DVec3};
+use std::f64::consts::{SQRT_2, TAU};
 
 /// Beyond this length, metres, a solid is held near its ends too.
 const LONG: f64 = 0.12;
 /// How far from the end of a long solid, metres.
 const FROM_END: f64 = 0.03;
+
+/// Closing directions about the axis of a cylinder.
+const AROUND: usize = 8;
 
 const AXES: [(DVec3, &str); 3] = [(DVec3::X, "x"), (DVec3::Y, "y"), (DVec3::Z, "z")];
 
@@ -25,10 +29,38 @@ pub(super) fn families(object: &RigidObject, gripper: &FoundGripper) -> Option<V
         Geometry::Sphere { radius } => on_sphere(*radius, &jaws),
         Geometry::Capsule { .. } | Geometry::Mesh(_) => return None,
     };
+    if jaws.one_moves {
+        found = found.into_iter().flat_map(|handle| without_turn(handle, solid, &jaws)).collect();
+    }
     for handle in &mut found {
         handle.link_from_handle = *X_LS * handle.link_from_handle;
     }
     Some(found)
+}
+
+/// What turns about an axis that is not the closing direction cannot lie against a fixed jaw wherever it is turned: single turns of it.
+fn without_turn(handle: FoundHandle, solid: &Geometry, jaws: &Jaws) -> Vec<FoundHandle> {
+    let axes: &[DVec3] = match handle.mask {
+        [_, _, _, true, true, true] | [_, _, _, true, false, true] => return vec![handle],
+        [_, _, _, false, true, true] => &[DVec3::X],
+        [_, _, _, true, true, false] => &[DVec3::Z],
+        _ => &[DVec3::X, DVec3::Z],
+    };
+    let (Geometry::Cylinder { radius, .. } | Geometry::Sphere { radius }) = solid else { return vec![handle] };
+    let turn = |axis: DVec3, turn: usize| {
+        let angle = TAU * turn as f64 / TURNS as f64;
+        let turned = handle.link_from_handle * Pose::from_rotation(DQuat::from_axis_angle(axis, angle));
+        let (translation, rotation) = (turned.translation, turned.rotation);
+        FoundHandle {
+            name: format!("{}_{}{}", handle.name, if axis.x > 0.0 { "x" } else { "z" }, turn + 1),
+            link_from_handle: jaws.frame(translation, rotation * DVec3::X, rotation * DVec3::Y, 2.0 * radius),
+            // About the closing direction a ball turns freely all the same.
+            mask: [true, true, true, true, axes.len() == 1, true],
+            reason: "against the jaw that does not move".into(),
+            ..handle.clone()
+        }
+    };
+    axes.iter().flat_map(|axis| (0..TURNS).map(|number| turn(*axis, number))).collect()
 }
 
 /// Where along a direction a solid is held that reaches so far both ways.
@@ -52,7 +84,7 @@ fn on_box(half: DVec3, jaws: &Jaws) -> Vec<FoundHandle> {
                         let origin = axis * sign * (half[a] - behind) + AXES[other].0 * place;
                         found.push(FoundHandle {
                             name: format!("{word}_{from}_{across}{at}{turned}"),
-                            link_from_handle: frame(origin, -axis * sign, closing * way),
+                            link_from_handle: jaws.frame(origin, -axis * sign, closing * way, 2.0 * half[c]),
                             clearance: jaws.clearance(behind),
                             mask: [true; 6],
                             reason: format!("from {word} {from}, jaws along {across}"),
@@ -73,7 +105,7 @@ fn around_box(half: DVec3, jaws: &Jaws) -> Vec<FoundHandle> {
         let (a, b) = ((c + 1) % 3, (c + 2) % 3);
         let (long, short) = if half[a] > half[b] { (a, b) } else { (b, a) };
         let in_middle = half[a].hypot(half[b]);
-        let at_end = half[short] * std::f64::consts::SQRT_2;
+        let at_end = half[short] * SQRT_2;
         let off = AXES[long].0 * (half[long] - half[short]);
         let places = match in_middle <= jaws.depth - ROOM {
             true => vec![("", DVec3::ZERO, in_middle)],
@@ -82,7 +114,12 @@ fn around_box(half: DVec3, jaws: &Jaws) -> Vec<FoundHandle> {
         let fits = |(_, _, far): &(&str, DVec3, f64)| jaws.fits(2.0 * half[c]) && *far <= jaws.depth - ROOM;
         found.extend(places.into_iter().filter(fits).map(|(place, at, far)| FoundHandle {
             name: format!("around_{across}{place}"),
-            link_from_handle: frame(at, if at.length() > 0.0 { -at.normalize() } else { -AXES[long].0 }, closing),
+            link_from_handle: jaws.frame(
+                at,
+                if at.length() > 0.0 { -at.normalize() } else { -AXES[long].0 },
+                closing,
+                2.0 * half[c],
+            ),
             clearance: jaws.clearance(far),
             mask: [true, true, true, true, false, true],
             reason: format!("jaws along {across}, free to turn about it"),
@@ -91,7 +128,8 @@ fn around_box(half: DVec3, jaws: &Jaws) -> Vec<FoundHandle> {
     found
 }
 
-/// About its axis from all sides, both ways up; and along the axis from both ends.
+/// About its axis from all sides, both ways up; along the axis from both ends; and across the axis, free to turn about the closing
+/// direction: hands that always tilt cannot do the others.
 fn on_cylinder(radius: f64, half_length: f64, jaws: &Jaws) -> Vec<FoundHandle> {
     let mut found = Vec::new();
     if !jaws.fits(2.0 * radius) {
@@ -119,7 +157,33 @@ fn on_cylinder(radius: f64, half_length: f64, jaws: &Jaws) -> Vec<FoundHandle> {
             });
         }
     }
+    found.extend(across_cylinder(radius, half_length, jaws));
     found
+}
+
+/// Closing on a diameter, free to turn about it: in the middle, where the hand has room for the length; else near both ends.
+fn across_cylinder(radius: f64, half_length: f64, jaws: &Jaws) -> Vec<FoundHandle> {
+    let in_middle = radius.hypot(half_length);
+    let at_end = radius * SQRT_2;
+    let off = half_length - radius;
+    let places = match in_middle <= jaws.depth - ROOM {
+        true => vec![("", 0.0, in_middle)],
+        false if off > 0.0 && at_end <= jaws.depth - ROOM => vec![("_far", off, at_end), ("_near", -off, at_end)],
+        false => Vec::new(),
+    };
+    let handle = |turn: usize, (place, at, far): (&str, f64, f64)| {
+        let angle = TAU * turn as f64 / AROUND as f64;
+        let closing = DVec3::new(angle.cos(), angle.sin(), 0.0);
+        let approach = if at < 0.0 { DVec3::Z } else { -DVec3::Z };
+        FoundHandle {
+            name: format!("across_{}{place}", turn + 1),
+            link_from_handle: jaws.frame(DVec3::Z * at, approach, closing, 2.0 * radius),
+            clearance: jaws.clearance(far),
+            mask: [true, true, true, true, false, true],
+            reason: "jaws on a diameter, free to turn about it".into(),
+        }
+    };
+    places.into_iter().flat_map(|place| (0..AROUND).map(move |turn| handle(turn, place))).collect()
 }
 
 /// From anywhere.

@@ -5,7 +5,9 @@ use crate::scene::assemble::parts::root_bounds;
 use crate::scene::assemble::parts::shape;
 use crate::setup::error::SetupError;
 use crate::setup::grippers::{FoundGripper, coordinate, is_beyond};
-use crate::setup::new_scene::holding::{Ways, handle_names};
+use crate::setup::handles::distinct;
+use crate::setup::new_scene::holding::Ways;
+use crate::setup::new_scene::own_roots::of_kind;
 use crate::setup::new_scene::read_objects::{Object, seen_from};
 use crate::setup::new_scene::request::DRIVES;
 use crate::setup::new_scene::setting::Setting;
@@ -15,7 +17,8 @@ use crate::setup::places::table::{Standing, TOP, TableSize, table_pose, table_so
 use crate::setup::surfaces::level_faces;
 use crate::setup::writing::numbers::number;
 use crate::setup::writing::scene_text::{Draft, ObjectText, TableText};
-use foliate_components::robot::{JointIndex, Source};
+use foliate_components::robot::model::JointKind;
+use foliate_components::robot::{JointIndex, RootJoint, Source};
 use glam::DVec3;
 
 impl Setting<'_> {
@@ -28,7 +31,7 @@ impl Setting<'_> {
         layout: &Layout,
         q: &[f64],
     ) -> Result<Draft<'d>, SetupError> {
-        let drive = if self.request.drives { DRIVES } else { 0.0 };
+        let drive = if self.drives() { DRIVES } else { 0.0 };
         let reach = root_bounds::reach(self.model) + 0.25 + drive;
         let root = DVec3::Z * standing.robot_height;
         let bound = |axis: usize| {
@@ -41,10 +44,10 @@ impl Setting<'_> {
             name: object.name.clone(),
             source: object.source.clone(),
             link: object.rigid.link.clone(),
-            handles: handle_names(object).into_iter().cloned().collect(),
+            handles: distinct(&object.handles).into_iter().cloned().collect(),
             handles_from: match (&self.request.grasps, at) {
                 (Some(file), 0) => format!("given by {}", file.display()),
-                _ => format!("{} found", handle_names(object).len()),
+                _ => format!("{} found", distinct(&object.handles).len()),
             },
             faces: &object.faces,
             ball: object.rigid.is_ball().then(|| -object.rigid.bounds.0.z),
@@ -71,12 +74,18 @@ impl Setting<'_> {
                 pose: X_WT,
                 faces: level_faces(&table, &X_WT),
                 height: size.height,
+                why: match self.request.table.place {
+                    Some(_) => "as wanted",
+                    None => "chosen: the hand gets above it most often here",
+                },
             },
             objects: objects.iter().enumerate().map(object).collect(),
             grasps: ways.clone(),
             locked: self.locked(),
             q: q[self.root_size()..self.root_size() + self.robot.space.size()].to_vec(),
-            drives: self.request.drives.then_some(DRIVES),
+            drives: (self.root() == RootJoint::Planar).then_some(DRIVES),
+            driving: of_kind(self.model, JointKind::Planar).map(str::to_owned).collect(),
+            floating: of_kind(self.model, JointKind::Floating).map(str::to_owned).collect(),
             goal: layout.goal,
             grasp: format!("`{}` by `{}`", handle, self.grippers[*gripper].name),
         })

@@ -4,10 +4,11 @@
 use crate::planner::Planner;
 use crate::scene::assemble::parts::shape;
 use crate::scene::{PackagePath, Scene};
-use crate::setup::collision_matrix::CollisionMatrix;
+use crate::setup::collision_matrix::{CollisionMatrix, MatrixPair, PairReason};
 use crate::setup::error::SetupError;
 use crate::setup::grippers::{FoundGripper, coordinate};
 use crate::setup::new_scene::holding::Ways;
+use crate::setup::new_scene::own_roots;
 use crate::setup::new_scene::read_objects::Object;
 use crate::setup::new_scene::request::{DRIVES, NewScene};
 use crate::setup::places::arm::Arm;
@@ -18,7 +19,7 @@ use crate::setup::places::world::World;
 use crate::setup::solids::surface_points::PURPOSE;
 use foliate_components::Pose;
 use foliate_components::robot::model::Model;
-use foliate_components::robot::{DisabledPair, PartKind, PartPlacement, Robot, RootJoint};
+use foliate_components::robot::{DisabledPair, JointIndex, PartKind, PartPlacement, Robot, RootJoint};
 use foliate_systems::runtime::random::stream;
 use foliate_systems::settings::SearchSettings;
 use glam::DVec3;
@@ -26,7 +27,9 @@ use glam::DVec3;
 /// How far a resting configuration stays off table and objects, metres.
 const CLEARANCE: f64 = 0.01;
 /// Random configurations in which a free one is looked for.
-const TRIES: u32 = 500;
+const TRIES: u32 = 2000;
+/// After so many of them all joints are drawn anew.
+const ANEW: u32 = 100;
 /// Layouts that are planned for, until one is solved.
 const LAYOUTS: usize = 6;
 /// Steps of each such search.
@@ -50,6 +53,8 @@ pub(super) struct Setting<'a> {
     pub packages: &'a PackagePath,
     pub model: &'a Model,
     pub robot: &'a Robot,
+    /// Of planar and floating joints of the model.
+    pub joint_bounds: &'a [(String, f64, f64)],
     pub matrix: &'a CollisionMatrix,
     pub grippers: &'a [FoundGripper],
 }
@@ -62,9 +67,13 @@ impl Setting<'_> {
         let alone = World::new(self.robot.clone(), &self.ignored(self.robot));
         let reach = self.reached(&alone, &arms, &self.opened(&alone));
         let mut tried = Tried { first: None, refused: Vec::new(), left: LAYOUTS };
-        for standing in standings(self.robot, &arms, &reach, &size) {
+        let standings = match self.request.table.place {
+            Some(place) => vec![Standing::at(place, size.height)],
+            None => standings(self.robot, &arms, &reach, &size),
+        };
+        for standing in standings {
             // What drives stands on the floor.
-            if self.request.drives && standing.robot_height > 0.0 {
+            if self.drives() && standing.robot_height > 0.0 {
                 continue;
             }
             if let Some(found) = self.beside(&standing, &size, (objects, ways), &mut tried)? {
@@ -148,14 +157,16 @@ impl Setting<'_> {
         arms.iter().enumerate().map(|(at, arm)| reached(world, arm, q, self.request.seed, at)).collect()
     }
 
-    /// The pairs of the matrix, in a robot that has these links first.
+    /// The pairs that a layout does not test, in a robot that has these links first: those that a scene leaves out, and those that touched
+    /// in no sample. The plan tests the latter.
     fn ignored(&self, robot: &Robot) -> Vec<DisabledPair> {
         let pair = |first: &str, second: &str| {
             let (first, second) = (robot.link(first)?, robot.link(second)?);
             Some(DisabledPair { first, second, reason: "scene".into() })
         };
         let name = |link: foliate_components::robot::LinkIndex| self.robot.links[link.at()].name.as_str();
-        self.matrix.ignored().filter_map(|p| pair(name(p.first), name(p.second))).collect()
+        let is_left_out = |p: &&MatrixPair| p.reason <= PairReason::Always || p.reason == PairReason::Never;
+        self.matrix.pairs.iter().filter(is_left_out).filter_map(|p| pair(name(p.first), name(p.second))).collect()
     }
 
     /// Robot, table and objects as one.
@@ -163,9 +174,9 @@ impl Setting<'_> {
         let height = Pose::from_translation(DVec3::Z * standing.robot_height);
         let table = shape::model("table", &table_solid(size), self.packages)?;
         let X_WT = table_pose(standing);
-        let root = if self.request.drives { RootJoint::Planar } else { RootJoint::Fixed };
-        let mut robot = PartPlacement::new("robot", PartKind::Robot, root, height);
-        if self.request.drives {
+        let mut robot = PartPlacement::new("robot", PartKind::Robot, self.root(), height);
+        robot.joint_bounds = self.joint_bounds.to_vec();
+        if robot.root == RootJoint::Planar {
             robot.root_bounds = vec![(-DRIVES, DRIVES); 2];
         }
         let mut parts = vec![
@@ -184,7 +195,20 @@ impl Setting<'_> {
 
     /// How many coordinates the robot's root has, before those of its joints.
     pub fn root_size(&self) -> usize {
-        if self.request.drives { 3 } else { 0 }
+        if self.root() == RootJoint::Planar { 3 } else { 0 }
+    }
+
+    /// The joint of the robot's root: planar where it drives and has no joint of its own for that.
+    pub fn root(&self) -> RootJoint {
+        match self.request.drives && !own_roots::drives(self.model) {
+            true => RootJoint::Planar,
+            false => RootJoint::Fixed,
+        }
+    }
+
+    /// Whether the robot drives.
+    pub fn drives(&self) -> bool {
+        self.request.drives || own_roots::drives(self.model)
     }
 
     /// The default configuration with all fingers open.
@@ -210,12 +234,16 @@ impl Setting<'_> {
             let joints = fingers.filter_map(|f| robot.joint(&self.robot.joints[f.joint.at()].name));
             joints.into_iter().any(|joint| coordinate(robot, joint) == Some(at))
         };
-        // A root that drives stays at the origin.
+        let is_single = |at: usize| {
+            let joints = robot.joints.iter().enumerate().filter(|(_, joint)| joint.motion.configuration_size() == 1);
+            joints.into_iter().any(|(index, _)| coordinate(robot, JointIndex(index as u32)) == Some(at))
+        };
+        // What drives stays at the origin.
         let first = self.root_size();
         let end = first + self.robot.space.size();
         let taken = |q: &[f64]| {
             let mut taken = open.clone();
-            (first..end).filter(|at| !is_finger(*at)).for_each(|at| taken[at] = q[at]);
+            (first..end).filter(|at| !is_finger(*at) && is_single(*at)).for_each(|at| taken[at] = q[at]);
             taken
         };
         let mut middle = open.clone();
@@ -234,14 +262,30 @@ impl Setting<'_> {
             }
             tried.push(taken(&q));
         }
-        let mut random = open.clone();
-        for index in 0..TRIES {
-            robot.space.random(&mut stream(self.request.seed, PURPOSE, 100, index), &mut random);
-            tried.push(taken(&random));
-        }
-        tried.into_iter().find(|q| {
+        let found = tried.into_iter().find(|q| {
             world.kinematics.forward(q, &mut X_WJ);
             world.is_free(&X_WJ, None, CLEARANCE)
+        });
+        let drawn: Vec<usize> = (first..end).filter(|at| !is_finger(*at) && is_single(*at)).collect();
+        found.or_else(|| self.drawn(world, &open, &drawn))
+    }
+
+    /// A random configuration of these coordinates that is free of collision: of two bodies that meet, what moves them against each other
+    /// is drawn anew.
+    fn drawn(&self, world: &World, open: &[f64], free: &[usize]) -> Option<Vec<f64>> {
+        let (mut q, mut drawn, mut X_WJ) = (open.to_vec(), open.to_vec(), world.bodies());
+        let mut again = free.to_vec();
+        (0..TRIES).find_map(|index| {
+            world.robot.space.random(&mut stream(self.request.seed, PURPOSE, 100, index), &mut drawn);
+            if again.is_empty() || index % ANEW == 0 {
+                again = free.to_vec();
+            }
+            again.iter().for_each(|&at| q[at] = drawn[at]);
+            world.kinematics.forward(&q, &mut X_WJ);
+            let Some(bodies) = world.meeting(&X_WJ, None, CLEARANCE) else { return Some(q.clone()) };
+            again = world.between(bodies);
+            again.retain(|at| free.contains(at));
+            None
         })
     }
 }

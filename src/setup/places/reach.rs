@@ -1,16 +1,19 @@
 //! Where a gripper gets to: poses at random configurations, as seeds and as a map.
 #![allow(non_snake_case, reason = "pose names carry their frames")]
 
+use crate::setup::grippers::coordinate;
 use crate::setup::places::arm::Arm;
 use crate::setup::places::world::World;
 use crate::setup::solids::surface_points::PURPOSE;
 use foliate_components::Pose;
-use foliate_components::robot::JointIndex;
+use foliate_components::robot::{Joint, JointIndex};
 use foliate_systems::runtime::random::stream;
 use glam::DVec3;
 
 /// Random configurations.
-const SAMPLES: u32 = 3000;
+const SAMPLES: u32 = 2000;
+/// How often what touches in one of them is drawn anew.
+const REPAIRS: u64 = 6;
 /// Metres that a radian counts where seeds are compared.
 const RADIAN: f64 = 0.15;
 
@@ -27,23 +30,30 @@ impl Reached {
     }
 }
 
-/// A gripper at random configurations of the joints that move it; a root that moves and all others stay as in `q`.
+/// A gripper at random configurations of the joints that move it; a root that moves and all others stay as in `q`. What touches is drawn
+/// anew a few times: arms that slide into each other are rarely free at random.
 pub(crate) fn reached(world: &World, arm: &Arm, q: &[f64], seed: u64, number: usize) -> Vec<Reached> {
     let robot = &world.robot;
     let mut X_WJ = world.bodies();
     let mut drawn = q.to_vec();
+    let single = |(number, joint): (usize, &Joint)| {
+        let joint_index = JointIndex(number as u32);
+        let is_drawn = joint.motion.configuration_size() == 1 && arm.is_moved_by(joint_index);
+        coordinate(robot, joint_index).filter(|_| is_drawn)
+    };
+    let all: Vec<usize> = robot.joints.iter().enumerate().filter_map(single).collect();
     let sample = |index: u32| {
-        robot.space.random(&mut stream(seed, PURPOSE, 2 + number as u64, index), &mut drawn);
         let mut at = q.to_vec();
-        for (number, joint) in robot.joints.iter().enumerate() {
-            if let Some(first) = crate::setup::grippers::coordinate(robot, JointIndex(number as u32))
-                && joint.motion.configuration_size() == 1
-                && arm.is_moved_by(JointIndex(number as u32))
-            {
-                at[first] = drawn[first];
-            }
+        let mut again = all.clone();
+        for repair in 0..=REPAIRS {
+            let number = 2 + number as u64 + 1000 * repair;
+            robot.space.random(&mut stream(seed, PURPOSE, number, index), &mut drawn);
+            again.iter().for_each(|&i| at[i] = drawn[i]);
+            world.kinematics.forward(&at, &mut X_WJ);
+            let Some(bodies) = world.meeting(&X_WJ, None, 0.0).filter(|_| repair < REPAIRS) else { break };
+            again = world.between(bodies);
+            again.retain(|i| all.contains(i));
         }
-        world.kinematics.forward(&at, &mut X_WJ);
         Reached { X_WG: arm.gripper(&X_WJ), q: at }
     };
     (0..SAMPLES).map(sample).collect()

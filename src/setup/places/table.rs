@@ -7,7 +7,7 @@ use crate::setup::places::arm::Arm;
 use crate::setup::places::reach::Reached;
 use crate::setup::solids::surface_points::{on_grid, triangles};
 use foliate_components::Pose;
-use foliate_components::robot::{JointIndex, Robot};
+use foliate_components::robot::{JointIndex, JointType, Robot};
 use glam::{DQuat, DVec3};
 use std::f64::consts::FRAC_PI_2;
 
@@ -37,6 +37,14 @@ pub(crate) struct Standing {
     pub X_WT: Pose,
     /// How many poses of the gripper are above it.
     pub count: usize,
+}
+
+impl Standing {
+    /// Where a person wants it: x and y of the middle of the top and the yaw of its longer side, seen from the root of the robot.
+    pub(crate) fn at([x, y, yaw]: [f64; 3], height: f64) -> Self {
+        let X_WT = Pose::from_parts(DVec3::new(x, y, height), DQuat::from_rotation_z(yaw));
+        Self { robot_height: 0.0, X_WT, count: 0 }
+    }
 }
 
 /// The ways in which a table can stand, the best first: on each side of the robot, which stands on the floor or as high as the top.
@@ -75,7 +83,9 @@ fn tidy(v: DVec3) -> DVec3 {
 fn edge(robot: &Robot, arms: &[Arm], away: DVec3, (top, _): (f64, f64)) -> f64 {
     let stays = |body: Option<JointIndex>| {
         let Some(body) = body else { return true };
-        let depth = std::iter::successors(Some(body), |at| robot.joints[at.at()].parent).count();
+        // A base that drives is as good as fixed.
+        let chain = std::iter::successors(Some(body), |at| robot.joints[at.at()].parent);
+        let depth = chain.filter(|at| robot.joints[at.at()].motion != JointType::Planar).count();
         let is_moved = arms.iter().any(|arm| {
             let above = std::iter::successors(arm.body, |at| robot.joints[at.at()].parent);
             above.into_iter().any(|at| at == body) || is_beyond(robot, Some(body), arm.body)

@@ -2,11 +2,11 @@
 #![allow(non_snake_case, reason = "pose names carry their frames")]
 
 use crate::setup::collision_matrix::touch;
-use crate::setup::grippers::is_beyond;
+use crate::setup::grippers::{coordinate, is_beyond, leader};
 use foliate_components::Pose;
 use foliate_components::pose::pose_to_array;
 use foliate_components::robot::{DisabledPair, JointIndex, PartIndex, Robot, Source};
-use foliate_kernels::collision::{CollisionScene, DistanceQuery, PairId, PairRule, pair_clearance};
+use foliate_kernels::collision::{CollisionScene, DistanceQuery, Pair, PairId, PairRule, pair_clearance};
 use foliate_kernels::kinematics::Kinematics;
 use glam::DVec3;
 
@@ -58,9 +58,19 @@ impl World {
         vec![Pose::identity(); self.kinematics.bodies()]
     }
 
-    /// Whether something collides, or comes nearer than `clearance`, but for the hand that carries the gripper and the object that it
+    /// Whether nothing collides, or comes nearer than `clearance`, but for the hand that carries the gripper and the object that it
     /// holds.
     pub(crate) fn is_free(&self, X_WJ: &[Pose], holds: Option<(Option<JointIndex>, usize)>, clearance: f64) -> bool {
+        self.meeting(X_WJ, holds, clearance).is_none()
+    }
+
+    /// The bodies of the first pair that [`Self::is_free`] means.
+    pub(crate) fn meeting(
+        &self,
+        X_WJ: &[Pose],
+        holds: Option<(Option<JointIndex>, usize)>,
+        clearance: f64,
+    ) -> Option<[Option<JointIndex>; 2]> {
         let is_held = |(hand_part, body): (PartIndex, Option<JointIndex>), other: PartIndex| {
             holds.is_some_and(|(hand, object)| {
                 other.at() == object && hand_part != other && body.is_some() && is_beyond(&self.robot, body, hand)
@@ -68,22 +78,36 @@ impl World {
         };
         // Objects lie on the table, and where they are was chosen.
         let rests = |a: PartIndex, b: PartIndex| a.at() == TABLE && b.at() > TABLE;
-        !self.scene.pairs().iter().enumerate().any(|(index, pair)| {
+        let meets = |(index, pair): (usize, &Pair)| {
             let [a, b] = [pair.first, pair.second].map(|shape| {
                 let solid = &self.scene.solids()[shape.at()];
                 (self.robot.links[solid.link.at()].part, solid.body)
             });
             if is_held(a, b.0) || is_held(b, a.0) || rests(a.0, b.0) || rests(b.0, a.0) {
-                return false;
+                return None;
             }
             let id = PairId(index as u32);
-            match clearance > 0.0 && a.0 != b.0 {
+            let is_near = match clearance > 0.0 && a.0 != b.0 {
                 true => {
                     let query = DistanceQuery::exact(clearance);
                     pair_clearance(&self.scene, id, X_WJ, query, &mut DVec3::ZERO.clone()) < clearance
                 }
                 false => touch(&self.scene, &[id], X_WJ),
-            }
-        })
+            };
+            is_near.then_some([a.1, b.1])
+        };
+        self.scene.pairs().iter().enumerate().find_map(meets)
+    }
+
+    /// The coordinates that move two bodies against each other.
+    pub(crate) fn between(&self, bodies: [Option<JointIndex>; 2]) -> Vec<usize> {
+        let robot = &self.robot;
+        let above = |body: Option<JointIndex>| {
+            std::iter::successors(body, |at| robot.joints[at.at()].parent).collect::<Vec<_>>()
+        };
+        let [first, second] = bodies.map(above);
+        let of_one = |joint: &&JointIndex| first.contains(joint) != second.contains(joint);
+        let joints = first.iter().chain(&second).filter(of_one);
+        joints.filter_map(|&joint| coordinate(robot, leader(robot, joint))).collect()
     }
 }

@@ -1,7 +1,7 @@
 //! Numbers as a person would write them: six digits behind the point at most.
 
 use foliate_components::Pose;
-use foliate_components::pose::pose_to_array;
+use foliate_components::pose::{pose_from_array, pose_to_array};
 use glam::DVec3;
 
 /// Digits behind the point.
@@ -12,6 +12,20 @@ pub(crate) fn rounded(x: f64) -> f64 {
     let rounded = (x * DIGITS).round() / DIGITS;
     // No -0.
     rounded + 0.0
+}
+
+/// A pose as it reads back from a scene.
+pub(crate) fn pose_as_written(pose: &Pose) -> Pose {
+    let numbers = pose_to_array(pose).map(rounded);
+    match is_plain(&numbers) {
+        true => Pose::from_translation(DVec3::new(numbers[0], numbers[1], numbers[2])),
+        false => pose_from_array(numbers).unwrap_or(*pose),
+    }
+}
+
+/// Whether nothing is turned.
+fn is_plain(numbers: &[f64; 7]) -> bool {
+    numbers[3..] == [0.0, 0.0, 0.0, 1.0] || numbers[3..] == [0.0, 0.0, 0.0, -1.0]
 }
 
 /// A number for TOML.
@@ -43,7 +57,7 @@ pub(crate) fn point(p: DVec3) -> String {
 pub(crate) fn pose(pose: &Pose) -> String {
     let numbers = pose_to_array(pose).map(rounded);
     let xyz = list(&numbers[..3]);
-    match numbers[3..] == [0.0, 0.0, 0.0, 1.0] || numbers[3..] == [0.0, 0.0, 0.0, -1.0] {
+    match is_plain(&numbers) {
         true => format!("{{ xyz = {xyz} }}"),
         false => format!("{{ xyz = {xyz}, quaternion = {} }}", list(&numbers[3..])),
     }

@@ -3,6 +3,7 @@
 use crate::setup::collision_matrix::{CollisionMatrix, PairReason};
 use crate::setup::grippers::FoundGripper;
 use crate::setup::handles::FoundHandle;
+use crate::setup::new_scene::DRIVES;
 use crate::setup::surfaces::FoundSurface;
 use crate::setup::writing::numbers::{list, mask, number, number_within, point, pose, quoted};
 use foliate_components::Pose;
@@ -35,6 +36,10 @@ pub(crate) struct Draft<'a> {
     pub q: Vec<f64>,
     /// How far the root drives along x and y, metres; none where it is fixed.
     pub drives: Option<f64>,
+    /// Planar joints of the model, by name: it drives by them.
+    pub driving: Vec<String>,
+    /// Floating joints of the model, by name: they stand still.
+    pub floating: Vec<String>,
     /// Where the first object goes, and by which grasp that is known to be within reach.
     pub goal: Pose,
     pub grasp: String,
@@ -48,6 +53,8 @@ pub(crate) struct TableText {
     pub faces: Vec<FoundSurface>,
     /// Height of the top, metres.
     pub height: f64,
+    /// Why it stands there.
+    pub why: &'static str,
 }
 
 /// An object and what was found on it.
@@ -106,6 +113,12 @@ impl Draft<'_> {
             let bounds = list(&[-far, far]);
             let _ = writeln!(out, "root = \"planar\" # it drives\nroot_bounds = [{bounds}, {bounds}]");
         }
+        if !self.driving.is_empty() {
+            let bounds = list(&[-DRIVES, DRIVES]);
+            let axes = self.driving.iter().flat_map(|joint| ["x", "y"].map(|axis| format!("{joint}/{axis}")));
+            let axes: Vec<String> = axes.map(|name| format!("{} = {bounds}", quoted(&name))).collect();
+            let _ = writeln!(out, "joint_bounds = {{ {} }} # it drives by a joint of its own", axes.join(", "));
+        }
         if self.robot_height > 0.0 {
             let _ = writeln!(
                 out,
@@ -136,14 +149,15 @@ impl Draft<'_> {
              ignore = [",
             self.matrix.samples, self.urdf
         );
-        let _ = writeln!(out, "    \"adjacent\", # neighbours that touch at every value of the joint between them");
-        for pair in self.matrix.pairs.iter().filter(|pair| pair.reason <= PairReason::Always) {
-            let why = match pair.reason {
-                PairReason::Adjacent => "adjacent".into(),
-                _ => format!("always: {:.1} % of the samples", 100.0 * pair.share),
-            };
+        let of = |reason: PairReason| self.matrix.pairs.iter().filter(move |pair| pair.reason == reason);
+        let _ = writeln!(
+            out,
+            "    \"adjacent\", # neighbours that touch at every value of the joint between them, {} pairs",
+            of(PairReason::Adjacent).count()
+        );
+        for pair in of(PairReason::Always) {
             let (first, second) = (quoted(self.own(pair.first)), quoted(self.own(pair.second)));
-            let _ = writeln!(out, "    [{first}, {second}], # {why}");
+            let _ = writeln!(out, "    [{first}, {second}], # always: {:.1} % of the samples", 100.0 * pair.share);
         }
         let _ = writeln!(out, "]");
         let tested = self.matrix.pairs.iter().filter(|pair| pair.reason == PairReason::Default);
@@ -169,9 +183,10 @@ impl Draft<'_> {
         let table = &self.table;
         let _ = writeln!(
             out,
-            "\n[[part]]\nname = \"table\"\nkind = \"environment\"\n{}\npose = {} # chosen: the hand gets above it most often here",
+            "\n[[part]]\nname = \"table\"\nkind = \"environment\"\n{}\npose = {} # {}",
             table.source,
-            pose(&table.pose)
+            pose(&table.pose),
+            table.why
         );
         table.faces.iter().for_each(|face| surface(face, out));
     }
@@ -210,8 +225,11 @@ impl Draft<'_> {
             let name = quoted(&format!("robot/{}", gripper.name));
             let _ = writeln!(out, "{name} = {{ fingers = {{ {} }} }}", fingers.collect::<Vec<_>>().join(", "));
         }
-        if !self.locked.is_empty() {
+        if !self.locked.is_empty() || !self.floating.is_empty() {
             let _ = writeln!(out, "\n# Joints that move neither an arm nor a hand.\n[locked]");
+            for joint in &self.floating {
+                let _ = writeln!(out, "{} = {}", quoted(&format!("robot/{joint}")), pose(&Pose::IDENTITY));
+            }
             for joint in &self.locked {
                 let _ = writeln!(out, "{} = \"start\"", quoted(&self.robot.joints[joint.at()].name));
             }

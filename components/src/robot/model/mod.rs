@@ -4,5 +4,6 @@ pub(crate) mod part_model;
 pub(crate) mod tree;
 
 pub use crate::robot::model::part_model::{
-    GripperModel, GroupState, HandleModel, Inertial, JointKind, JointModel, LinkModel, Model, SurfaceModel,
+    EndEffectorModel, GripperModel, GroupState, HandleModel, Inertial, JointKind, JointModel, LinkModel, Model,
+    SurfaceModel,
 };

@@ -25,6 +25,8 @@ pub struct Model {
     pub disabled_pairs: Vec<(String, String, String)>,
     /// Named configurations.
     pub group_states: Vec<GroupState>,
+    /// End effectors.
+    pub end_effectors: Vec<EndEffectorModel>,
     /// Whether an SRDF was read.
     pub has_srdf: bool,
 }
@@ -143,4 +145,15 @@ pub struct GroupState {
     pub values: Vec<(String, f64)>,
     /// The message where the description contradicts itself in a joint: no robot can be in this configuration.
     pub contradiction: Option<String>,
+}
+
+/// An end effector as configuration tools name it: which links are a hand, and where it is mounted.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct EndEffectorModel {
+    /// Its name.
+    pub name: String,
+    /// Name of the link that carries it.
+    pub parent_link: String,
+    /// Names of the links of its group, in the order of the file.
+    pub links: Vec<String>,
 }

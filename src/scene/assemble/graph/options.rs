@@ -5,6 +5,7 @@ use crate::scene::assemble::graph::{hands, rests, written};
 use crate::scene::assemble::names::frame;
 use crate::scene::assemble::names::frame::{Context, one_of};
 use crate::scene::assemble::names::locked::{Locks, scalar_joint, within};
+use crate::scene::assemble::parts::auto::Ways;
 use crate::scene::reading::error::{SceneError, did_you_mean, quoted};
 use crate::scene::reading::keys::{Item, Keys};
 use foliate_components::Pose;
@@ -20,11 +21,12 @@ const PREPLACEMENT_DISTANCE: f64 = 0.05;
 /// Most grasps of a table.
 const GRASPS: usize = 100_000;
 
+/// Reads the table; `ways` says which gripper may hold which handle where the scene does not.
 pub(crate) fn read(
     keys: &mut Keys<'_>,
     robot: &Robot,
     start: &[f64],
-    locks: &Locks,
+    (locks, ways): (&Locks, Option<Ways>),
 ) -> Result<GraphOptions, SceneError> {
     let graph = keys.optional("graph");
     let mut options = GraphOptions {
@@ -33,6 +35,7 @@ pub(crate) fn read(
         supports: supports(robot),
         placement_margin: PLACEMENT_MARGIN,
         preplacement_distance: PREPLACEMENT_DISTANCE,
+        grasps: ways.map(|ways| found_grasps(&ways, robot)),
         ..GraphOptions::default()
     };
     let mut graph = graph.map(|item| item.keys()).transpose()?;
@@ -218,6 +221,16 @@ fn still_link(item: &Item<'_>, robot: &Robot) -> Result<LinkIndex, SceneError> {
             .error(format!("`{}` moves", quoted(&robot.links[link.at()].name)))
             .hint("a plane stands still; what objects lie on and moves along has surfaces")),
     }
+}
+
+/// Grasps that were found.
+fn found_grasps(ways: &[(String, Vec<String>)], robot: &Robot) -> Vec<(GripperIndex, HandleIndex)> {
+    let of = |(gripper, handles): &(String, Vec<String>)| {
+        let gripper = robot.gripper(gripper);
+        let handles: Vec<HandleIndex> = handles.iter().filter_map(|handle| robot.handle(handle)).collect();
+        gripper.into_iter().flat_map(move |gripper| handles.clone().into_iter().map(move |handle| (gripper, handle)))
+    };
+    ways.iter().flat_map(of).collect()
 }
 
 /// `grasps = { "robot/gripper" = ["object/handle", …] }`.

@@ -8,7 +8,9 @@ use foliate_components::pose::{pose_from_array, pose_to_array};
 use foliate_components::robot::{JointType, Robot, Source};
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
 use serde_json::{Map, Value};
+use std::collections::BTreeMap;
 use std::fmt;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// How far a quaternion may be from length 1.
@@ -91,8 +93,14 @@ impl StartFile {
             let place = self.configuration(name, value, reader.robot, &names)?;
             place.into_iter().for_each(|(index, value)| start[index] = value);
         }
+        let mut given: BTreeMap<usize, &str> = BTreeMap::new();
         for (name, value) in values.iter().filter(|(_, value)| !value.is_string()) {
-            self.value(name, value, (reader.robot, &names), start)?;
+            for index in self.value(name, value, (reader.robot, &names), start)? {
+                if let Some(other) = given.insert(index, name) {
+                    let message = format!("gives `{}`, as `{}` does", names[index], quoted(other));
+                    return Err(self.error(name, message).hint("name each coordinate once"));
+                }
+            }
         }
         for &(joint, value) in reader.locked {
             let joint = &reader.robot.joints[joint.at()];
@@ -142,13 +150,14 @@ impl StartFile {
         Ok(state.values.iter().filter_map(at).collect())
     }
 
+    /// Writes a value; returns which coordinates it gives.
     fn value(
         &self,
         name: &str,
         value: &Value,
         (robot, names): (&Robot, &[String]),
         start: &mut [f64],
-    ) -> Result<(), SceneError> {
+    ) -> Result<Range<usize>, SceneError> {
         if let Some(part) = robot.parts.iter().find(|part| part.name == name) {
             let root = part.root_joint.map(|joint| &robot.joints[joint.at()]);
             let Some((joint, Source::Coordinates { q, .. })) = root.map(|joint| (joint, joint.source)) else {
@@ -160,12 +169,13 @@ impl StartFile {
                 JointType::FreeFlyer => self.pose(name, &numbers)?.to_vec(),
                 _ => numbers,
             });
-            return Ok(());
+            return Ok(q..q + size);
         }
         let number = value.as_f64().filter(|number| number.is_finite());
         let number = number.ok_or_else(|| self.error(name, "wants a finite number"));
-        start[self.coordinate(name, robot, names)?] = number?;
-        Ok(())
+        let index = self.coordinate(name, robot, names)?;
+        start[index] = number?;
+        Ok(index..index + 1)
     }
 
     /// The coordinate of a name, without its part too where only one part has it.

@@ -1,6 +1,7 @@
 //! One robot, object or environment, read and placed.
 
 use crate::scene::assemble::names::frame::one_of;
+use crate::scene::assemble::parts::auto_keys::Auto;
 use crate::scene::assemble::parts::documents::{documents, part_name};
 use crate::scene::assemble::parts::shape;
 use crate::scene::assemble::scene::{Loader, PartSource};
@@ -32,6 +33,8 @@ pub(crate) struct LoadedPart<'f> {
     pub avoided_by: Option<Item<'f>>,
     /// The part's rate limits, likewise.
     pub rates: PartRates<'f>,
+    /// What is to be found in it.
+    pub auto: Auto<'f>,
     /// Where the part stands in the scene file.
     pub item: Item<'f>,
 }
@@ -63,6 +66,7 @@ pub(crate) fn read<'f>(item: &Item<'f>, loader: &mut Loader<'_>) -> Result<Loade
         sha256.insert("srdf".into(), file.file.sha256.clone());
     }
     documents(&mut keys, &mut model)?;
+    let auto = Auto::read(&mut keys, kind)?;
     let placement = placement(&mut keys, name, kind, &model)?;
     let joint_values = match kind {
         PartKind::Environment => freeze(&mut keys, &mut model, placement.mimic_follows)?,
@@ -79,7 +83,7 @@ pub(crate) fn read<'f>(item: &Item<'f>, loader: &mut Loader<'_>) -> Result<Loade
     let srdf = srdf_file.map(|opened| opened.file);
     let urdf = urdf_file.file;
     let source = PartSource { name: name.to_owned(), urdf, srdf, sha256, mesh_up_axis: up_axis, joint_values };
-    Ok(LoadedPart { model, placement, source, ignore, avoided_by, rates, item: item.clone() })
+    Ok(LoadedPart { model, placement, source, ignore, avoided_by, rates, auto, item: item.clone() })
 }
 
 fn kind(item: &Item<'_>) -> Result<PartKind, SceneError> {

@@ -2,8 +2,9 @@
 
 use crate::scene::assemble::parts::part::LoadedPart;
 use crate::scene::reading::error::SceneError;
+use crate::scene::sources::follower_limits;
 use foliate_components::robot::model::{JointKind, Model};
-use foliate_components::robot::{PartKind, RootJoint};
+use foliate_components::robot::{Joint, JointType, PartKind, Robot, RootJoint};
 use glam::DVec3;
 
 /// Room beyond the reach of a robot, metres: for what it holds.
@@ -29,6 +30,33 @@ pub(crate) fn complete(parts: &mut [LoadedPart<'_>], warnings: &mut Vec<SceneErr
         warnings.push(part.item.error(message));
         part.placement.root_bounds.clone_from(&bounds);
     }
+}
+
+/// Remarks about roots, and planar and floating joints of models, that move without bounds: no planner takes them.
+pub(crate) fn open(robot: &Robot, parts: &[LoadedPart<'_>]) -> Vec<SceneError> {
+    let remark = |(index, joint): (usize, &Joint)| {
+        let first = match joint.motion {
+            JointType::Planar => 2,
+            JointType::FreeFlyer => 3,
+            JointType::Revolute { .. } | JointType::Prismatic { .. } => return None,
+        };
+        let is_open = |axis: &usize| !(joint.lower[*axis].is_finite() && joint.upper[*axis].is_finite());
+        let axis = joint.motion.axes()[(0..first).find(is_open)?];
+        let (part, placed) = (&parts[joint.part.at()], &robot.parts[joint.part.at()]);
+        if placed.root_joint.is_some_and(|root| root.at() == index) {
+            let error = part.item.error(format!("its root moves along {axis} without bounds"));
+            return Some(error.hint("give `root_bounds`, or lock the root in [locked]"));
+        }
+        let own = joint.name.split_once('/').map_or(joint.name.as_str(), |(_, own)| own);
+        let urdf = follower_limits::again(&part.source.urdf)?;
+        let error = follower_limits::at_joint(&urdf, own, format!("moves along {axis} without bounds"));
+        let hint = format!(
+            "in the scene: `joint_bounds = {{ \"{own}/{axis}\" = [-1, 1] }}` and so on, or `\"{}\"` in [locked]",
+            joint.name
+        );
+        Some(error.hint(hint))
+    };
+    robot.joints.iter().enumerate().filter_map(remark).collect()
 }
 
 /// The box in the world that a robot reaches at most; none where its root moves without bounds.
