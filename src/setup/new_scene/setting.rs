@@ -23,6 +23,7 @@ use foliate_components::robot::{DisabledPair, JointIndex, PartKind, PartPlacemen
 use foliate_systems::runtime::random::stream;
 use foliate_systems::settings::SearchSettings;
 use glam::DVec3;
+use std::cell::RefCell;
 
 /// How far a resting configuration stays off table and objects, metres.
 const CLEARANCE: f64 = 0.01;
@@ -108,8 +109,15 @@ impl Setting<'_> {
         };
         let arms = self.arms(&world.robot);
         let reached = self.reached(&world, &arms, &q);
-        let maker =
-            Maker { world: &world, arms: &arms, reached: &reached, X_WT: standing.X_WT, size: *size, q: q.clone() };
+        let maker = Maker {
+            world: &world,
+            arms: &arms,
+            reached: &reached,
+            X_WT: standing.X_WT,
+            size: *size,
+            q: q.clone(),
+            stops: RefCell::default(),
+        };
         let items = objects.iter().enumerate();
         let items: Vec<Item<'_>> = items
             .map(|(at, o)| Item { object: &o.rigid, faces: &o.faces, handles: &o.handles, part: at + 2 })
@@ -282,8 +290,8 @@ impl Setting<'_> {
             }
             again.iter().for_each(|&at| q[at] = drawn[at]);
             world.kinematics.forward(&q, &mut X_WJ);
-            let Some(bodies) = world.meeting(&X_WJ, None, CLEARANCE) else { return Some(q.clone()) };
-            again = world.between(bodies);
+            let Some(found) = world.meeting(&X_WJ, None, CLEARANCE) else { return Some(q.clone()) };
+            again = world.between(found.bodies);
             again.retain(|at| free.contains(at));
             None
         })

@@ -32,6 +32,8 @@ pub(crate) struct Arm {
 pub(crate) struct Target {
     pub X_WH: Pose,
     pub mask: [bool; 6],
+    /// Whether the closing direction is to be level, beside what the mask says.
+    pub is_level: bool,
 }
 
 impl Arm {
@@ -68,15 +70,18 @@ impl Arm {
             kinematics.forward(q, X_WJ);
             let X_WG = self.gripper(X_WJ);
             let X_GH = X_WG.inverse() * target.X_WH;
-            let turn = log_so3(X_GH.rotation);
+            let turn = turn(X_GH.rotation, target.mask);
             let mut error = [0.0; 6];
             error[..3].copy_from_slice(&X_GH.translation.to_array());
             error[3..].copy_from_slice(&turn.to_array());
             error.iter_mut().zip(target.mask).filter(|(_, counts)| !counts).for_each(|(row, _)| *row = 0.0);
+            let mut columns = self.columns(robot, X_WJ, &X_WG, if target.is_level { [true; 6] } else { target.mask });
+            if target.is_level {
+                error[3..].copy_from_slice(&level(&X_WG, &mut columns));
+            }
             if error.iter().all(|row| row.abs() < REACHED) {
                 return true;
             }
-            let columns = self.columns(robot, X_WJ, &X_WG, target.mask);
             let step = damped(&columns, &error);
             let longest = step.iter().fold(0.0_f64, |most, (_, x)| most.max(x.abs()));
             let scale = if longest > STEP { STEP / longest } else { 1.0 };
@@ -123,6 +128,28 @@ impl Arm {
         }
         columns
     }
+}
+
+/// The row that makes the closing direction level, in place of the rows of rotation.
+fn level(X_WG: &Pose, columns: &mut [(usize, [f64; 6])]) -> [f64; 3] {
+    let up = X_WG.rotation.conjugate() * DVec3::Z;
+    let Some(about) = DVec3::new(up.z, 0.0, -up.x).try_normalize() else { return [0.0; 3] };
+    for (_, column) in columns {
+        let turned = about.dot(DVec3::new(column[3], column[4], column[5]));
+        column[3..].copy_from_slice(&[turned, 0.0, 0.0]);
+    }
+    [-up.y / up.x.hypot(up.z), 0.0, 0.0]
+}
+
+/// How a gripper has to turn, in its own axes. Where the turn about one axis is free, that axis has to meet that of the handle: the rotation
+/// vector would mix the rows the more, the farther the free turn goes.
+fn turn(rotation: DQuat, mask: [bool; 6]) -> DVec3 {
+    let free: Vec<usize> = (0..3).filter(|row| !mask[3 + row]).collect();
+    let [row] = free[..] else { return log_so3(rotation) };
+    let axis = DVec3::AXES[row];
+    let there = rotation * axis;
+    let about = axis.cross(there).try_normalize().unwrap_or(DVec3::AXES[(row + 1) % 3]);
+    about * axis.angle_between(there)
 }
 
 /// A velocity in the axes that `into` leads to, its rows that do not count zero.

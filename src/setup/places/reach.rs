@@ -50,8 +50,8 @@ pub(crate) fn reached(world: &World, arm: &Arm, q: &[f64], seed: u64, number: us
             robot.space.random(&mut stream(seed, PURPOSE, number, index), &mut drawn);
             again.iter().for_each(|&i| at[i] = drawn[i]);
             world.kinematics.forward(&at, &mut X_WJ);
-            let Some(bodies) = world.meeting(&X_WJ, None, 0.0).filter(|_| repair < REPAIRS) else { break };
-            again = world.between(bodies);
+            let Some(found) = world.meeting(&X_WJ, None, 0.0).filter(|_| repair < REPAIRS) else { break };
+            again = world.between(found.bodies);
             again.retain(|i| all.contains(i));
         }
         Reached { X_WG: arm.gripper(&X_WJ), q: at }

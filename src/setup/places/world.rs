@@ -5,7 +5,7 @@ use crate::setup::collision_matrix::touch;
 use crate::setup::grippers::{coordinate, is_beyond, leader};
 use foliate_components::Pose;
 use foliate_components::pose::pose_to_array;
-use foliate_components::robot::{DisabledPair, JointIndex, PartIndex, Robot, Source};
+use foliate_components::robot::{DisabledPair, JointIndex, LinkIndex, PartIndex, Robot, Source};
 use foliate_kernels::collision::{CollisionScene, DistanceQuery, Pair, PairId, PairRule, pair_clearance};
 use foliate_kernels::kinematics::Kinematics;
 use glam::DVec3;
@@ -14,6 +14,12 @@ use glam::DVec3;
 const AWAY: f64 = 1e3;
 /// The part of the table.
 const TABLE: usize = 1;
+
+/// Two solids that collide, or come too near.
+pub(crate) struct Meeting {
+    pub bodies: [Option<JointIndex>; 2],
+    pub links: [LinkIndex; 2],
+}
 
 /// Robot, table and objects: the first part, the second, the others.
 pub(crate) struct World {
@@ -64,13 +70,13 @@ impl World {
         self.meeting(X_WJ, holds, clearance).is_none()
     }
 
-    /// The bodies of the first pair that [`Self::is_free`] means.
+    /// The first pair that [`Self::is_free`] means.
     pub(crate) fn meeting(
         &self,
         X_WJ: &[Pose],
         holds: Option<(Option<JointIndex>, usize)>,
         clearance: f64,
-    ) -> Option<[Option<JointIndex>; 2]> {
+    ) -> Option<Meeting> {
         let is_held = |(hand_part, body): (PartIndex, Option<JointIndex>), other: PartIndex| {
             holds.is_some_and(|(hand, object)| {
                 other.at() == object && hand_part != other && body.is_some() && is_beyond(&self.robot, body, hand)
@@ -94,7 +100,8 @@ impl World {
                 }
                 false => touch(&self.scene, &[id], X_WJ),
             };
-            is_near.then_some([a.1, b.1])
+            let links = || [pair.first, pair.second].map(|shape| self.scene.solids()[shape.at()].link);
+            is_near.then(|| Meeting { bodies: [a.1, b.1], links: links() })
         };
         self.scene.pairs().iter().enumerate().find_map(meets)
     }
