@@ -2,8 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on says so")]
 
-use foliate::components::infeasibility::Infeasibility;
+use foliate::components::infeasibility::{Infeasibility, ObjectPlace};
 use foliate::components::outcome::{Rejection, SearchOutcome};
+use foliate::systems::goals::impossible::hindrance::{Hindrance, OutOfReach, Shortfall};
 
 #[test]
 fn every_outcome_and_every_rejection_has_a_row() {
@@ -44,5 +45,26 @@ fn the_words_of_infeasible_goals_are_those_of_the_page() {
         let why = Infeasibility::ObjectNeverMoves { object: "box".into(), distance: 0.2, angle: 0.0, has_grippers };
         assert!(why.to_string().contains(words), "{why}");
         assert!(page.contains(&format!("| `{words}` |")), "{words}");
+    }
+}
+
+#[test]
+fn the_words_of_proofs_and_of_what_is_likely_are_those_of_the_page() {
+    let page = include_str!("../docs/outcomes.md");
+    let apart = Infeasibility::GoalStateApart { start: "free".into(), goal: "hand grasps box".into() };
+    let no_grasp = |place| Infeasibility::NoGraspPossible { object: "box".into(), place, grasps: Vec::new() };
+    let starts = no_grasp(ObjectPlace::Start).to_string();
+    let ends = no_grasp(ObjectPlace::Goal).to_string();
+    let (gripper, handle, at_limits) = ("hand".to_owned(), "box/top".to_owned(), Vec::new());
+    let shortfall = Shortfall::Distance(0.1);
+    let far = Hindrance::OutOfReach(OutOfReach { gripper, handle, shortfall, at_limits }).sentence("box", "there");
+    for (told, words) in [
+        (apart.to_string(), "no transitions lead"),
+        (starts, "no hand can hold it where it starts"),
+        (ends, "no hand can hold it where the goal has it"),
+        (far, "likely out of reach"),
+    ] {
+        assert!(told.contains(words), "{told}");
+        assert!(page.contains(&format!("`{words}`")), "{words}");
     }
 }

@@ -81,7 +81,7 @@ fn an_interrupted_solve_tells_its_outcome_and_its_funnel() {
     let folder = Folder::new("solve");
     let scene = endless(&folder);
     for (name, json) in [("INT", true), ("TERM", true), ("INT", false)] {
-        let mut arguments = vec!["solve", &scene, "--time-limit", "100"];
+        let mut arguments = vec!["solve", &scene, "--time-limit", "100", "--verbose"];
         arguments.extend(json.then_some("--json"));
         let child = foliate(&arguments).spawn().unwrap();
         std::thread::sleep(Duration::from_millis(1500));

@@ -1,11 +1,12 @@
 //! The arguments of the program, the choice of the command, and the exit code.
 
 use crate::cli::commands::models::install;
+use crate::cli::commands::solve::arguments::INTERNALS;
 use crate::cli::commands::solve::run;
 use crate::cli::commands::{bench, check, demo, export, graph, new, scenes};
-use crate::cli::console::print::{Ending, LOST, Refusal, lose, say};
+use crate::cli::console::print::{Ending, LOST, Refusal, lose, print, say};
 use crate::cli::console::{interrupt, watchdog};
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use foliate::kernels::lanes::Level;
 use foliate::memory::MemoryLimit;
 use foliate::scene::{MeshCache, PackagePath, XacroUse};
@@ -31,6 +32,7 @@ struct Cli {
     /// SIMD level of the arithmetic, instead of the best that this machine has; results are equal bit for bit only at one
     /// level
     #[arg(long, global = true, value_name = "LEVEL", value_parser = Level::named)]
+    #[arg(hide = true, help_heading = INTERNALS)]
     simd: Option<Level>,
     /// Most memory of the process: bytes, or a number with MB, GB, MiB or GiB; a search ends with outcome memory_limit before it, and
     /// reading ends with an error. Default: three quarters of what the machine or its container has, at most 16 GiB
@@ -100,6 +102,11 @@ impl Command {
 pub(crate) fn main() -> ExitCode {
     interrupt::survive_size_limits();
     let code = match Cli::try_parse() {
+        // It is told before anything is asked for.
+        _ if asks_for_internals() => {
+            print(&help_of_internals());
+            0
+        }
         Ok(cli) => run(cli),
         Err(told) => {
             if let Err(error) = told.print() {
@@ -118,6 +125,24 @@ pub(crate) fn main() -> ExitCode {
         }
         None => ExitCode::from(code),
     }
+}
+
+/// Whether `--help-search` is among the arguments.
+fn asks_for_internals() -> bool {
+    std::env::args_os().skip(1).take_while(|argument| argument != "--").any(|argument| argument == "--help-search")
+}
+
+/// The options that change how a search works, of the command that is named.
+fn help_of_internals() -> String {
+    let mut all = Cli::command();
+    all.build();
+    let mut names = std::env::args_os().skip(1);
+    let named = names.find_map(|name| all.find_subcommand(&name).cloned());
+    let command = named.unwrap_or(all).mut_args(|argument| {
+        let is_internal = argument.get_help_heading() == Some(INTERNALS);
+        argument.hide(!is_internal)
+    });
+    format!("{}\n", command.disable_help_subcommand(true).render_help())
 }
 
 fn run(mut cli: Cli) -> u8 {

@@ -137,6 +137,12 @@ impl NoSolutionReason {
         }
     }
 
+    /// Whether start or goal are infeasible, so that nothing was searched in vain.
+    #[must_use]
+    pub fn is_infeasible(&self) -> bool {
+        matches!(self, Self::InfeasibleStart(_) | Self::InfeasibleGoal(_))
+    }
+
     /// What there is to tell beyond the name: why start or goal are infeasible, what a panic said.
     #[must_use]
     pub fn detail(&self) -> Option<String> {

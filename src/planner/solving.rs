@@ -2,7 +2,7 @@
 
 use crate::os::memory::MemoryLimit;
 use crate::planner::answer::{NoSolution, NoSolutionReason, Solution};
-use crate::planner::object_tries::{ASKED_AFTER, ObjectTries, explain, take_over};
+use crate::planner::object_tries::{Doubts, ObjectTries, ToldOfObjects};
 use crate::planner::refinement::{BetterPath, Refinement};
 use crate::planner::report::Report;
 use crate::planner::search_record::{DEFAULT_RECORDING_BYTES, SearchRecord};
@@ -27,9 +27,6 @@ use std::time::{Duration, Instant};
 /// Events that a host may leave unread before they are dropped (and counted).
 const EVENT_CAPACITY: usize = 4096;
 
-/// What is called with objects that seem to be out of reach.
-type ToldOfObjects = dyn Fn(&[ObjectTries]) + Send + Sync;
-
 /// Plans for one problem; any number of solves may share it, on any threads.
 pub struct Planner {
     model: PlanningModel,
@@ -41,8 +38,8 @@ pub struct Planner {
     events: EventSink,
     graph_time: Duration,
     refinement: Refinement,
-    /// Told of objects that seem to be out of reach.
-    out_of_reach: Option<Arc<ToldOfObjects>>,
+    /// Told of objects that likely cannot be moved as goals want it.
+    likely_impossible: Option<Arc<ToldOfObjects>>,
     /// How large a recording of a search may be, where its searches are to be recorded, bytes.
     recording: Option<u64>,
     /// Solves that have begun.
@@ -105,7 +102,7 @@ impl Planner {
             events: EventSink::default(),
             graph_time: Duration::ZERO,
             refinement: Refinement::default(),
-            out_of_reach: None,
+            likely_impossible: None,
             recording: None,
             solves: AtomicU64::new(0),
         }
@@ -191,11 +188,11 @@ impl Planner {
         self
     }
 
-    /// Calls a function where a search of many steps has not held an object that has to be moved: once, with the rows of the
-    /// objects of which it was found what seems to keep the hands from them ([`ObjectTries::start_reach`]). The search goes on.
+    /// Calls a function where a search finds that an object that has to be moved likely cannot be: after 8 steps of objects that no try
+    /// has held, after 24 steps also of others, with the rows of the objects ([`ObjectTries::reasons`]). The search goes on.
     #[must_use]
-    pub fn on_out_of_reach(mut self, told: impl Fn(&[ObjectTries]) + Send + Sync + 'static) -> Self {
-        self.out_of_reach = Some(Arc::new(told));
+    pub fn on_likely_impossible(mut self, told: impl Fn(&[ObjectTries]) + Send + Sync + 'static) -> Self {
+        self.likely_impossible = Some(Arc::new(told));
         self
     }
 
@@ -303,20 +300,12 @@ impl Planner {
     fn solve_unguarded(&self, solve: SolveId) -> Result<Solution, NoSolution> {
         let started = Instant::now();
         let mut search = self.begin(solve);
-        let mut out_of_reach = Vec::new();
-        let outcome = search.run_to(ASKED_AFTER).unwrap_or_else(|| {
-            out_of_reach = explain(&mut search);
-            let found: Vec<ObjectTries> = out_of_reach.iter().filter(|row| row.is_out_of_reach()).cloned().collect();
-            if let Some(told) = self.out_of_reach.as_ref().filter(|_| !found.is_empty()) {
-                told(&found);
-            }
-            search.run()
-        });
+        let (outcome, doubts) = Doubts::run(&mut search, self.likely_impossible.as_deref());
         let path = search.path();
         let solve_time = started.elapsed();
         let record = self.recording.map(|bytes| Arc::new(SearchRecord::of(&mut search, bytes)));
         let mut report = Report { graph_time: self.graph_time, solve_time, ..Report::on(&mut search, path.as_ref()) };
-        take_over(&mut report.objects, out_of_reach);
+        doubts.take_over(&mut report.objects);
         let model = search.model().clone();
         if let (Some(path), Some(found), SearchOutcome::Solved) = (&path, &self.refinement.found, &outcome) {
             found(&model, path);

@@ -1,15 +1,16 @@
-//! A goal that has an object elsewhere, where no state that can be reached lets the object move, is refused before the first step.
+//! A goal that has an object elsewhere, where no state that can be reached lets the object move, or where geometry rules out every grasp,
+//! is refused before the first step.
 
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on says so")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on says so")]
 
 mod common;
 
 use common::{model, search, seeded};
 use foliate_components::Pose;
-use foliate_components::infeasibility::Infeasibility;
+use foliate_components::infeasibility::{Infeasibility, ObjectPlace, RuledOut};
 use foliate_components::outcome::SearchOutcome;
-use foliate_components::problem::{Goal, Problem};
-use foliate_components::samples::{move_one_box, swap_two_boxes};
+use foliate_components::problem::{Goal, PartialGoal, Problem};
+use foliate_components::samples::{boxes_on_a_table, make_a_step, move_one_box, swap_two_boxes};
 use foliate_schedulers::mrrt::Mrrt;
 use glam::DVec3;
 
@@ -68,4 +69,61 @@ fn what_can_be_moved_or_need_not_move_is_searched_for() {
     stays[0] += 0.1;
     problem.goals.push(Goal::Configuration(stays));
     assert_eq!(refusal(problem), None);
+}
+
+/// One box from place to place (x, y on the table, metres), on a table that is large enough.
+fn far_box(start: (f64, f64), goal: (f64, f64)) -> Problem {
+    boxes_on_a_table(&[start], &[goal]).unwrap()
+}
+
+#[test]
+fn the_lengths_of_links_rule_out_what_is_too_far() {
+    // The links of the arm are 1.3 m long in all.
+    let near = (0.6, 0.1);
+    for (start, goal, wanted) in [((1.48, 0.6), near, ObjectPlace::Start), (near, (1.48, 0.6), ObjectPlace::Goal)] {
+        let Some(Infeasibility::NoGraspPossible { object, place, grasps }) = refusal(far_box(start, goal)) else {
+            panic!("a box beyond the arm was searched for");
+        };
+        assert_eq!((object.as_str(), place, grasps.len()), ("box0", wanted, 1));
+        assert!(
+            matches!(grasps[0].why, RuledOut::TooFar { distance, longest, .. } if distance > longest),
+            "{grasps:?}"
+        );
+    }
+    // Within the length of the links: whether the joints let it get there is left to the search.
+    assert_eq!(refusal(far_box((1.2, 0.0), near)), None);
+}
+
+#[test]
+fn another_goal_within_reach_keeps_the_search_going() {
+    let mut problem = far_box((0.6, 0.1), (1.48, 0.6));
+    let nearer = far_box((0.6, 0.1), (0.6, -0.2));
+    problem.goals.extend(nearer.goals);
+    assert_eq!(refusal(problem), None);
+}
+
+#[test]
+fn a_handle_with_a_free_translation_is_not_judged_by_length() {
+    let mut problem = far_box((1.48, 0.6), (0.6, 0.1));
+    let handle = problem.robot.handle("box0/top").unwrap();
+    problem.robot.handles[handle.at()].mask[0] = false;
+    assert!(!matches!(refusal(problem), Some(Infeasibility::NoGraspPossible { .. })));
+}
+
+#[test]
+fn states_that_no_transition_joins_are_told() {
+    let mut problem = make_a_step().unwrap();
+    let mut lifted = problem.start.clone();
+    lifted[1] -= 0.3;
+    problem.goals = vec![Goal::Configuration(lifted)];
+    assert_eq!(refusal(problem.clone()), None);
+    problem.graph.transitions.clear();
+    let apart = Infeasibility::GoalStateApart { start: "standing".into(), goal: "lifted".into() };
+    assert_eq!(refusal(problem.clone()), Some(apart));
+    // A partial goal is not looked for in states that nothing leads to: what is left contradicts it.
+    let Goal::Configuration(lifted) = &problem.goals[0] else { panic!("it is whole") };
+    let coordinates = lifted.iter().copied().enumerate().collect();
+    problem.goals = vec![Goal::Partial(PartialGoal { coordinates, ..PartialGoal::default() })];
+    let why = refusal(problem).unwrap().to_string();
+    assert!(why.contains("contradicts every state that transitions lead to"), "{why}");
 }

@@ -1,6 +1,6 @@
 //! `foliate bench`: many seeds of some scenes, a row each, and the table of the papers.
 
-use crate::cli::commands::solve::arguments::{BudgetArguments, Tuning, deadline, no_scheduler};
+use crate::cli::commands::solve::arguments::{BudgetArguments, INTERNALS, Tuning, deadline, no_scheduler};
 use crate::cli::console::print::{Ending, Refusal, print, print_json, say};
 use crate::cli::console::{interrupt, loading};
 use foliate::batch::improvement::{BestDurations, Budget, ImprovementTable, Measurement, Moment, SceneImprovement};
@@ -36,7 +36,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Search scheduler; the default is the best over all shipped scenes, a name that does not exist lists all
-    #[arg(long, default_value = schedulers::DEFAULT, value_name = "NAME")]
+    #[arg(long, default_value = schedulers::DEFAULT, value_name = "NAME", hide = true, help_heading = INTERNALS)]
     scheduler: String,
     /// Go on with a folder in which the same bench was begun: rows that are there are kept
     #[arg(long)]

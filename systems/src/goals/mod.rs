@@ -8,19 +8,17 @@
 //! its neighbours, then theirs, breadth first, as long as nothing is found.
 //!
 //! `demands` says which states fit a goal (nothing is left in a hand that was not asked for) and what is asked besides rows of
-//! constraints; `overlaps` finds objects that a goal has in each other; `immovable` tells which objects have to be moved, and proves that a goal
-//! cannot be reached; `reach` says what keeps hands from an object. `programs` compiles the program of one goal in one state; `region` draws configurations of one goal with it; `sampler`
+//! constraints; `overlaps` finds objects that a goal has in each other; `impossible` proves that no goal can be reached, or says why it likely cannot. `programs` compiles the program of one goal in one state; `region` draws configurations of one goal with it; `sampler`
 //! holds the regions of all goals; `systems` makes what it draws roots of trees.
 
 pub(crate) mod demands;
-pub(crate) mod immovable;
+pub mod impossible;
 pub(crate) mod overlaps;
 pub(crate) mod programs;
-pub mod reach;
 pub(crate) mod region;
 pub mod sampler;
 pub mod systems;
 
-pub use crate::goals::immovable::{at_goal, objects_to_move};
+pub use crate::goals::impossible::moves::objects_to_move;
 pub use crate::goals::sampler::GoalSampler;
 pub use crate::goals::systems::draw_more_goals;

@@ -52,6 +52,8 @@ pub(crate) struct Region {
     /// Objects that are in each other where the goal has them, in words; found when the first tries have failed.
     pub(crate) overlap: Option<String>,
     pub(crate) sites: Vec<Site>,
+    /// States that no transitions join to the start's.
+    pub(crate) leaves_out: usize,
     /// Sites from the front whose neighbours are sites too; all of them, where the graph is whole.
     widened: usize,
     /// The site of the next try.
@@ -89,9 +91,11 @@ enum Try {
 }
 
 impl Region {
-    pub(crate) fn new(model: &Model, number: usize, goal: &PartialGoal) -> Self {
+    pub(crate) fn new(model: &Model, number: usize, goal: &PartialGoal, may_reach: &impl Fn(StateId) -> bool) -> Self {
         let malformed = validate(model, goal).err();
-        let sites: Vec<_> = model.graph.states_of_nodes().map(|(state, _)| Site::new(state)).collect();
+        let states = || model.graph.states_of_nodes().map(|(state, _)| state);
+        let sites: Vec<_> = states().filter(|&state| may_reach(state)).map(Site::new).collect();
+        let leaves_out = states().count() - sites.len();
         let widened = if model.graph.lazy { 0 } else { sites.len() };
         Self {
             number,
@@ -99,6 +103,7 @@ impl Region {
             malformed,
             overlap: None,
             sites,
+            leaves_out,
             widened,
             turn: 0,
             tries: 0,

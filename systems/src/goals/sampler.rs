@@ -7,6 +7,7 @@ use crate::planning_model::model::{Model, PlanningModel};
 use crate::planning_model::state_classification::Feasible;
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::Resource;
+use foliate_components::graph::StateId;
 use foliate_components::infeasibility::{GoalFailure, GoalFailureKind, Infeasibility};
 use foliate_components::outcome::GoalStatistics;
 use foliate_components::problem::Goal;
@@ -29,12 +30,12 @@ pub struct GoalSampler {
 }
 
 impl GoalSampler {
-    /// The partial goals of a problem, for a search that starts at `start`.
+    /// The partial goals of a problem, for a search that starts at `start`; they are looked for in the states that `may_reach` accepts.
     #[must_use]
-    pub fn new(model: &Model, settings: &SearchSettings, start: &[f64]) -> Self {
+    pub fn new(model: &Model, settings: &SearchSettings, start: &[f64], may_reach: impl Fn(StateId) -> bool) -> Self {
         let regions = model.problem.goals.iter().enumerate().filter_map(|(number, goal)| match goal {
             Goal::Configuration(_) => None,
-            Goal::Partial(goal) => Some(Region::new(model, number, goal)),
+            Goal::Partial(goal) => Some(Region::new(model, number, goal, &may_reach)),
         });
         Self {
             start: start.to_vec(),
@@ -128,6 +129,9 @@ impl GoalSampler {
         let mut words = match region.is_possible() {
             true => format!("{name}: no configuration in {} tries", region.tries),
             false if model.graph.lazy => format!("{name} contradicts every state near the start"),
+            false if region.leaves_out > 0 => {
+                format!("{name} contradicts every state that transitions lead to")
+            }
             false => format!("{name} contradicts every state"),
         };
         if !contradictions.is_empty() {

@@ -12,10 +12,11 @@ use crate::exploration::roadmap_query::{insert_roadmap, roadmap_in};
 use crate::exploration::roots::{Ending, GivenRoots, Roots};
 use crate::exploration::search_log::SearchLog;
 use crate::exploration::writer;
-use crate::goals::immovable;
+use crate::goals::impossible::proofs;
 use crate::goals::sampler::GoalSampler;
 use crate::goals::systems::add_start_and_goals;
 use crate::heuristic::placements::PlacementPool;
+use crate::planning_model::graph::connected_states::connected_states;
 use crate::planning_model::model::PlanningModel;
 use crate::planning_model::state_classification;
 use crate::planning_model::state_classification::Feasible;
@@ -23,6 +24,7 @@ use crate::schedule::StepCounter;
 use crate::settings::SearchSettings;
 use bevy_ecs::prelude::{Mut, World};
 use foliate_components::candidate::CandidateArena;
+use foliate_components::graph::StateId;
 use foliate_components::graph::leaf::LeafIndex;
 use foliate_components::infeasibility::Infeasibility;
 use foliate_components::outcome::SearchOutcome;
@@ -112,16 +114,20 @@ fn find_roots(
 ) -> Result<FoundRoots, SearchOutcome> {
     let q = model.problem.start.clone();
     let start = state_classification::reach_start(model, settings, &q).map_err(SearchOutcome::InfeasibleStart)?;
-    if let Some(why) = immovable::refute(model, &start) {
+    if let Some(why) = proofs::refute(model, settings, &start) {
         return Err(SearchOutcome::InfeasibleGoal(why));
     }
-    let mut sampler = GoalSampler::new(model, settings, &start.q);
+    // Of a lazy graph all that has not come into being may join what has.
+    let is_connected = (!model.graph.lazy).then(|| connected_states(&model.graph, start.state, |_| true));
+    let may_reach = |state: StateId| is_connected.as_ref().is_none_or(|is_connected| is_connected[state.at()]);
+    let mut sampler = GoalSampler::new(model, settings, &start.q, may_reach);
     let mut goals = Vec::new();
     let mut complaint = Infeasibility::NoGoal;
     for goal in model.problem.goals.clone() {
         if let Goal::Configuration(q) = goal {
             match state_classification::reach_feasible(model, settings, &q) {
-                Ok(goal) => goals.push(goal),
+                Ok(goal) if may_reach(goal.state) => goals.push(goal),
+                Ok(goal) => complaint = apart(model, start.state, goal.state),
                 Err(why) => complaint = why,
             }
         }
@@ -131,4 +137,10 @@ fn find_roots(
     let hopeless = goals.is_empty() && (sampler.is_empty() || given_up.is_some());
     let hopeless = hopeless.then(|| given_up.unwrap_or(complaint));
     Ok(FoundRoots { start, goals, sampler, hopeless })
+}
+
+/// That no transitions lead from one state to another.
+fn apart(model: &PlanningModel, start: StateId, goal: StateId) -> Infeasibility {
+    let name = |state: StateId| model.graph.state(state).name.clone();
+    Infeasibility::GoalStateApart { start: name(start), goal: name(goal) }
 }

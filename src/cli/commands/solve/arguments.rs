@@ -12,25 +12,28 @@ use foliate::systems::settings::{SearchSettings, Selection};
 use std::sync::Arc;
 use std::time::Duration;
 
+/// Heading of options that change how a search works: `--help-search` alone shows them.
+pub(crate) const INTERNALS: &str = "Options of the search itself";
+
 /// Options of every command that searches.
 #[derive(clap::Args, Clone, Debug)]
 pub(crate) struct SearchArguments {
-    /// Seed of every random stream; same seed, same answer
-    #[arg(long, default_value_t = 1)]
-    pub seed: u64,
-    /// Search scheduler; the default is the best over all shipped scenes, a name that does not exist lists all
-    #[arg(long, default_value = schedulers::DEFAULT, value_name = "NAME")]
-    pub scheduler: String,
-    /// Threads for the search; the answer does not depend on it
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=512))]
-    pub threads: u16,
-    #[command(flatten)]
-    pub tuning: Tuning,
-    #[command(flatten)]
-    pub refinement: RefinementArguments,
     /// Seconds after which to give up, reading included
     #[arg(long, default_value_t = 60.0, value_name = "S")]
     pub time_limit: f64,
+    #[command(flatten)]
+    pub refinement: RefinementArguments,
+    /// Seed of every random stream; same seed, same answer
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Threads for the search; the answer does not depend on it
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=512))]
+    pub threads: u16,
+    /// Search scheduler; the default is the best over all shipped scenes, a name that does not exist lists all
+    #[arg(long, default_value = schedulers::DEFAULT, value_name = "NAME", hide = true, help_heading = INTERNALS)]
+    pub scheduler: String,
+    #[command(flatten)]
+    pub tuning: Tuning,
 }
 
 /// What becomes of the first path.
@@ -80,9 +83,11 @@ impl BudgetArguments {
 pub(crate) struct Tuning {
     /// Candidates per step; another number is another search
     #[arg(long, default_value_t = 16, value_name = "B", value_parser = clap::value_parser!(u16).range(1..=4096))]
+    #[arg(hide = true, help_heading = INTERNALS)]
     pub candidates: u16,
     /// How a node to extend is chosen
     #[arg(long, value_enum, default_value_t = SelectionRule::Guided, value_name = "RULE")]
+    #[arg(hide = true, help_heading = INTERNALS)]
     pub selection: SelectionRule,
     /// What `--simd` says, or the best that this machine has.
     #[arg(skip)]
@@ -92,7 +97,11 @@ pub(crate) struct Tuning {
     pub memory: Option<MemoryLimit>,
     /// Motions that stay in their state are tried with their weight times this
     #[arg(long, default_value_t = SearchSettings::default().loop_weight, value_name = "W", value_parser = weight)]
+    #[arg(hide = true, help_heading = INTERNALS)]
     pub loop_weight: f64,
+    /// Print the options that change how the search works, and exit
+    #[arg(long = "help-search")]
+    _help: bool,
 }
 
 /// A weight: finite and not negative.

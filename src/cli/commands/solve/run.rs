@@ -24,14 +24,14 @@ use std::time::{Duration, Instant};
 pub(crate) struct Arguments {
     /// A shipped scene's name, or a scene file
     scene: String,
-    #[command(flatten)]
-    pub(crate) search: SearchArguments,
     /// Write the path to this file
     #[arg(long, value_name = "PATH.json")]
     out: Option<PathBuf>,
     /// Start where this file says: names of joints and parts to values and poses; what it leaves out starts as in the scene
     #[arg(long, value_name = "START.json")]
     start: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) search: SearchArguments,
     #[command(flatten)]
     record: RecordArguments,
     #[command(flatten)]
@@ -42,6 +42,9 @@ pub(crate) struct Arguments {
     /// List every pair of collision shapes that is not tested, with the reason
     #[arg(long)]
     pairs: bool,
+    /// Also print counters of the search, and what became of the candidates of each transition
+    #[arg(long)]
+    verbose: bool,
     /// One JSON object instead of text
     #[arg(long)]
     json: bool,
@@ -81,7 +84,8 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     }
     arguments.record.write(&scene, &planner, &answer, &arguments.search)?;
     let left_out = arguments.pairs.then_some(&left_out);
-    let loaded = Loaded { scene: &scene, load_time, clearance: clearance.as_ref(), left_out };
+    let verbose = arguments.verbose;
+    let loaded = Loaded { scene: &scene, load_time, clearance: clearance.as_ref(), left_out, verbose };
     if arguments.json {
         print_json(&summary_json::json(&loaded, &arguments.search, &answer))?;
     } else {
@@ -118,7 +122,7 @@ pub(crate) fn solve(
     let threads = usize::from(arguments.threads);
     let bar = ProgressBar::new_spinner();
     let above = bar.clone();
-    let planner = planner.on_out_of_reach(move |rows| above.suspend(|| rows.iter().for_each(doubt)));
+    let planner = planner.on_likely_impossible(move |rows| above.suspend(|| rows.iter().for_each(doubt)));
     if !(progress && std::io::stderr().is_terminal()) {
         bar.set_draw_target(ProgressDrawTarget::hidden());
         let answer = begun(planner.solve_on(threads))?;
@@ -138,11 +142,10 @@ pub(crate) fn solve(
     Ok((planner, begun(answer)?))
 }
 
-/// Says what seems to keep hands from an object, while the search goes on.
+/// Says why an object likely cannot be moved, while the search goes on.
 fn doubt(row: &ObjectTries) {
-    let places = [("where it starts", &row.start_reach), ("where the goal has it", &row.goal_reach)];
-    for (place, reach) in places.iter().filter_map(|(place, reach)| Some((place, reach.as_ref()?))) {
-        say(&format!("note: `{}` is likely out of reach {place}: {reach}. The search goes on\n", row.object));
+    for reason in row.reasons() {
+        say(&format!("note: {reason}. The search goes on\n"));
     }
 }
 

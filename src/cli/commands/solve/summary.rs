@@ -2,17 +2,16 @@
 
 use crate::cli::commands::solve::answer::Answer;
 use crate::cli::commands::solve::coverage::LeftOut;
-use crate::cli::commands::solve::{coverage, story};
+use crate::cli::commands::solve::{coverage, no_path, story};
 use foliate::components::graph::ConstraintGraph;
 use foliate::components::outcome::Rejection;
 use foliate::components::path::{ManipulationPath, events};
 use foliate::components::robot::ShapeIndex;
-use foliate::inspection::words;
 use foliate::scene::Scene;
 use foliate::schedulers::portfolio::MemberCount;
 use foliate::systems::improvement::progress::Changes;
 use foliate::systems::search::path_clearance::PathClearance;
-use foliate::{FunnelRow, ObjectTries, Report};
+use foliate::{FunnelRow, Report};
 use std::fmt::Write;
 use std::time::Duration;
 
@@ -25,6 +24,8 @@ pub(crate) struct Loaded<'a> {
     pub clearance: Option<&'a PathClearance>,
     /// The pairs that are left out, where they are asked for.
     pub left_out: Option<&'a LeftOut>,
+    /// Whether counters of the search are printed.
+    pub verbose: bool,
 }
 
 /// A distance as people read it.
@@ -50,24 +51,6 @@ pub(crate) fn text(loaded: &Loaded<'_>, answer: &Answer) -> String {
         duration(report.time()),
         duration(loaded.load_time)
     );
-    let _ = writeln!(
-        out,
-        "  {} steps, {} candidates, {} nodes, {} edges, {} leaves; {} of {} states, {} transitions",
-        report.steps,
-        report.candidates,
-        report.nodes,
-        report.edges,
-        report.leaves,
-        if graph.lazy { "as much as was needed of the graph:" } else { "graph" },
-        graph.states_of_nodes().count(),
-        graph.transitions.len()
-    );
-    for world in &report.worlds {
-        let MemberCount { scheduler, answers, counter } = world;
-        let what = if *answers { ", answers" } else { "" };
-        let (steps, candidates) = (counter.step, counter.candidates);
-        let _ = writeln!(out, "    portfolio member {scheduler}: {steps} steps, {candidates} candidates{what}");
-    }
     if let Some(path) = answer.path() {
         let _ = writeln!(
             out,
@@ -98,11 +81,35 @@ pub(crate) fn text(loaded: &Loaded<'_>, answer: &Answer) -> String {
             let _ = writeln!(out, "    {}", coverage::line(pair, &left_out.apart, |shape| name(loaded, shape)));
         }
     }
-    if answer.path().is_none() {
-        report.objects.iter().for_each(|row| out.push_str(&ungrasped(row)));
+    if answer.path().is_none() && !matches!(answer.reason(), Some(reason) if reason.is_infeasible()) {
+        out.push_str(&no_path::text(answer));
     }
-    if !report.funnel.is_empty() {
-        out.push_str(&funnel(&report.funnel, graph, answer.path().is_some()));
+    if loaded.verbose {
+        out.push_str(&counters(report, answer));
+        out.push_str(&funnel(&report.funnel, graph));
+    }
+    out
+}
+
+/// Steps, sizes, and what each member of a portfolio did.
+fn counters(report: &Report, answer: &Answer) -> String {
+    let graph = &answer.model().graph;
+    let mut out = format!(
+        "  {} steps, {} candidates, {} nodes, {} edges, {} leaves; {} of {} states, {} transitions\n",
+        report.steps,
+        report.candidates,
+        report.nodes,
+        report.edges,
+        report.leaves,
+        if graph.lazy { "as much as was needed of the graph:" } else { "graph" },
+        graph.states_of_nodes().count(),
+        graph.transitions.len()
+    );
+    for world in &report.worlds {
+        let MemberCount { scheduler, answers, counter } = world;
+        let what = if *answers { ", answers" } else { "" };
+        let (steps, candidates) = (counter.step, counter.candidates);
+        let _ = writeln!(out, "    portfolio member {scheduler}: {steps} steps, {candidates} candidates{what}");
     }
     out
 }
@@ -162,68 +169,28 @@ fn closest(loaded: &Loaded<'_>, answer: &Answer) -> String {
     )
 }
 
-/// Why an object that has to be moved was never grasped where it starts, or where the goal has it.
-fn ungrasped(row: &ObjectTries) -> String {
-    let mut out = String::new();
-    let both = [
-        (&row.start, &row.goal, "where it starts", &row.start_reach),
-        (&row.goal, &row.start, "where the goal has it", &row.goal_reach),
-    ];
-    for (side, other, place, reach) in both.into_iter().filter(|(side, ..)| side.tries > 0 && side.reached == 0) {
-        let percent = |count: u64| 100.0 * count as f64 / side.tries as f64;
-        let _ = write!(out, "  `{}` was never grasped {place}: {} tries", row.object, side.tries);
-        if side.out_of_reach > 0 {
-            let reach = "out of reach (no configuration within the joint limits was found)";
-            let _ = write!(out, ", {:.0} % {reach}", percent(side.out_of_reach));
-        }
-        if side.in_collision > 0 {
-            let _ = write!(out, ", {:.0} % in collision", percent(side.in_collision));
-        }
-        if let (Some((first, second, _)), 0) = (&row.blocked_by, other.in_collision) {
-            let _ = write!(out, ", most often {first} with {second}");
-        }
-        out.push('\n');
-        if let Some(reach) = reach {
-            let _ = writeln!(out, "    likely: {reach}");
-        }
-    }
-    out
-}
-
-/// The funnel: what became of the candidates, per transition. Short when the problem is solved.
-fn funnel(rows: &[FunnelRow], graph: &ConstraintGraph, short: bool) -> String {
+/// The funnel: what became of the candidates, per transition.
+fn funnel(rows: &[FunnelRow], graph: &ConstraintGraph) -> String {
     let mut out = String::from(
         "  funnel (candidates by transition: tried → reached + kept in part; what stopped the rest, and on which leg: the \
          first, second, … motion of the transition):\n",
     );
     let mut rows: Vec<&FunnelRow> = rows.iter().collect();
     rows.sort_by(|a, b| b.statistics.attempts.cmp(&a.statistics.attempts).then(a.transition.cmp(&b.transition)));
-    let shown = if short { 6 } else { rows.len() };
-    for row in rows.iter().take(shown) {
+    for row in rows {
         let s = &row.statistics;
-        let name = described(&row.transition, graph);
+        let name = no_path::described(&row.transition, graph);
         let _ = writeln!(out, "    {name}: {} → {} + {}", s.attempts, s.reached, s.partial);
         let mut reasons: Vec<_> = s.rejections.iter().collect();
         reasons.sort_by(|a, b| b.1.cmp(a.1).then(a.0.cmp(b.0)));
-        for (reason, count) in reasons.iter().take(if short { 2 } else { usize::MAX }) {
-            let _ = writeln!(out, "      {count:>6}  {}", why(**reason));
+        for (reason, count) in reasons {
+            let _ = writeln!(out, "      {count:>6}  {}", why(*reason));
         }
-        for (a, b, count) in row.blocked_by.iter().take(if short { 1 } else { 5 }) {
+        for (a, b, count) in row.blocked_by.iter().take(5) {
             let _ = writeln!(out, "      {count:>6}  blocked by {a} and {b}");
         }
     }
-    if rows.len() > shown {
-        let _ = writeln!(out, "    … and {} transitions more (--json lists all)", rows.len() - shown);
-    }
     out
-}
-
-/// A transition of the funnel in words, with the state that it leaves.
-fn described(name: &str, graph: &ConstraintGraph) -> String {
-    match graph.transitions.iter().find(|transition| transition.name == name) {
-        Some(transition) => format!("{}, from {}", words::action(transition), graph.state(transition.from).name),
-        None => name.to_owned(),
-    }
 }
 
 fn why(reason: Rejection) -> String {

@@ -166,8 +166,9 @@ fn object_json(row: &ObjectTries) -> Value {
         "start": side(&row.start),
         "goal": side(&row.goal),
         "blocked_by": row.blocked_by,
-        "start_reach": row.start_reach.as_ref().map(ToString::to_string),
-        "goal_reach": row.goal_reach.as_ref().map(ToString::to_string),
+        "start_hindrance": row.start_hindrance.as_ref().map(ToString::to_string),
+        "goal_hindrance": row.goal_hindrance.as_ref().map(ToString::to_string),
+        "no_common_grasp": row.no_common_grasp.as_ref().map(ToString::to_string),
     })
 }
 

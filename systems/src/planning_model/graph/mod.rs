@@ -4,11 +4,12 @@
 //! carriers. `checks` refuses problems of which no graph can be built. `state_keys` distinguishes states by what they require
 //! (`own_constraints`: of the problem's own; `state_names`: what they are called),
 //! `builder` adds them to a graph, `transitions` and `legs` have the parts of transitions. `enumeration` builds a whole graph from these;
-//! `lazy_graph` builds the same states and transitions one by one.
+//! `lazy_graph` builds the same states and transitions one by one. `connected_states` says which of them a path can pass.
 
 pub mod attachment_order;
 pub(crate) mod builder;
 pub mod checks;
+pub mod connected_states;
 pub mod enumeration;
 pub(crate) mod lazy_graph;
 pub(crate) mod legs;

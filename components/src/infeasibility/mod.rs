@@ -1,6 +1,11 @@
 //! Why a start or a goal cannot be planned for: typed reasons, and their words.
 
+pub mod impossible_grasp;
+
+pub use crate::infeasibility::impossible_grasp::{ImpossibleGrasp, ObjectPlace, RuledOut};
+
 use crate::constraint::Rests;
+use crate::infeasibility::impossible_grasp::tell_grasps;
 use crate::problem::start_tolerance::{Correction, StartTolerance};
 use crate::robot::indices::ShapeIndex;
 use std::fmt;
@@ -76,6 +81,23 @@ pub enum Infeasibility {
         angle: f64,
         /// Whether the problem has grippers at all.
         has_grippers: bool,
+    },
+    /// Every goal has an object elsewhere than the start, and each grasp of it is ruled out where it starts, or where the goals have
+    /// it: a proof.
+    NoGraspPossible {
+        /// The object's name.
+        object: String,
+        /// Where the grasps are ruled out.
+        place: ObjectPlace,
+        /// All of its grasps, with what rules them out.
+        grasps: Vec<ImpossibleGrasp>,
+    },
+    /// No transitions lead from the state of the start to that of any goal: a proof.
+    GoalStateApart {
+        /// Name of the start's state.
+        start: String,
+        /// Name of the first goal's state.
+        goal: String,
     },
     /// No goal has a configuration: one failure per goal that leaves something free.
     GoalsNotFound(Vec<GoalFailure>),
@@ -293,6 +315,13 @@ impl fmt::Display for Infeasibility {
                     true => "no gripper may hold it in any state that can be reached: it needs a handle, and a grasp that is allowed",
                     false => "nothing can hold it: no gripper is known. Grippers stand in the SRDF of the robot (`srdf = …` of its part)",
                 })
+            }
+            Self::NoGraspPossible { object, place, grasps } => {
+                write!(f, "`{object}` has to be moved, and no hand can hold it {}: ", place.words())?;
+                tell_grasps(grasps, f)
+            }
+            Self::GoalStateApart { start, goal } => {
+                write!(f, "no transitions lead from the state of the start, `{start}`, to that of the goal, `{goal}`")
             }
             Self::GoalsNotFound(failures) => {
                 let messages: Vec<&str> = failures.iter().map(|failure| failure.message.as_str()).collect();
