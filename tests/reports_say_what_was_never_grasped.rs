@@ -1,6 +1,6 @@
 //! A search that ends without a path says which objects have to be moved and were never grasped, and what stopped the tries.
 
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on says so")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on says so")]
 
 use foliate::components::problem::Problem;
 use foliate::components::samples::boxes_on_a_table;

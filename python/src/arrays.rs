@@ -51,7 +51,7 @@ pub(crate) fn row(py: Python<'_>, numbers: Vec<f64>) -> Array<'_> {
 
 /// An array of `rows.len() / columns` rows.
 pub(crate) fn matrix(py: Python<'_>, rows: Vec<f64>, columns: usize) -> PyResult<Array<'_>> {
-    let count = if columns == 0 { 0 } else { rows.len() / columns };
+    let count = rows.len().checked_div(columns).unwrap_or(0);
     Ok(Array(PyArray1::from_vec(py, rows).reshape([count, columns])?.into_any()))
 }
 

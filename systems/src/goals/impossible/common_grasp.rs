@@ -124,9 +124,9 @@ fn places_without_a_change(
             places += 1;
             let site = between.where_it_is(&q)?;
             let mut there = between.elsewhere(&site)?;
-            for other in 0..reached.len() {
-                if !reached[other] && there.attempt(other, PLACE_TRIES, u64::MAX) {
-                    reached[other] = true;
+            for (other, is_reached) in reached.iter_mut().enumerate() {
+                if !*is_reached && there.attempt(other, PLACE_TRIES, u64::MAX) {
+                    *is_reached = true;
                     left.push(other);
                 }
             }
