@@ -44,6 +44,8 @@ fn taken(object: &RigidObject, gripper: &FoundGripper, handle: FoundHandle) -> V
                 }
             })
             .collect(),
+        // What turns about the closing direction holds the same points from all sides; farther out it would turn about others.
+        [_, _, _, _, false, true] => Vec::new(),
         _ => vec![handle],
     };
     turned.into_iter().filter_map(|handle| farther_out(object, gripper, &handle)).collect()
