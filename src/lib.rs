@@ -7,6 +7,8 @@ pub mod batch;
 pub mod certify;
 #[cfg(feature = "check")]
 pub mod check;
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod inspection;
 mod os;
 #[cfg(feature = "scene")]

@@ -1,10 +1,11 @@
 //! The Python package `foliate`: scenes, plans, and paths as numpy arrays.
 //!
 //! `scene` is what is planned for, `planning` plans, `solution` and `report` are what comes of it, `path` answers what a robot program or a notebook asks of a path,
-//! `checking` proves a path file. `errors` makes exceptions of errors, `interruption` lets Ctrl-C end what takes long, `arrays` fills numpy arrays, `page` shows.
+//! `checking` proves a path file, `command` is the program `foliate`. `errors` makes exceptions of errors, `interruption` lets Ctrl-C end what takes long, `arrays` fills numpy arrays, `page` shows.
 
 mod arrays;
 mod checking;
+mod command;
 mod errors;
 mod interruption;
 mod page;
@@ -25,6 +26,8 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 mod module {
     #[pymodule_export]
     use crate::checking::{PyCheckReport, check};
+    #[pymodule_export]
+    use crate::command::run_program;
     #[pymodule_export]
     use crate::interruption::PyCancel;
     #[pymodule_export]

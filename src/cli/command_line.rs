@@ -6,13 +6,13 @@ use crate::cli::commands::solve::run;
 use crate::cli::commands::{bench, check, demo, export, graph, new, scenes};
 use crate::cli::console::print::{Ending, LOST, Refusal, lose, print, say};
 use crate::cli::console::{interrupt, watchdog};
+use crate::kernels::lanes::Level;
+use crate::memory::MemoryLimit;
+use crate::scene::{MeshCache, PackagePath, XacroUse};
 use clap::{CommandFactory, Parser, Subcommand};
-use foliate::kernels::lanes::Level;
-use foliate::memory::MemoryLimit;
-use foliate::scene::{MeshCache, PackagePath, XacroUse};
+use std::ffi::OsString;
 use std::io::Write;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 /// Plans manipulation: grasp, carry, regrasp, hand over, put down.
 #[derive(Parser)]
@@ -98,13 +98,17 @@ impl Command {
     }
 }
 
-/// Reads the command line, runs the command, tells how it ended.
-pub(crate) fn main() -> ExitCode {
+/// Runs the program `foliate` with arguments, of which the first is its name: what is asked for is printed, how it ended is the exit code.
+///
+/// It is a program, not a part of one: it takes over the signals of the process, bounds its memory, and may end it.
+#[must_use]
+pub fn run_program(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
     interrupt::survive_size_limits();
-    let code = match Cli::try_parse() {
+    let code = match Cli::try_parse_from(&arguments) {
         // It is told before anything is asked for.
-        _ if asks_for_internals() => {
-            print(&help_of_internals());
+        _ if asks_for_internals(&arguments) => {
+            print(&help_of_internals(&arguments));
             0
         }
         Ok(cli) => run(cli),
@@ -121,23 +125,23 @@ pub(crate) fn main() -> ExitCode {
     match LOST.get() {
         Some(error) => {
             say(&format!("error: standard output: {error}\n"));
-            ExitCode::from(2)
+            2
         }
-        None => ExitCode::from(code),
+        None => code,
     }
 }
 
 /// Whether `--help-search` is among the arguments.
-fn asks_for_internals() -> bool {
-    std::env::args_os().skip(1).take_while(|argument| argument != "--").any(|argument| argument == "--help-search")
+fn asks_for_internals(arguments: &[OsString]) -> bool {
+    arguments.iter().skip(1).take_while(|argument| *argument != "--").any(|argument| argument == "--help-search")
 }
 
 /// The options that change how a search works, of the command that is named.
-fn help_of_internals() -> String {
+fn help_of_internals(arguments: &[OsString]) -> String {
     let mut all = Cli::command();
     all.build();
-    let mut names = std::env::args_os().skip(1);
-    let named = names.find_map(|name| all.find_subcommand(&name).cloned());
+    let mut names = arguments.iter().skip(1);
+    let named = names.find_map(|name| all.find_subcommand(name).cloned());
     let command = named.unwrap_or(all).mut_args(|argument| {
         let is_internal = argument.get_help_heading() == Some(INTERNALS);
         argument.hide(!is_internal)

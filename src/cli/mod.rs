@@ -7,3 +7,5 @@
 pub(crate) mod command_line;
 pub(crate) mod commands;
 pub(crate) mod console;
+
+pub use crate::cli::command_line::run_program;

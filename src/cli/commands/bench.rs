@@ -1,12 +1,12 @@
 //! `foliate bench`: many seeds of some scenes, a row each, and the table of the papers.
 
+use crate::batch::improvement::{BestDurations, Budget, ImprovementTable, Measurement, Moment, SceneImprovement};
+use crate::batch::{Batch, BatchError, Row, Seeds, Settings, Spread, Table};
 use crate::cli::commands::solve::arguments::{BudgetArguments, INTERNALS, Tuning, deadline, no_scheduler};
 use crate::cli::console::print::{Ending, Refusal, print, print_json, say};
 use crate::cli::console::{interrupt, loading};
-use foliate::batch::improvement::{BestDurations, Budget, ImprovementTable, Measurement, Moment, SceneImprovement};
-use foliate::batch::{Batch, BatchError, Row, Seeds, Settings, Spread, Table};
-use foliate::scene::PackagePath;
-use foliate::schedulers;
+use crate::scene::PackagePath;
+use crate::schedulers;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};

@@ -1,12 +1,12 @@
 //! `foliate check`: prove that a path answers its scene.
 
+use crate::check::{CheckOptions, CheckReport, Extreme, SceneChoice, Section, Verdict, check};
 use crate::cli::console::loading;
 use crate::cli::console::loading::{Cut, Failure};
 use crate::cli::console::print::{Ending, Refusal, print, print_json, say};
-use foliate::check::{CheckOptions, CheckReport, Extreme, SceneChoice, Section, Verdict, check};
-use foliate::path_file::{PathFile, save};
-use foliate::scene::PackagePath;
-use foliate::systems::events::StopSignal;
+use crate::path_file::{PathFile, save};
+use crate::scene::PackagePath;
+use crate::systems::events::StopSignal;
 use serde_json::json;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

@@ -8,7 +8,7 @@ use crate::cli::commands::view::answered::ViewArguments;
 use crate::cli::console::loading;
 use crate::cli::console::outputs;
 use crate::cli::console::print::{Ending, Refusal, print};
-use foliate::scene::PackagePath;
+use crate::scene::PackagePath;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 

@@ -4,11 +4,11 @@ use crate::cli::console::loading;
 use crate::cli::console::loading::{Cut, Failure};
 use crate::cli::console::outputs;
 use crate::cli::console::print::{Ending, Refusal, print, say};
-use foliate::export::{ExportError, ExportOptions, Exported, Format, export};
-use foliate::output;
-use foliate::path_file::{LoadPathError, LoadedPath};
-use foliate::scene::PackagePath;
-use foliate::trajectory::TrajectoryError;
+use crate::export::{ExportError, ExportOptions, Exported, Format, export};
+use crate::output;
+use crate::path_file::{LoadPathError, LoadedPath};
+use crate::scene::PackagePath;
+use crate::trajectory::TrajectoryError;
 use std::path::PathBuf;
 use std::time::Duration;
 

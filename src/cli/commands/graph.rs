@@ -3,16 +3,16 @@
 use crate::cli::console::loading;
 use crate::cli::console::outputs;
 use crate::cli::console::print::{Ending, Refusal, print};
-use foliate::components::graph::{ConstraintGraph, TransitionKind};
-use foliate::components::problem::Problem;
-use foliate::inspection::{diagram, words};
-use foliate::output;
-use foliate::scene::{PackagePath, Scene};
-use foliate::systems::planning_model::graph::checks::{GraphError, MOST_STATES};
-use foliate::systems::planning_model::graph::enumeration::build_constraint_graph;
-use foliate::systems::planning_model::{Model, PlanningModel};
-use foliate::systems::settings::SearchSettings;
-use foliate::view::{PictureOptions, grown_graph, picture, svg};
+use crate::components::graph::{ConstraintGraph, TransitionKind};
+use crate::components::problem::Problem;
+use crate::inspection::{diagram, words};
+use crate::output;
+use crate::scene::{PackagePath, Scene};
+use crate::systems::planning_model::graph::checks::{GraphError, MOST_STATES};
+use crate::systems::planning_model::graph::enumeration::build_constraint_graph;
+use crate::systems::planning_model::{Model, PlanningModel};
+use crate::systems::settings::SearchSettings;
+use crate::view::{PictureOptions, grown_graph, picture, svg};
 use std::fmt::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -118,7 +118,7 @@ fn listing(graph: &ConstraintGraph) -> String {
     }
     out.push_str(LEGEND);
     for (id, state) in graph.states_of_nodes() {
-        let names = |ids: &[foliate::components::graph::ConstraintId]| {
+        let names = |ids: &[crate::components::graph::ConstraintId]| {
             ids.iter().map(|&c| graph.constraint(c).name.clone()).collect::<Vec<_>>().join(", ")
         };
         let _ = writeln!(out, "\nstate {}", state.name);

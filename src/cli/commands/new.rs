@@ -2,11 +2,11 @@
 
 use crate::cli::console::loading;
 use crate::cli::console::print::{Ending, Refusal, print, print_json, say};
-use foliate::output;
-use foliate::scene::PackagePath;
-use foliate::setup::grasps_file::GraspAxes;
-use foliate::setup::request::{ObjectRequest, TableRequest};
-use foliate::setup::{NewScene, SetupError, WrittenScene, new_scene};
+use crate::output;
+use crate::scene::PackagePath;
+use crate::setup::grasps_file::GraspAxes;
+use crate::setup::request::{ObjectRequest, TableRequest};
+use crate::setup::{NewScene, SetupError, WrittenScene, new_scene};
 use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;

@@ -1,7 +1,7 @@
 //! `foliate scenes`: what is shipped.
 
 use crate::cli::console::print::{Ending, Refusal, print, print_json};
-use foliate::scene::shipped_scenes;
+use crate::scene::shipped_scenes;
 use serde::Serialize;
 use std::fmt::Write;
 

@@ -1,6 +1,6 @@
 //! SIGINT and SIGTERM: the first asks a search to stop, the second ends the process.
 
-use foliate::systems::events::CancelToken;
+use crate::systems::events::CancelToken;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use std::io;
 use std::sync::atomic::AtomicBool;

@@ -1,13 +1,13 @@
 //! Loading under the time limit and the signals of a command.
 
+use crate::batch::Entry;
 use crate::cli::console::interrupt;
 use crate::cli::console::print::{Ending, Refusal, print, print_json};
-use foliate::batch::Entry;
-use foliate::components::outcome::SearchOutcome;
-use foliate::output;
-use foliate::scene::{LoadLimits, LoadStop, PackagePath, Scene, SceneError, StartFile, UpAxis};
-use foliate::systems::events::StopSignal;
-use foliate::systems::planning_model::ProblemTables;
+use crate::components::outcome::SearchOutcome;
+use crate::output;
+use crate::scene::{LoadLimits, LoadStop, PackagePath, Scene, SceneError, StartFile, UpAxis};
+use crate::systems::events::StopSignal;
+use crate::systems::planning_model::ProblemTables;
 use serde_json::json;
 use std::sync::Arc;
 use std::sync::mpsc::{RecvTimeoutError, channel};

@@ -1,7 +1,7 @@
 //! The files that a command is to write, before it begins its work.
 
 use crate::cli::console::print::Refusal;
-use foliate::output;
+use crate::output;
 use std::fs;
 use std::path::{Path, PathBuf};
 

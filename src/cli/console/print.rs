@@ -1,6 +1,6 @@
 //! Standard output and standard error, and how a command may end.
 
-use foliate::scene::SceneError;
+use crate::scene::SceneError;
 use std::io::Write;
 use std::sync::OnceLock;
 

@@ -1,7 +1,7 @@
 //! The limit of memory where no search checks it: while files are read and paths are checked.
 
 use crate::cli::console::print::say;
-use foliate::memory::{MemoryLimit, resident};
+use crate::memory::{MemoryLimit, resident};
 use std::io::Write;
 use std::time::Duration;
 

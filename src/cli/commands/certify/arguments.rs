@@ -1,9 +1,9 @@
 //! What stands behind the options of `foliate certify`.
 
+use crate::certify::{Attachment, Rates, find_coordinate, find_joint};
 use crate::cli::console::print::Refusal;
-use foliate::certify::{Attachment, Rates, find_coordinate, find_joint};
-use foliate::components::problem::Problem;
-use foliate::components::robot::Robot;
+use crate::components::problem::Problem;
+use crate::components::robot::Robot;
 
 /// `OBJECT@LINK[:TIME]` and `OBJECT[:TIME]`; without a time it is from the start.
 pub(crate) fn attachments(attach: &[String], detach: &[String]) -> Result<Vec<Attachment>, Refusal> {

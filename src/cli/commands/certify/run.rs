@@ -1,16 +1,16 @@
 //! Runs `foliate certify`: its options, the certification, the report.
 
+use crate::certify::formats::{Format, ReadOptions, read};
+use crate::certify::{Certifier, CertifyOptions, CertifyReport, Interpolation, Turns};
 use crate::cli::commands::certify::arguments::{attachments, rates, start, touch};
 use crate::cli::commands::certify::text;
 use crate::cli::commands::certify::text::Spent;
 use crate::cli::console::loading::Cut;
 use crate::cli::console::print::{Ending, Refusal, print, print_json, say};
 use crate::cli::console::{interrupt, loading, processor_time};
-use foliate::certify::formats::{Format, ReadOptions, read};
-use foliate::certify::{Certifier, CertifyOptions, CertifyReport, Interpolation, Turns};
-use foliate::kernels::collision::CollisionScratch;
-use foliate::kernels::lanes::Level;
-use foliate::scene::{PackagePath, Scene};
+use crate::kernels::collision::CollisionScratch;
+use crate::kernels::lanes::Level;
+use crate::scene::{PackagePath, Scene};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};

@@ -1,6 +1,6 @@
 //! What `foliate certify` says to people.
 
-use foliate::certify::{CertifyReport, ClearanceReport, ContactReport, LimitKind, LimitViolation, PairName, Verdict};
+use crate::certify::{CertifyReport, ClearanceReport, ContactReport, LimitKind, LimitViolation, PairName, Verdict};
 use std::fmt::Write;
 use std::path::Path;
 use std::time::Duration;

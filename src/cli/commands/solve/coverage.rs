@@ -1,9 +1,9 @@
 //! Which pairs of shapes were tested, in words and for machines.
 
-use foliate::components::coverage::{self, LeftOutPair, PairCounts};
-use foliate::components::robot::ShapeIndex;
-use foliate::inspection;
-use foliate::systems::planning_model::ProblemTables;
+use crate::components::coverage::{self, LeftOutPair, PairCounts};
+use crate::components::robot::ShapeIndex;
+use crate::inspection;
+use crate::systems::planning_model::ProblemTables;
 use serde_json::{Value, json};
 
 /// The pairs that a problem leaves out.

@@ -1,14 +1,14 @@
 //! Why there is no path, for people: what was asked, how far the search got from either side, and what may help.
 
 use crate::cli::commands::solve::answer::Answer;
-use foliate::components::graph::{ConstraintGraph, TransitionKind};
-use foliate::components::outcome::SideTries;
-use foliate::components::pose::pose_to_array;
-use foliate::components::problem::{Goal, Holding, ObjectOptions, PartialGoal, Problem};
-use foliate::components::robot::Source;
-use foliate::inspection::words;
-use foliate::systems::goals::impossible::hindrance::{Blocked, Hindrance, OutOfReach, Shortfall};
-use foliate::{FunnelRow, ObjectTries, Report};
+use crate::components::graph::{ConstraintGraph, TransitionKind};
+use crate::components::outcome::SideTries;
+use crate::components::pose::pose_to_array;
+use crate::components::problem::{Goal, Holding, ObjectOptions, PartialGoal, Problem};
+use crate::components::robot::Source;
+use crate::inspection::words;
+use crate::systems::goals::impossible::hindrance::{Blocked, Hindrance, OutOfReach, Shortfall};
+use crate::{FunnelRow, ObjectTries, Report};
 use std::fmt::Write;
 
 /// Goals that are told in words.

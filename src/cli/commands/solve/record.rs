@@ -1,12 +1,12 @@
 //! `--record` of every command that searches: what the search did, as a file, whatever it found.
 
+use crate::Planner;
 use crate::cli::commands::solve::answer::Answer;
 use crate::cli::commands::solve::arguments::SearchArguments;
 use crate::cli::console::print::{Refusal, say};
-use foliate::Planner;
-use foliate::path_file::{PathContext, save};
-use foliate::recording::Recording;
-use foliate::scene::Scene;
+use crate::path_file::{PathContext, save};
+use crate::recording::Recording;
+use crate::scene::Scene;
 use std::path::PathBuf;
 
 /// Whether the search is recorded, and where.

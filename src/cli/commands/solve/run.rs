@@ -10,10 +10,10 @@ use crate::cli::commands::view::answered::ViewArguments;
 use crate::cli::console::loading;
 use crate::cli::console::outputs;
 use crate::cli::console::print::{Ending, Refusal, print, print_json, say};
-use foliate::path_file::{PathContext, save, write_path};
-use foliate::scene::{PackagePath, Scene, StartFile};
-use foliate::systems::events::{SearchEvent, SolveEvent};
-use foliate::{NoSolution, NoSolutionReason, ObjectTries, Planner, Solution};
+use crate::path_file::{PathContext, save, write_path};
+use crate::scene::{PackagePath, Scene, StartFile};
+use crate::systems::events::{SearchEvent, SolveEvent};
+use crate::{NoSolution, NoSolutionReason, ObjectTries, Planner, Solution};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -158,7 +158,7 @@ fn begun(answer: Result<Solution, NoSolution>) -> Result<Answer, Refusal> {
 }
 
 /// Shows progress until the bar is finished.
-fn watch(events: &foliate::crossbeam_channel::Receiver<SolveEvent>, bar: &ProgressBar) {
+fn watch(events: &crate::crossbeam_channel::Receiver<SolveEvent>, bar: &ProgressBar) {
     while !bar.is_finished() {
         match events.recv_timeout(Duration::from_millis(100)).map(|told| told.event) {
             Ok(SearchEvent::Progress { step, candidates, nodes, edges, leaves }) => {
@@ -168,8 +168,8 @@ fn watch(events: &foliate::crossbeam_channel::Receiver<SolveEvent>, bar: &Progre
                 bar.tick();
             }
             Ok(_) => {}
-            Err(foliate::crossbeam_channel::RecvTimeoutError::Timeout) => bar.tick(),
-            Err(foliate::crossbeam_channel::RecvTimeoutError::Disconnected) => return,
+            Err(crate::crossbeam_channel::RecvTimeoutError::Timeout) => bar.tick(),
+            Err(crate::crossbeam_channel::RecvTimeoutError::Disconnected) => return,
         }
     }
 }

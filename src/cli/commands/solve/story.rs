@@ -1,8 +1,8 @@
 //! A path in plain words: which state is entered, who picks up what, where it is put down, what is opened how far.
 
-use foliate::components::path::{Attachment, ManipulationPath, Segment};
-use foliate::components::robot::{GripperIndex, HandleIndex, JointIndex, JointType, Robot, Source};
-use foliate::systems::planning_model::Model;
+use crate::components::path::{Attachment, ManipulationPath, Segment};
+use crate::components::robot::{GripperIndex, HandleIndex, JointIndex, JointType, Robot, Source};
+use crate::systems::planning_model::Model;
 use std::fmt::Write;
 
 /// One line per change of who holds what and of the problem's own states, in the direction of travel.

@@ -3,15 +3,15 @@
 use crate::cli::commands::solve::answer::Answer;
 use crate::cli::commands::solve::coverage::LeftOut;
 use crate::cli::commands::solve::{coverage, no_path, story};
-use foliate::components::graph::ConstraintGraph;
-use foliate::components::outcome::Rejection;
-use foliate::components::path::{ManipulationPath, events};
-use foliate::components::robot::ShapeIndex;
-use foliate::scene::Scene;
-use foliate::schedulers::portfolio::MemberCount;
-use foliate::systems::improvement::progress::Changes;
-use foliate::systems::search::path_clearance::PathClearance;
-use foliate::{FunnelRow, Report};
+use crate::components::graph::ConstraintGraph;
+use crate::components::outcome::Rejection;
+use crate::components::path::{ManipulationPath, events};
+use crate::components::robot::ShapeIndex;
+use crate::scene::Scene;
+use crate::schedulers::portfolio::MemberCount;
+use crate::systems::improvement::progress::Changes;
+use crate::systems::search::path_clearance::PathClearance;
+use crate::{FunnelRow, Report};
 use std::fmt::Write;
 use std::time::Duration;
 

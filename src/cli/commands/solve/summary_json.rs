@@ -4,12 +4,12 @@ use crate::cli::commands::solve::answer::Answer;
 use crate::cli::commands::solve::arguments::SearchArguments;
 use crate::cli::commands::solve::coverage;
 use crate::cli::commands::solve::summary::{Loaded, name};
-use foliate::components::outcome::SideTries;
-use foliate::components::path::{ManipulationPath, events};
-use foliate::components::problem::{Correction, Moved};
-use foliate::planner::{CostRow, ImprovementReport};
-use foliate::schedulers::portfolio::MemberCount;
-use foliate::{FunnelRow, GoalReport, NoSolutionReason, ObjectTries, StateRow};
+use crate::components::outcome::SideTries;
+use crate::components::path::{ManipulationPath, events};
+use crate::components::problem::{Correction, Moved};
+use crate::planner::{CostRow, ImprovementReport};
+use crate::schedulers::portfolio::MemberCount;
+use crate::{FunnelRow, GoalReport, NoSolutionReason, ObjectTries, StateRow};
 use serde_json::{Value, json};
 
 fn closest_json(loaded: &Loaded<'_>) -> Option<Value> {

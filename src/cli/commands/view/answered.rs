@@ -3,8 +3,8 @@
 use crate::cli::commands::solve::answer::Answer;
 use crate::cli::commands::view::written;
 use crate::cli::console::print::{Refusal, say};
-use foliate::scene::{PackagePath, Scene};
-use foliate::view::{Page, ViewOptions, Visuals, page_of_scene, page_of_solution};
+use crate::scene::{PackagePath, Scene};
+use crate::view::{Page, ViewOptions, Visuals, page_of_scene, page_of_solution};
 use std::path::PathBuf;
 
 /// Whether a page is asked for, and where.

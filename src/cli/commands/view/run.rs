@@ -1,17 +1,17 @@
 //! Makes the page of a path, a recorded search, a scene or a model.
 
+use crate::check::{CheckOptions, check};
 use crate::cli::commands::solve::arguments::deadline;
 use crate::cli::commands::view::written;
 use crate::cli::console::loading;
 use crate::cli::console::loading::{Cut, Failure};
 use crate::cli::console::outputs;
 use crate::cli::console::print::{Ending, Refusal, print, say};
-use foliate::check::{CheckOptions, check};
-use foliate::path_file::{LoadPathError, LoadedPath, PathFile, save};
-use foliate::recording::Recording;
-use foliate::scene::{PackagePath, Scene, UpAxis, read_model};
-use foliate::systems::events::StopSignal;
-use foliate::view::{
+use crate::path_file::{LoadPathError, LoadedPath, PathFile, save};
+use crate::recording::Recording;
+use crate::scene::{PackagePath, Scene, UpAxis, read_model};
+use crate::systems::events::StopSignal;
+use crate::view::{
     Page, ViewOptions, Visuals, model_of_scene, page_of_model, page_of_path, page_of_recording, page_of_scene,
 };
 use std::path::{Path, PathBuf};
@@ -148,7 +148,7 @@ fn loaded(file: &PathFile, place: &Path, folder: &Path, packages: &PackagePath) 
 
 /// The scene that a path file names: a shipped one, or a file beside it.
 fn named_scene(name: &str, folder: &Path, packages: &PackagePath) -> Option<Scene> {
-    let is_shipped = foliate::scene::shipped_scenes().iter().any(|scene| scene.name == name);
+    let is_shipped = crate::scene::shipped_scenes().iter().any(|scene| scene.name == name);
     let place = if is_shipped { name.to_owned() } else { folder.join(name).to_string_lossy().into_owned() };
     Scene::load(&place, packages).ok()
 }

@@ -1,8 +1,8 @@
 //! A page on disk: where it was asked for, or in a temporary file whose name is told.
 
 use crate::cli::console::print::Refusal;
-use foliate::output;
-use foliate::view::Page;
+use crate::output;
+use crate::view::Page;
 use std::path::{Path, PathBuf};
 
 /// Writes a page and tells where it is.
