@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 #![allow(clippy::expect_used, clippy::unwrap_used, reason = "a bench that cannot be set up has nothing to measure")]
 
+pub mod feasibility;
 pub mod humanoid;
 
 use bevy_ecs::prelude::{Schedule, World};
