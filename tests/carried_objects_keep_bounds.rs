@@ -133,6 +133,15 @@ fn what_cannot_be_demanded_is_refused_with_a_hint() {
     wrong("z = [0.0, 0.9]", "z = [1.0, 0.9]", "is above the upper bound");
     wrong("box1 = [\"upright\"", "box = [\"upright\"", "did you mean `box1`?");
     wrong("\"upright\", \"low\"", "\"uprigth\"", "did you mean `upright`?");
+    // What is up on the box is a matter of its frame.
+    assert!(demo.scene(&bounded()).warnings.iter().all(|w| !w.element.contains("while_held")));
+    let aside = "kind = \"tilt\"\nframe = { link = \"box1/box\", pose = { rpy = [1.57, 0.0, 0.0] } }";
+    let text = bounded().replacen("kind = \"tilt\"\nframe = \"box1/box\"", aside, 1);
+    let warned = demo.scene(&text).warnings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
+    assert!(
+        warned.contains("`upright` does not hold where the start has `box1`: it cannot be taken there"),
+        "{warned}"
+    );
     let free = "kind = \"pose\"\nframe = \"box1/box\"\nparameter = [0, 0, 1, 0, 0, 0]";
     wrong("kind = \"region\"\nframe = \"box1/box\"\nz = [0.0, 0.9]", free, "`low` has parameters");
 }

@@ -1,6 +1,6 @@
 //! Reads a scene file table by table and composes its problem.
 
-use crate::scene::assemble::graph::{faces, options, rests};
+use crate::scene::assemble::graph::{faces, options, rests, written};
 use crate::scene::assemble::names::start_file::StartFile;
 use crate::scene::assemble::names::{configuration, locked};
 use crate::scene::assemble::parts::{auto, part, root_bounds};
@@ -67,6 +67,7 @@ pub(crate) fn load(
     from.map_or(Ok(()), |from| from.apply(&reader, &mut start))?;
     let graph = options::read(&mut keys, &robot, &start, (&locks, ways))?;
     loader.warnings.extend(rests::remarks(name, &robot, &graph));
+    loader.warnings.extend(written::remarks(name, &robot, &graph, &start));
     let reader = configuration::Reader { locked: &graph.locked, ..reader };
     let goals = goal::read::read(&keys.required("goal")?, &reader, &start, &graph)?;
     let timing = timing::timing(&mut keys, &robot, parts.iter().map(|p| (p.placement.name.as_str(), &p.rates)))?;

@@ -2,13 +2,19 @@
 
 use crate::scene::reading::error::{SceneError, did_you_mean, quoted};
 use crate::scene::reading::keys::{Item, Keys};
+use foliate_components::Pose;
+use foliate_components::constraint::Constraint;
 use foliate_components::problem::{
     GraphOptions, NamedConstraint, WhileHeld, WrittenLeg, WrittenState, WrittenTransition,
 };
 use foliate_components::robot::{PartIndex, Robot};
+use foliate_kernels::constraints::residual;
+use foliate_kernels::kinematics::Kinematics;
 
 /// Most states, and most legs of a transition.
 const STATES: usize = 1000;
+/// A start may be off by a little: it is moved onto a state. Beyond this, metres and radians, no tolerance is meant.
+const HOLDS: f64 = 0.05;
 /// Most transitions.
 const TRANSITIONS: usize = 10_000;
 
@@ -64,6 +70,40 @@ fn while_held(item: &Item<'_>, robot: &Robot, options: &GraphOptions) -> Result<
         rules.push(WhileHeld { object: object.part, constraints });
     }
     Ok(rules)
+}
+
+/// Says which constraints of held objects do not hold where the start has the object, whatever robots do: it cannot be grasped there.
+pub(in crate::scene::assemble) fn remarks(
+    scene: &str,
+    robot: &Robot,
+    options: &GraphOptions,
+    start: &[f64],
+) -> Vec<SceneError> {
+    let mut remarks = Vec::new();
+    let mut bodies = vec![Pose::identity(); robot.joints.len()];
+    if !options.while_held.is_empty() {
+        Kinematics::new(robot).forward(start, &mut bodies);
+    }
+    for rule in &options.while_held {
+        let part = &robot[rule.object];
+        for NamedConstraint { name, constraint } in rule.constraints.iter().map(|&n| &options.constraints[n as usize]) {
+            let is_its_own = constraint.bodies().into_iter().flatten().all(|body| part.joints.contains(&body.at()));
+            let off = residual(robot, constraint, start, &bodies);
+            if is_its_own && off > HOLDS {
+                let (name, object) = (quoted(name), &part.name);
+                let message =
+                    format!("`{name}` does not hold where the start has `{object}`: it cannot be taken there");
+                let remark = SceneError::new(scene, format!("graph.while_held.{object}"), message);
+                remarks.push(match constraint {
+                    Constraint::Tilt(_) => {
+                        remark.hint("the z axis of `frame` is what points up; a `pose` in it turns it")
+                    }
+                    _ => remark,
+                });
+            }
+        }
+    }
+    remarks
 }
 
 fn transition(item: &Item<'_>, options: &GraphOptions) -> Result<WrittenTransition, SceneError> {
