@@ -7,7 +7,7 @@
 use crate::planning_model::graph::attachment_order::{Carriers, grasp_of};
 use crate::planning_model::graph::checks::GraphError;
 use crate::planning_model::graph::lazy_graph::LazyGraph;
-use crate::planning_model::graph::state_keys::StateKey;
+use crate::planning_model::graph::states::state_keys::StateKey;
 use crate::planning_model::leg_program::LegProgram;
 use crate::planning_model::objects::{ModelError, ObjectModel, object_models};
 use crate::planning_model::problem_tables::ProblemTables;

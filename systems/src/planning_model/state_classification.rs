@@ -3,7 +3,7 @@
 use crate::planning_model::graph::attachment_order::pose_on_carrier;
 use crate::planning_model::graph::lazy_graph::LazyGraph;
 use crate::planning_model::graph::snapping::nearest_state;
-use crate::planning_model::graph::state_keys::StateKey;
+use crate::planning_model::graph::states::state_keys::StateKey;
 use crate::planning_model::graph::support_placement::relative_pose_residual;
 use crate::planning_model::model::{Model, PlanningModel};
 use crate::settings::SearchSettings;

@@ -1,6 +1,6 @@
 //! Adds states and constraints to a graph, each once.
 
-use crate::planning_model::graph::state_keys::{StateKey, StateKeys};
+use crate::planning_model::graph::states::state_keys::{StateKey, StateKeys};
 use foliate_components::graph::{
     ConstraintGraph, ConstraintId, ConstraintKind, Fingers, GraphConstraint, State, StateId,
 };

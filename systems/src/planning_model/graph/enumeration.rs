@@ -8,7 +8,7 @@
 use crate::planning_model::graph::attachment_order::Chain;
 use crate::planning_model::graph::builder::{Builder, Census};
 use crate::planning_model::graph::checks::{GraphError, MOST_SETS, MOST_STATES, check};
-use crate::planning_model::graph::state_keys::{Documents, Grasps, StateKey, StateKeys, grasp_sets, handles};
+use crate::planning_model::graph::states::state_keys::{Documents, Grasps, StateKey, StateKeys, grasp_sets, handles};
 use crate::planning_model::graph::transitions::{Change, led_to, loop_transition, reverse_of};
 use foliate_components::graph::{
     ConstraintGraph, ConstraintId, ConstraintKind, Fingers, Leg, StateId, Transition, TransitionKind,

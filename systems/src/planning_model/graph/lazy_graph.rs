@@ -7,7 +7,7 @@
 
 use crate::planning_model::graph::builder::{Builder, Census};
 use crate::planning_model::graph::checks::{GraphError, check};
-use crate::planning_model::graph::state_keys::{Documents, StateKey, StateKeys, grasp_sets, handles};
+use crate::planning_model::graph::states::state_keys::{Documents, StateKey, StateKeys, grasp_sets, handles};
 use foliate_components::constraint::Grasp;
 use foliate_components::graph::{ConstraintGraph, ConstraintKind, Fingers, StateId};
 use foliate_components::problem::Problem;

@@ -11,7 +11,7 @@
 //! of either direction (34, 10) has no length, because the waypoint already satisfies the target: it is left out.
 
 use crate::planning_model::graph::builder::Builder;
-use crate::planning_model::graph::state_keys::StateKey;
+use crate::planning_model::graph::states::state_keys::StateKey;
 use crate::planning_model::graph::transitions::{Change, leg};
 use foliate_components::graph::{ConstraintId, ConstraintKind, Fingers, Leg, Opening, StateId};
 

@@ -4,7 +4,7 @@
 //! moved too: two hands that hold one object, the handle of a door, a joint that has to stand at a value.
 
 use crate::planning_model::graph::snapping::nearby::{Nearby, ON};
-use crate::planning_model::graph::state_keys::StateKey;
+use crate::planning_model::graph::states::state_keys::StateKey;
 use foliate_components::Pose;
 use foliate_components::constraint::{Constraint, Frame, Reference, RelativePose};
 use foliate_components::pose::{log_so3, pose_from_array};

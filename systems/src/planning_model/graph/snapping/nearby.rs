@@ -1,6 +1,6 @@
 //! Which states a configuration is near to: what holds in each of them is off by little.
 
-use crate::planning_model::graph::state_keys::{Documents, StateKey, StateKeys, grasp_sets};
+use crate::planning_model::graph::states::state_keys::{Documents, StateKey, StateKeys, grasp_sets};
 use crate::planning_model::graph::support_placement::{PlacementOnSupport, SupportPlacement};
 use foliate_components::Pose;
 use foliate_components::constraint::{Constraint, Locked, LockedValue, RelativePose};

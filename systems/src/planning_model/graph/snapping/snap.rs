@@ -2,7 +2,7 @@
 
 use crate::planning_model::graph::snapping::correction::{Corrected, poses_apart};
 use crate::planning_model::graph::snapping::nearby::{Nearby, ON, Reach};
-use crate::planning_model::graph::state_keys::StateKey;
+use crate::planning_model::graph::states::state_keys::StateKey;
 use crate::planning_model::graph::support_placement::{PlacementOnSupport, SupportPlacement};
 use foliate_components::Pose;
 use foliate_components::pose::{pose_from_array, pose_to_array};

@@ -1,6 +1,6 @@
 //! What states are called, and which constraints hold on the way to a grasp.
 
-use crate::planning_model::graph::state_keys::{StateKey, StateKeys, handles};
+use crate::planning_model::graph::states::state_keys::{StateKey, StateKeys, handles};
 use foliate_components::constraint::ApproachBound;
 use foliate_components::graph::{ConstraintKind, Fingers, Opening};
 use foliate_components::problem::Approach;
@@ -8,7 +8,7 @@ use foliate_components::robot::{GripperIndex, HandleIndex, JointIndex};
 
 impl StateKeys<'_> {
     /// How far a hand is open beside what it is to grasp. Without a pregrasp there is no place beside the object at which it could open.
-    pub(super) fn beside(&self, gripper: GripperIndex, handle: HandleIndex) -> Opening {
+    pub(in crate::planning_model::graph) fn beside(&self, gripper: GripperIndex, handle: HandleIndex) -> Opening {
         match self.options.approach {
             Approach::AsNeeded { .. } if self.has_pregrasp(gripper, handle) => Opening::Ready { gripper, handle },
             _ => Opening::Wide,
@@ -16,13 +16,17 @@ impl StateKeys<'_> {
     }
 
     /// Whether a gripper has to go to a handle along a line.
-    pub(super) fn has_line(&self, gripper: GripperIndex, handle: HandleIndex) -> bool {
+    pub(in crate::planning_model::graph) fn has_line(&self, gripper: GripperIndex, handle: HandleIndex) -> bool {
         let grasp = self.documents.grasps.get(&(gripper, handle));
         self.options.approach_line.is_some() && grasp.is_some_and(|grasp| grasp.has_line())
     }
 
     /// What holds on that line.
-    pub(super) fn on_line(&self, gripper: GripperIndex, handle: HandleIndex) -> Vec<ConstraintKind> {
+    pub(in crate::planning_model::graph) fn on_line(
+        &self,
+        gripper: GripperIndex,
+        handle: HandleIndex,
+    ) -> Vec<ConstraintKind> {
         let turns_freely = self.documents.grasps.get(&(gripper, handle)).is_some_and(|grasp| !grasp.mask.0[3]);
         let bounds = [ApproachBound::Line, ApproachBound::Aim, ApproachBound::Roll];
         let bounds = bounds.into_iter().filter(|bound| *bound != ApproachBound::Roll || !turns_freely);

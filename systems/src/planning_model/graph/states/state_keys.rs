@@ -3,7 +3,7 @@
 
 use crate::planning_model::graph::attachment_order::{Chain, grasp_of, is_beyond, root_of};
 use crate::planning_model::graph::checks::GraphError;
-use crate::planning_model::graph::own_constraints::own_constraints;
+use crate::planning_model::graph::states::own_constraints::own_constraints;
 use crate::planning_model::graph::support_placement::carrying_bodies;
 use foliate_components::constraint::{ApproachBound, Grasp};
 use foliate_components::graph::{ConstraintKind, Fingers, Opening};
