@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from os import PathLike
 from typing import Any, Final, SupportsFloat, SupportsIndex, final
 
-__all__ = ["__version__", "Cancel", "CheckReport", "Event", "FunnelRow", "Path", "Report", "Scene", "Segment", "Solution", "check", "load_path", "scenes", "schedulers", "solve"]
+__all__ = ["__version__", "Cancel", "CheckReport", "Event", "FunnelRow", "Path", "Report", "Scene", "Segment", "Solution", "check", "load_path", "run_program", "scenes", "schedulers", "solve"]
 
 __version__: Final[str]
 """
@@ -434,6 +434,12 @@ def check(file: str | PathLike[str], scene: Scene | str | None = None, *, time_l
 def load_path(file: str | PathLike[str], *, packages: SupportsGetItem[int, str | PathLike[str]] = ...) -> Path:
     """
     Reads a path file, of any version of Foliate that wrote one.
+    """
+
+def run_program(arguments: SupportsGetItem[int, str]) -> int:
+    """
+    Runs the program `foliate` with arguments, of which the first is its name; returns its exit code. It is the end of the process: signals are its own from
+    then on.
     """
 
 def scenes() -> list[tuple[str, str, bool]]:
