@@ -133,14 +133,16 @@ def test_a_search_is_cancelled_from_another_thread(demo: foliate.Scene) -> None:
 
 
 LONG = """
-import foliate, sys
+import foliate, signal, time
+# A process that is started in the background may have been told to ignore it.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 scene = foliate.Scene("demo")
 print("begun", flush=True)
 try:
     while True:
         foliate.solve(scene, improve_time=60.0, time_limit=60.0)
 except KeyboardInterrupt:
-    print("ended", flush=True)
+    print(time.time(), flush=True)
 """
 
 
@@ -150,11 +152,14 @@ def test_interrupts_end_a_search_at_once() -> None:
     assert program.stdout is not None
     assert program.stdout.readline() == "begun\n"
     time.sleep(1.0)
-    sent = time.monotonic()
+    sent = time.time()
     program.send_signal(signal.SIGINT)
-    assert program.stdout.readline() == "ended\n"
-    waited = time.monotonic() - sent
-    assert program.wait() == 0
+    try:
+        told, _ = program.communicate(timeout=20)
+    finally:
+        program.kill()
+    assert program.returncode == 0
+    waited = float(told) - sent
     # 50 ms are promised on an idle machine; this one may be busy.
     assert waited < 0.5, f"{waited:.3f} s"
 
