@@ -13,6 +13,7 @@ use crate::heuristic::leaf_distance_table::{LeafDistanceTable, Row};
 use foliate_components::graph::leaf::Leaf;
 use foliate_components::graph::{ConstraintGraph, ConstraintId, ConstraintKind, StateId, Transition, TransitionKind};
 use std::collections::HashMap;
+use std::sync::OnceLock;
 
 /// Farther than this is as far.
 const FAR: u8 = 16;
@@ -49,8 +50,18 @@ struct Subject {
     next: Vec<Vec<usize>>,
     /// Changes from one situation to another, row by row.
     changes: Vec<u8>,
-    /// For each constraint with values: changes from one situation to another through one that lacks it, row by row.
-    through_lack: Vec<(ConstraintId, Vec<u8>)>,
+    /// Each constraint with values.
+    through_lack: Vec<(ConstraintId, Lack)>,
+}
+
+/// Changes from one situation to another through one that lacks a constraint. Few rows are ever asked for, and each is found in one search of the graph:
+/// all rows of all constraints would take most of the time where hands have dozens of grasps.
+#[derive(Clone, Debug)]
+struct Lack {
+    /// By situation: whether it lacks the constraint.
+    lacks: Vec<bool>,
+    /// By situation from which changes are counted: the changes to every situation.
+    rows: Vec<OnceLock<Vec<u8>>>,
 }
 
 /// What a state says of a subject.
@@ -207,7 +218,8 @@ impl GraspDistance {
             let mut rows: Vec<Row> = shared
                 .filter_map(|&c| {
                     let known = subject.through_lack.binary_search_by_key(&c, |&(c, _)| c).ok()?;
-                    let extra = u16::from(subject.through_lack[known].1[at]).saturating_sub(least);
+                    let extra =
+                        u16::from(subject.through_lack[known].1.changes(&subject.next, a, b)).saturating_sub(least);
                     let (from, to) = (rows_from[c.at()], rows_to[c.at()]);
                     (extra > 0).then_some(Row { from, to, extra })
                 })
@@ -280,8 +292,7 @@ impl Subject {
             has(from) && has(to)
         };
         let wrong = self.through_lack.iter().filter(|&&(c, _)| shared(c) && !same(c));
-        let at = from * count + to;
-        wrong.map(|(_, changes)| changes[at]).fold(self.changes[at], u8::max)
+        wrong.map(|(_, lack)| lack.changes(&self.next, from, to)).fold(self.changes[from * count + to], u8::max)
     }
 
     /// Shortest ways between all situations.
@@ -291,18 +302,42 @@ impl Subject {
         let mut foliating: Vec<ConstraintId> = self.situations.iter().flat_map(|s| s.foliating.clone()).collect();
         foliating.sort_unstable();
         foliating.dedup();
-        self.through_lack = foliating.into_iter().map(|c| (c, self.ways_through_lack(c))).collect();
+        self.through_lack = foliating.into_iter().map(|c| (c, Lack::of(&self.situations, c))).collect();
+    }
+}
+
+impl Lack {
+    fn of(situations: &[Situation], constraint: ConstraintId) -> Self {
+        let lacks = situations.iter().map(|s| !s.foliating.contains(&constraint)).collect();
+        Self { lacks, rows: vec![OnceLock::new(); situations.len()] }
     }
 
-    fn ways_through_lack(&self, constraint: ConstraintId) -> Vec<u8> {
-        let count = self.situations.len();
-        let lacks = |&s: &usize| !self.situations[s].foliating.contains(&constraint);
-        let ways = |at: usize| {
-            let (from, to) = (at / count, at % count);
-            let through = |s: usize| self.changes[from * count + s] + self.changes[s * count + to];
-            (0..count).filter(lacks).map(through).min().unwrap_or(FAR).min(FAR)
-        };
-        (0..count * count).map(ways).collect()
+    /// Changes from one situation to another, through one that lacks the constraint.
+    fn changes(&self, next: &[Vec<usize>], from: usize, to: usize) -> u8 {
+        self.rows[from].get_or_init(|| self.ways(next, from))[to]
+    }
+
+    /// Breadth first over two copies of the graph: the first before a situation without the constraint was passed, the second from there on.
+    fn ways(&self, next: &[Vec<usize>], from: usize) -> Vec<u8> {
+        let count = next.len();
+        let place = |s: usize, has_passed: bool| if has_passed || self.lacks[s] { count + s } else { s };
+        let mut steps = vec![FAR; 2 * count];
+        let mut front = vec![place(from, false)];
+        steps[front[0]] = 0;
+        while let Some(&first) = front.first() {
+            let ahead = steps[first] + 1;
+            let mut reached = Vec::new();
+            for &at in &front {
+                for to in next[at % count].iter().map(|&to| place(to, at >= count)) {
+                    if steps[to] > ahead {
+                        steps[to] = ahead;
+                        reached.push(to);
+                    }
+                }
+            }
+            front = if ahead < FAR { reached } else { Vec::new() };
+        }
+        steps.split_off(count)
     }
 }
 
