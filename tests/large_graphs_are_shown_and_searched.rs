@@ -81,7 +81,7 @@ fn a_crowd_is_shown_solved_and_proved() {
     assert!(text.contains("robot3/right_hand grasps box19/"), "{text}");
     assert_eq!(text.matches("not expanded yet").count(), 160);
 
-    let solved = foliate(&["solve", &file, "--seed", "1", "--time-limit", "120", "--out", &path]);
+    let solved = foliate(&["solve", &file, "--seed", "1", "--time-limit", "120", "--verbose", "--out", &path]);
     let told = [solved.stdout, solved.stderr].map(|text| String::from_utf8(text).unwrap()).concat();
     assert!(solved.status.success(), "{told}");
     assert!(told.contains("as much as was needed of the graph: "), "{told}");

@@ -64,7 +64,7 @@ fn an_endless_search_ends_too() {
     }
     for scheduler in ["sequence", "mrrt", "portfolio"] {
         // Out of reach: only a limit ends it.
-        let problem = boxes_on_a_table(&[(0.6, 0.1)], &[(1.45, 0.75)]).unwrap();
+        let problem = boxes_on_a_table(&[(0.6, 0.1)], &[(1.25, 0.0)]).unwrap();
         let limit = MemoryLimit::bytes(resident().unwrap() + (8 << 20));
         let planner = Planner::new(problem).unwrap().scheduler_named(scheduler).unwrap();
         let answer = planner.memory_limit(limit).time_limit(Duration::from_secs(120)).solve();

@@ -68,7 +68,7 @@ fn a_token_ends_the_drawing_of_goals_before_the_first_step() {
 #[test]
 fn memory_is_bounded_in_bytes_also_where_nodes_are_few() {
     // Out of reach: only a limit ends it.
-    let model = model(boxes_on_a_table(&[(0.6, 0.1)], &[(1.45, 0.75)]).unwrap());
+    let model = model(boxes_on_a_table(&[(0.6, 0.1)], &[(1.25, 0.0)]).unwrap());
     let settings = seeded(1).with(|s| s.max_bytes = 100_000);
     let (outcome, search) = search(&model, &Mrrt, settings, 1);
     assert_eq!(outcome, SearchOutcome::MemoryLimit);

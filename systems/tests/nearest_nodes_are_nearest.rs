@@ -74,7 +74,7 @@ fn busiest_leaf(roadmap: Roadmap<'_>) -> Vec<NodeId> {
 fn nodes_found_in_lanes_are_those_found_one_by_one() {
     let model = model(boxes_on_a_table(&[(0.6, 0.1)], &[(0.6, 0.1)]).unwrap());
     // Of a problem that has no solution: many trees of the lazy extension on one leaf.
-    let unsolvable = self::model(boxes_on_a_table(&[(0.6, 0.1)], &[(1.45, 0.75)]).unwrap());
+    let unsolvable = self::model(boxes_on_a_table(&[(0.6, 0.1)], &[(1.25, 0.0)]).unwrap());
     let apart = [Selection::Guided, Selection::StateFirst, Selection::Nearest].map(|s| (&model, &Unconnected as _, s));
     let lazy: [(_, &dyn Scheduler, _); 1] = [(&unsolvable, &Sequence, Selection::Guided)];
     for (model, scheduler, selection) in apart.into_iter().chain(lazy) {

@@ -94,7 +94,7 @@ fn what_one_member_reaches_the_others_can_use() {
 #[test]
 fn a_member_that_enters_late_gets_what_is_known() {
     // Out of reach: only a limit ends it.
-    let model = model(boxes_on_a_table(&[(0.6, 0.1)], &[(1.45, 0.75)]).unwrap());
+    let model = model(boxes_on_a_table(&[(0.6, 0.1)], &[(1.25, 0.0)]).unwrap());
     let portfolio =
         Portfolio { members: vec![Member::new(Mrrt).entering(0), Member::new(Listener).entering(3)], quantum: 64 };
     let mut search = Search::new(&model, &portfolio, seeded(1), stop_within(60), EventSink::default());
@@ -113,7 +113,7 @@ fn a_member_that_enters_late_gets_what_is_known() {
 
 #[test]
 fn budgets_hold_for_all_members_together() {
-    let model = model(boxes_on_a_table(&[(0.6, 0.1)], &[(1.45, 0.75)]).unwrap());
+    let model = model(boxes_on_a_table(&[(0.6, 0.1)], &[(1.25, 0.0)]).unwrap());
     let settings = seeded(1).with(|s| s.max_nodes = 300);
     let mut limited = Search::new(&model, &trio(), settings, stop_within(60), EventSink::default());
     let mut most = 0;

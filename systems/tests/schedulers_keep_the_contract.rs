@@ -155,7 +155,7 @@ fn caches_are_what_the_entities_say() {
 #[test]
 fn budgets_deadlines_and_tokens_end_the_search() {
     // Out of reach: only a limit ends it.
-    let model = model(boxes_on_a_table(&[(0.6, 0.1)], &[(1.45, 0.75)]).unwrap());
+    let model = model(boxes_on_a_table(&[(0.6, 0.1)], &[(1.25, 0.0)]).unwrap());
     for scheduler in shipped() {
         let steps = seeded(1).with(|s| s.max_steps = 2);
         assert_eq!(search(&model, scheduler.as_ref(), steps, 1).0, SearchOutcome::StepLimit);
@@ -263,7 +263,7 @@ impl<C: Component> Scheduler for Marking<C> {
 }
 
 fn search_with_marks<C: Component>() {
-    let model = model(boxes_on_a_table(&[(0.6, 0.1)], &[(1.45, 0.75)]).unwrap());
+    let model = model(boxes_on_a_table(&[(0.6, 0.1)], &[(1.25, 0.0)]).unwrap());
     let settings = seeded(1).with(|s| s.max_steps = 3);
     search(&model, &Marking::<C>(PhantomData), settings, 1);
 }
