@@ -114,23 +114,26 @@ fn find_roots(
 ) -> Result<FoundRoots, SearchOutcome> {
     let q = model.problem.start.clone();
     let start = state_classification::reach_start(model, settings, &q).map_err(SearchOutcome::InfeasibleStart)?;
-    if let Some(why) = proofs::refute(model, settings, &start) {
-        return Err(SearchOutcome::InfeasibleGoal(why));
-    }
     // Of a lazy graph all that has not come into being may join what has.
     let is_connected = (!model.graph.lazy).then(|| connected_states(&model.graph, start.state, |_| true));
     let may_reach = |state: StateId| is_connected.as_ref().is_none_or(|is_connected| is_connected[state.at()]);
     let mut sampler = GoalSampler::new(model, settings, &start.q, may_reach);
     let mut goals = Vec::new();
     let mut complaint = Infeasibility::NoGoal;
+    let mut is_refused = false;
     for goal in model.problem.goals.clone() {
         if let Goal::Configuration(q) = goal {
             match state_classification::reach_feasible(model, settings, &q) {
                 Ok(goal) if may_reach(goal.state) => goals.push(goal),
                 Ok(goal) => complaint = apart(model, start.state, goal.state),
-                Err(why) => complaint = why,
+                Err(why) => (complaint, is_refused) = (why, true),
             }
         }
+    }
+    // What is wrong with a configuration itself is told first: bounds, collisions, states.
+    let is_complaint_enough = is_refused && goals.is_empty() && sampler.is_empty();
+    if !is_complaint_enough && let Some(why) = proofs::refute(model, settings, &start) {
+        return Err(SearchOutcome::InfeasibleGoal(why));
     }
     goals.extend(sampler.draw_first(model, settings, stop));
     let given_up = sampler.given_up(model, settings);
