@@ -97,7 +97,7 @@ pub fn check(
         Some(Against::Scene(_)) | None => SceneChoice::Named,
     };
     let options = CheckOptions { time_limit: Some(limit), scene: choice, clearance, ..CheckOptions::default() };
-    let read = save::read(&file).map_err(|why| errors::of_path_file(py, &why))?;
+    let read = save::read(&file).map_err(|why| errors::of_path(py, &why))?;
     let base = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let problem = match &scene {
         Some(Against::Scene(scene)) => Some(&scene.get().scene.problem),
@@ -107,7 +107,7 @@ pub fn check(
         Some(problem) => check_problem(&read, base, &packages, &options, problem),
         None => prove(&read, base, &packages, &options),
     };
-    let report = watched(py, &CancelToken::default(), work, |_| Ok(()))?.map_err(|why| errors::of_check(py, &why))?;
+    let report = watched(py, &CancelToken::default(), work, |_| Ok(()))?.map_err(|why| errors::of_path(py, &why))?;
     Ok(PyCheckReport { report })
 }
 

@@ -1,7 +1,5 @@
 //! Exceptions: `foliate/errors.py` has their classes, with an attribute for each thing that an error says.
 
-use foliate::check::CheckError;
-use foliate::path_file::{LoadPathError, PathFileError};
 use foliate::scene::SceneError;
 use foliate::{NoSolution, Report};
 use pyo3::exceptions::PyRuntimeError;
@@ -27,18 +25,7 @@ pub(crate) fn of_model(py: Python<'_>, error: &impl std::error::Error) -> PyErr 
     raised(py, "ModelError", (error.to_string(),))
 }
 
-pub(crate) fn of_path_file(py: Python<'_>, error: &PathFileError) -> PyErr {
-    raised(py, "PathError", (error.to_string(),))
-}
-
-pub(crate) fn of_loading(py: Python<'_>, error: &LoadPathError) -> PyErr {
-    raised(py, "PathError", (error.to_string(),))
-}
-
-pub(crate) fn of_check(py: Python<'_>, error: &CheckError) -> PyErr {
-    raised(py, "PathError", (error.to_string(),))
-}
-
+/// What is wrong with a path, its file or what is asked of it.
 pub(crate) fn of_path(py: Python<'_>, error: &impl std::fmt::Display) -> PyErr {
     raised(py, "PathError", (error.to_string(),))
 }

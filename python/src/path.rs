@@ -99,7 +99,7 @@ impl PyPath {
                 page_of_solution(solution, &visuals, &options).map_err(path_error)
             }
             Source::Loaded { path, file } => {
-                let read = save::read(file).map_err(|why| errors::of_path_file(py, &why))?;
+                let read = save::read(file).map_err(|why| errors::of_path(py, &why))?;
                 let visuals = Visuals::of_shapes(&path.robot);
                 page_of_path((&read, path), None, None, &visuals, &options).map_err(path_error)
             }
@@ -253,7 +253,7 @@ impl PyPath {
 
     /// Writes the path file (`foliate.path/2`), which `check` and the command `foliate` read.
     fn save(&self, py: Python<'_>, out: PathBuf) -> PyResult<()> {
-        let error = |why: foliate::path_file::PathFileError| errors::of_path_file(py, &why);
+        let error = |why: foliate::path_file::PathFileError| errors::of_path(py, &why);
         match &self.source {
             Source::Solved { solution, scene, seed, scheduler } => {
                 let scene = scene.get();
@@ -353,6 +353,6 @@ enum Names {
 #[pyo3(signature = (file, *, packages = Vec::new()))]
 pub fn load_path(py: Python<'_>, file: PathBuf, packages: Vec<PathBuf>) -> PyResult<PyPath> {
     let packages = PackagePath::from_environment(&packages);
-    let path = py.detach(|| LoadedPath::read(&file, &packages)).map_err(|why| errors::of_loading(py, &why))?;
+    let path = py.detach(|| LoadedPath::read(&file, &packages)).map_err(|why| errors::of_path(py, &why))?;
     Ok(PyPath { source: Source::Loaded { path: Arc::new(path), file } })
 }
