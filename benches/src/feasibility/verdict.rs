@@ -58,11 +58,11 @@ pub fn told(problem: Problem, seed: u64, limit: Duration) -> Told {
     let settings = SearchSettings::default().with(|settings| settings.seed = seed);
     let planner = planner.settings(settings).first_path().time_limit(limit).on_likely_impossible(move |rows| {
         let reasons: Vec<String> = rows.iter().flat_map(ObjectTries::reasons).collect();
-        first.lock().expect("nobody panics").get_or_insert((reasons.join("; "), started.elapsed()));
+        first.lock().expect("no callback panics").get_or_insert((reasons.join("; "), started.elapsed()));
         token.cancel();
     });
     let answer = planner.solve();
-    let likely = likely.lock().expect("nobody panics").take();
+    let likely = likely.lock().expect("no callback panics").take();
     if let Some((why, after)) = likely {
         return Told { verdict: Verdict::Likely(why), after };
     }

@@ -1,11 +1,11 @@
 //! All grasps of an object where it starts or where a goal has it: inverse kinematics from many configurations, and what collides in those
-//! that are found. Other objects that may be moved are in nobody's way.
+//! that are found. Other objects that may be moved are no obstacles here.
 //!
 //! It is evidence and no proof: as many tries as are made, from random configurations. A survey ends with the first grasp that is possible.
 
 use crate::events::StopSignal;
 use crate::goals::impossible::hindrance::{Blocked, Hindrance, OutOfReach, Shortfall};
-use crate::goals::impossible::moves::{body_poses, grasps_of};
+use crate::goals::impossible::moves::grasps_of;
 use crate::goals::impossible::site::Site;
 use crate::goals::impossible::tries::{converges, solve, widened};
 use crate::goals::programs::GoalProgram;
@@ -215,7 +215,7 @@ impl<'a> Survey<'a> {
     /// Whether a robot collides with anything but objects that may be moved, itself and the object included.
     fn is_blocked(&mut self, state: StateId, q: &[f64]) -> bool {
         let model = self.model;
-        let X_WJ = body_poses(model, q);
+        let X_WJ = model.kinematics.poses(q);
         let guard = self.settings.clearance_guard;
         if model.first_collision(state, &X_WJ, guard, &mut self.collision).is_none() {
             return false;
@@ -258,11 +258,11 @@ impl<'a> Survey<'a> {
     fn off(&self, (gripper, handle): (GripperIndex, HandleIndex), q: &[f64]) -> f64 {
         let robot = &self.model.problem.robot;
         if let Some(lies) = &self.site.lies {
-            return constraints::residual(robot, lies, q, &body_poses(self.model, q));
+            return constraints::residual(robot, lies, q, &self.model.kinematics.poses(q));
         }
         let (gripper, handle) = (&robot.grippers[gripper.at()], &robot.handles[handle.at()]);
         let place = |frame: Frame, q: &[f64]| {
-            let on = frame.joint.map_or_else(Default::default, |joint| body_poses(self.model, q)[joint.at()]);
+            let on = frame.joint.map_or_else(Default::default, |joint| self.model.kinematics.poses(q)[joint.at()]);
             (on * frame.joint_from_frame).translation
         };
         let hand = place(Frame::on_link(robot, gripper.link, &gripper.link_from_gripper), q);
