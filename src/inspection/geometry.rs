@@ -53,8 +53,7 @@ pub fn inspect_pairs(robot: &Robot) -> Option<Inspection> {
 #[must_use]
 pub fn apart(robot: &Robot, scene: &CollisionScene, left_out: &[LeftOutPair], q: &[f64]) -> Vec<LeftOutPair> {
     let kinematics = Kinematics::new(robot);
-    let mut X_WJ = vec![Pose::identity(); kinematics.bodies()];
-    kinematics.forward(q, &mut X_WJ);
+    let X_WJ = kinematics.poses(q);
     let decided = left_out.iter().filter(|pair| pair.why.is_a_decision());
     decided.filter(|pair| !scene.touch(pair.first, pair.second, &X_WJ)).copied().collect()
 }

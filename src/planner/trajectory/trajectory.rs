@@ -277,8 +277,7 @@ fn wrong(
 /// What follows which body along a segment, from where its first knot has them. An object that is held and has no carrier moves as it is
 /// written; one that nothing holds or carries stays.
 fn carried(robot: &Robot, kinematics: &Kinematics, segment: &Segment) -> Vec<Carried> {
-    let mut X_WJ = vec![Pose::identity(); kinematics.bodies()];
-    kinematics.forward(&segment.knots[0], &mut X_WJ);
+    let X_WJ = kinematics.poses(&segment.knots[0]);
     let mut carried = Vec::new();
     for part in robot.parts.iter().filter(|part| part.kind == PartKind::Object) {
         let Some(object) = part.root_joint.filter(|j| robot.joints[j.at()].motion == JointType::FreeFlyer) else {

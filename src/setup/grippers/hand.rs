@@ -90,9 +90,7 @@ impl FoundGripper {
             }
         }
         let kinematics = Kinematics::new(robot);
-        let mut X_WJ = vec![Pose::identity(); kinematics.bodies()];
-        kinematics.forward(&q, &mut X_WJ);
-        X_WJ
+        kinematics.poses(&q)
     }
 
     /// Its frame in the world.

@@ -60,8 +60,7 @@ impl Cloud {
                 q[at] = range.open + share * (range.closed - range.open);
             }
         }
-        let mut X_WJ = vec![Pose::identity(); kinematics.bodies()];
-        kinematics.forward(&q, &mut X_WJ);
+        let X_WJ = kinematics.poses(&q);
         let X_PW = X_WJ[jaw.palm.at()].inverse();
         let of_body = |body: JointIndex| {
             let shapes = robot.shapes.iter().filter(move |shape| robot.links[shape.link.at()].joint == Some(body));

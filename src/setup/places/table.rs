@@ -95,8 +95,7 @@ fn edge(robot: &Robot, arms: &[Arm], away: DVec3, (top, _): (f64, f64)) -> f64 {
     let mut q = robot.space.neutral();
     robot.space.clamp(&mut q);
     let kinematics = foliate_kernels::kinematics::Kinematics::new(robot);
-    let mut X_WJ = vec![Pose::identity(); kinematics.bodies()];
-    kinematics.forward(&q, &mut X_WJ);
+    let X_WJ = kinematics.poses(&q);
     let shapes = robot.shapes.iter().filter(|shape| stays(robot.links[shape.link.at()].joint));
     let points = shapes.flat_map(|shape| {
         let X_WB = robot.links[shape.link.at()].joint.map_or(Pose::IDENTITY, |body| X_WJ[body.at()]);

@@ -24,8 +24,7 @@ pub(crate) struct Placed<'a> {
 impl<'a> Placed<'a> {
     pub fn new(robot: &'a Robot, scene: &'a CollisionScene, q: &[f64], at: WhereEntry) -> Self {
         let kinematics = Kinematics::new(robot);
-        let mut X_WJ = vec![Pose::identity(); kinematics.bodies()];
-        kinematics.forward(q, &mut X_WJ);
+        let X_WJ = kinematics.poses(q);
         Self { robot, scene, X_WJ, at }
     }
 

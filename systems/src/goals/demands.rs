@@ -70,8 +70,7 @@ pub(crate) fn are_met(model: &Model, goal: &PartialGoal, state: StateId, q: &[f6
     if !goal.near.iter().all(near) {
         return false;
     }
-    let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
-    model.kinematics.forward(q, &mut X_WJ);
+    let X_WJ = model.kinematics.poses(q);
     let lies = |(part, _): &(PartIndex, Vec<SurfaceIndex>)| {
         placements(model, state, *part).any(|(object, place)| {
             let rows = lying_rows(model, goal, object, place.on);

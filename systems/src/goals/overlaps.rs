@@ -2,7 +2,6 @@
 
 use crate::planning_model::model::Model;
 use crate::settings::SearchSettings;
-use foliate_components::Pose;
 use foliate_components::problem::PartialGoal;
 use foliate_components::robot::{PartKind, ShapeIndex};
 
@@ -20,8 +19,7 @@ pub(crate) fn overlapping(
 ) -> Option<String> {
     let robot = &model.problem.robot;
     let (state, _) = model.graph.states_of_nodes().next()?;
-    let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
-    model.kinematics.forward(start, &mut X_WJ);
+    let mut X_WJ = model.kinematics.poses(start);
     for (part, pose) in &goal.poses {
         X_WJ[robot[*part].root_joint?.at()] = *pose;
     }

@@ -282,8 +282,7 @@ impl Staying {
     /// What stays in a state: objects that rest and whose poses are not named, and joints at rest. What lies on nothing in
     /// particular stays in any case, what lies on supports where `supported_too` says so.
     fn in_state(model: &Model, goal: &PartialGoal, start: &[f64], state: StateId, supported_too: bool) -> Vec<Self> {
-        let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
-        model.kinematics.forward(start, &mut X_WJ);
+        let X_WJ = model.kinematics.poses(start);
         let stays = |&constraint: &ConstraintId| {
             let record = model.graph.constraint(constraint);
             match record.kind {

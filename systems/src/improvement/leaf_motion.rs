@@ -59,8 +59,7 @@ impl LeafMotion {
 
     pub(crate) fn of_segment(model: &Model, segment: &Segment) -> Option<Self> {
         let (q, state) = (segment.knots.first()?, segment.state);
-        let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
-        model.kinematics.forward(q, &mut X_WJ);
+        let X_WJ = model.kinematics.poses(q);
         let parameters = parameters_of(model, state, q, &X_WJ);
         let motion = Self {
             transition: segment.transition,
@@ -170,8 +169,7 @@ const HOLDS: f64 = 1e-5;
 /// The legs of some transitions, travelled in either direction, at whose end a configuration is: each with its transition.
 #[must_use]
 pub(crate) fn legs_ending_at(model: &Model, q: &[f64], transitions: [TransitionId; 2]) -> Vec<(TransitionId, usize)> {
-    let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
-    model.kinematics.forward(q, &mut X_WJ);
+    let X_WJ = model.kinematics.poses(q);
     let both_directions = |id: TransitionId| [Some(id), model.graph.transition(id).reverse];
     let mut found = Vec::new();
     for id in transitions.into_iter().flat_map(both_directions).flatten() {

@@ -114,8 +114,7 @@ fn holds_at_start(problem: &Problem, kinematics: &Kinematics, hand: &Hand) -> bo
     if problem.start.len() != problem.robot.space.size() || problem.start.iter().any(|x| !x.is_finite()) {
         return true;
     }
-    let mut X_WJ = vec![Pose::identity(); kinematics.bodies()];
-    kinematics.forward(&problem.start, &mut X_WJ);
+    let X_WJ = kinematics.poses(&problem.start);
     let all = hand.grippers.iter().flat_map(|&gripper| grasps_of(problem, gripper));
     all.into_iter()
         .any(|(_, grasp)| grasp.standoff <= 0.0 || relative_pose_residual(&grasp.constraint(), &X_WJ) <= HOLDS)

@@ -138,8 +138,7 @@ fn in_a_state(
         let coordinate = coordinate(robot, index);
         return Err(Infeasibility::Locked { coordinate, value: q[index], locked_at: locked[index] });
     }
-    let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
-    model.kinematics.forward(&locked, &mut X_WJ);
+    let mut X_WJ = model.kinematics.poses(&locked);
     let tolerance = settings.classification_tolerance;
     let state =
         state_of(model, &locked, &X_WJ, tolerance).ok_or_else(|| why_no_state(model, &locked, &X_WJ, tolerance))?;
@@ -211,8 +210,7 @@ fn posed(model: &Model, q: &[f64]) -> Option<(Vec<f64>, Vec<Pose>)> {
     }
     let mut q = q.to_vec();
     model.lock(&mut q);
-    let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
-    model.kinematics.forward(&q, &mut X_WJ);
+    let X_WJ = model.kinematics.poses(&q);
     Some((q, X_WJ))
 }
 

@@ -113,11 +113,7 @@ impl Changes<'_> {
     /// at the beginning there, and at the end here. Then it has to be put aside, as where two objects change places.
     fn is_in_the_way(&self, object: JointIndex, (from, to): (NodeId, NodeId)) -> bool {
         let roots: Vec<JointIndex> = self.model.objects().iter().filter_map(|other| other.root).collect();
-        let poses = |node: NodeId| {
-            let mut X_WJ = vec![Pose::identity(); self.model.kinematics.bodies()];
-            self.model.kinematics.forward(self.roadmap.configuration(node), &mut X_WJ);
-            X_WJ
-        };
+        let poses = |node: NodeId| self.model.kinematics.poses(self.roadmap.configuration(node));
         let (before, behind) = (poses(from), poses(to));
         let scene = &self.model.collision;
         let body = |cluster: u32| scene.clusters()[cluster as usize].body;

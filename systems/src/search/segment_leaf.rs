@@ -47,7 +47,5 @@ pub(crate) fn arguments_as_written(model: &Model, segment: &Segment, interior: &
 }
 
 fn poses_at_start(model: &Model, segment: &Segment) -> Vec<Pose> {
-    let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
-    model.kinematics.forward(&segment.knots[0], &mut X_WJ);
-    X_WJ
+    model.kinematics.poses(&segment.knots[0])
 }

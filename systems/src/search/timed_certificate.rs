@@ -11,7 +11,6 @@ use crate::search::segment_leaf::{arguments_as_written, attachments_as_written};
 use crate::search::timed_rows::TimedRows;
 use crate::settings::SearchSettings;
 use crate::step::validation::certificate_settings;
-use foliate_components::Pose;
 use foliate_components::graph::{ConstraintKind, StateId};
 use foliate_components::path::{Certificate, ManipulationPath, Segment};
 use foliate_components::robot::{ShapeIndex, Source};
@@ -243,8 +242,7 @@ fn certify_clearance(
 ) -> Option<TimedFault> {
     let fault = |piece, u, pair| TimedFault { segment: 0, piece, u, kind: TimedFaultKind::Collision(pair) };
     let start = &segment.knots[0];
-    let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
-    model.kinematics.forward(start, &mut X_WJ);
+    let mut X_WJ = model.kinematics.poses(start);
     model.kinematics.carry(start, rigid_attachments, &mut X_WJ);
     let guard = settings.clearance_guard;
     if let Some(contact) = model.first_collision_along(segment.transition, &X_WJ, guard, &mut scratch.collision) {

@@ -233,8 +233,7 @@ pub(crate) fn carried(model: &PlanningModel, rigid_attachments: &[RigidAttachmen
 
 /// Writes carried objects where their carriers have them.
 fn carry(model: &PlanningModel, rigid_attachments: &[RigidAttachment], q: &mut [f64]) {
-    let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
-    model.kinematics.forward(q, &mut X_WJ);
+    let mut X_WJ = model.kinematics.poses(q);
     model.kinematics.carry(q, rigid_attachments, &mut X_WJ);
     model.kinematics.write_back(rigid_attachments, &X_WJ, q);
 }

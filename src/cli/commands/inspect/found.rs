@@ -16,8 +16,7 @@ fn link_poses(robot: &Robot) -> Vec<(&str, Pose)> {
     let mut q = robot.space.neutral();
     robot.space.clamp(&mut q);
     let kinematics = Kinematics::new(robot);
-    let mut X_WJ = vec![Pose::identity(); kinematics.bodies()];
-    kinematics.forward(&q, &mut X_WJ);
+    let X_WJ = kinematics.poses(&q);
     let pose = |link: &crate::components::robot::Link| {
         link.joint.map_or(Pose::IDENTITY, |body| X_WJ[body.at()]) * link.joint_from_link
     };

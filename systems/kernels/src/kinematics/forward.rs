@@ -77,6 +77,17 @@ impl Kinematics {
         }
     }
 
+    /// As [`Self::forward`], into memory of its own: for what is not done again and again.
+    ///
+    /// # Panics
+    /// If `q` is too short.
+    #[must_use]
+    pub fn poses(&self, q: &[f64]) -> Vec<Pose> {
+        let mut X_WJ = vec![Pose::identity(); self.bodies()];
+        self.forward(q, &mut X_WJ);
+        X_WJ
+    }
+
     /// Moves carried objects to where their carriers take them, in any order of `rigid_attachments`. Bodies that are attached to an
     /// object's root by joints of their own follow. Objects that carry each other in a circle end anywhere.
     ///

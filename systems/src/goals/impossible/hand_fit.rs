@@ -1,6 +1,6 @@
 //! Grasps in which the hand overlaps the object, wherever the arm is: the object is wider than the hand opens, or the palm is in it.
 
-use crate::goals::impossible::moves::{body_poses, with_object_at};
+use crate::goals::impossible::moves::with_object_at;
 use crate::planning_model::graph::attachment_order::{is_beyond, solid_grasp};
 use crate::planning_model::model::Model;
 use crate::settings::SearchSettings;
@@ -33,9 +33,9 @@ pub(super) fn hand_in_object(
     let mut q = start.to_vec();
     model.rest(state, &mut q);
     let (hand, hand_from_object) = solid_grasp(&grasp);
-    let X_WH = hand.map_or_else(Default::default, |hand| body_poses(model, &q)[hand.at()]);
+    let X_WH = hand.map_or_else(Default::default, |hand| model.kinematics.poses(&q)[hand.at()]);
     let q = with_object_at(model, &q, object, &(X_WH * hand_from_object))?;
-    let X_WJ = body_poses(model, &q);
+    let X_WJ = model.kinematics.poses(&q);
     let body_of = |shape: ShapeIndex| robot.links[robot.shapes[shape.at()].link.at()].joint;
     let is_of_hand = |shape: ShapeIndex| moves_with(model, gripper, body_of(shape), hand);
     let is_of_object = |shape: ShapeIndex| body_of(shape) == grasp.handle.joint;

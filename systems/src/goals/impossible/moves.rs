@@ -52,7 +52,7 @@ pub(crate) fn asked(model: &Model, goal: &Goal, object: usize) -> Option<Asked> 
     let (part, root) = (model.graph.objects[object].part, model.objects()[object].root?);
     match goal {
         Goal::Configuration(q) if q.len() == model.problem.robot.space.size() => {
-            Some(Asked::At(body_poses(model, q)[root.at()]))
+            Some(Asked::At(model.kinematics.poses(q)[root.at()]))
         }
         Goal::Configuration(_) => None,
         Goal::Partial(goal) => {
@@ -67,7 +67,7 @@ pub(crate) fn asked(model: &Model, goal: &Goal, object: usize) -> Option<Asked> 
 /// the distance is that from the nearest place on it.
 #[must_use]
 pub(crate) fn displacement(model: &Model, start: &[f64], goal: &Goal, object: usize) -> Option<(f64, f64)> {
-    let X_WJ = body_poses(model, start);
+    let X_WJ = model.kinematics.poses(start);
     let (distance, angle) = match asked(model, goal, object)? {
         Asked::At(pose) => {
             let by = X_WJ[model.objects()[object].root?.at()].inverse() * pose;
@@ -138,12 +138,4 @@ pub(crate) fn rests_on_what_moves(model: &Model, object: usize, X_WJ: &[Pose]) -
     let resting = &model.objects()[object].resting;
     resting.iter().any(|place| place.on.is_some() && rests(place))
         && !resting.iter().any(|place| place.on.is_none() && rests(place))
-}
-
-/// Poses of all bodies in the world.
-#[must_use]
-pub(crate) fn body_poses(model: &Model, q: &[f64]) -> Vec<Pose> {
-    let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
-    model.kinematics.forward(q, &mut X_WJ);
-    X_WJ
 }

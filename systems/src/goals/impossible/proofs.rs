@@ -7,8 +7,7 @@
 use crate::goals::impossible::arm_length;
 use crate::goals::impossible::hand_fit;
 use crate::goals::impossible::moves::{
-    Asked, asked, body_poses, displacement, grasps_of, moves_in_hands_alone, objects_to_move, own_grasps,
-    stands_in_world,
+    Asked, asked, displacement, grasps_of, moves_in_hands_alone, objects_to_move, own_grasps, stands_in_world,
 };
 use crate::planning_model::graph::connected_states::connected_states;
 use crate::planning_model::model::Model;
@@ -59,7 +58,7 @@ fn no_grasp_is_possible(model: &Model, settings: &SearchSettings, start: &Feasib
     objects_to_move(model, &start.q).into_iter().find_map(|object| {
         let refuted = |place, grasps| Infeasibility::NoGraspPossible { object: name(model, object), place, grasps };
         let root = model.objects()[object].root?;
-        let here = Asked::At(body_poses(model, &start.q)[root.at()]);
+        let here = Asked::At(model.kinematics.poses(&start.q)[root.at()]);
         if let Some(grasps) = ruled_out(model, settings, &start.q, object, &here) {
             let is_free = |state: &_| own_grasps(graph, state, object).next().is_none();
             let without = connected_states(graph, start.state, is_free);

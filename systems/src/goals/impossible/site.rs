@@ -1,6 +1,6 @@
 //! Places where an object is to be held: where it starts, where goals have it, or anywhere on a support.
 
-use crate::goals::impossible::moves::{Asked, asked, body_poses, places_on, rests_on_what_moves, with_object_at};
+use crate::goals::impossible::moves::{Asked, asked, places_on, rests_on_what_moves, with_object_at};
 use crate::planning_model::model::Model;
 use crate::planning_model::state_classification::residual;
 use foliate_components::constraint::Constraint;
@@ -24,7 +24,7 @@ pub(crate) struct Site {
 impl Site {
     /// Where an object starts; `None` where it is held there, or lies on what moves.
     pub(crate) fn at_start(model: &Model, start: &[f64], object: usize) -> Option<Self> {
-        let X_WJ = body_poses(model, start);
+        let X_WJ = model.kinematics.poses(start);
         let holds = |(number, kind): (u32, ConstraintKind)| match kind {
             ConstraintKind::Grasp { handle, .. } => {
                 model.graph.objects[object].handles.contains(&handle)
@@ -49,7 +49,7 @@ impl Site {
         let site = |place: &Asked| match place {
             Asked::At(pose) => {
                 let q = with_object_at(model, start, object, pose)?;
-                let is_fixed = !rests_on_what_moves(model, object, &body_poses(model, &q));
+                let is_fixed = !rests_on_what_moves(model, object, &model.kinematics.poses(&q));
                 is_fixed.then(|| Self::at(model, &q, object)).flatten()
             }
             Asked::On(supports) => match &places_on(model, object, supports)[..] {
@@ -62,7 +62,7 @@ impl Site {
 
     /// Where a configuration has an object.
     pub(crate) fn at(model: &Model, q: &[f64], object: usize) -> Option<Self> {
-        let pose = body_poses(model, q)[model.objects()[object].root?.at()];
+        let pose = model.kinematics.poses(q)[model.objects()[object].root?.at()];
         let poses = vec![(model.graph.objects[object].part, pose)];
         let goal = PartialGoal { poses, other_hands: OtherHands::Anything, ..PartialGoal::default() };
         Some(Self { q: q.to_vec(), goal, lies: None })

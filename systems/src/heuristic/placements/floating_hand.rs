@@ -104,8 +104,7 @@ impl FloatingHands {
         let root = model.objects()[object as usize].root?;
         let mut start = model.problem.start.clone();
         open_wide(model, &mut start);
-        let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
-        model.kinematics.forward(&start, &mut X_WJ);
+        let X_WJ = model.kinematics.poses(&start);
         let part = robot.joints[root.at()].part;
         let is_object = |body: Option<JointIndex>| body.is_some_and(|b| robot.joints[b.at()].part == part);
         let pairs = model.pairs_between(|a, b| is_object(a) && b.is_none());

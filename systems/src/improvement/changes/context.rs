@@ -8,7 +8,6 @@ use crate::search::path_extraction::unwrap_coordinates;
 use crate::search::timed_certificate::{object_numbers, resting_out_of_bounds};
 use crate::settings::SearchSettings;
 use crate::step::validation::certify_whole;
-use foliate_components::Pose;
 use foliate_kernels::collision::CollisionScratch;
 use foliate_kernels::constrained_motion::{MotionScratch, Scratch};
 use foliate_kernels::kinematics::RigidAttachment;
@@ -49,8 +48,7 @@ impl Context<'_> {
     /// Writes carried objects of a configuration where their carriers take them.
     pub(crate) fn carry(&self, rigid_attachments: &[RigidAttachment], q: &mut [f64]) {
         let kinematics = &self.model.kinematics;
-        let mut X_WJ = vec![Pose::identity(); kinematics.bodies()];
-        kinematics.forward(q, &mut X_WJ);
+        let mut X_WJ = kinematics.poses(q);
         kinematics.carry(q, rigid_attachments, &mut X_WJ);
         kinematics.write_back(rigid_attachments, &X_WJ, q);
     }

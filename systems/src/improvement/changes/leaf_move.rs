@@ -12,7 +12,6 @@ use crate::improvement::cost::path_cost;
 use crate::improvement::leaf_motion::{LeafMotion, interior_arguments, same_value};
 use crate::planning_model::state_classification::parameter_of;
 use crate::step::steering;
-use foliate_components::Pose;
 use foliate_components::graph::ConstraintId;
 use foliate_components::graph::leaf::Parameter;
 use foliate_kernels::constrained_motion::{Settings, project};
@@ -142,8 +141,7 @@ impl Moving<'_> {
     /// Gives the motions of the run the value that their constraint has at a configuration.
     fn take_leaf_of(&mut self, q: &[f64]) -> Option<()> {
         let model = self.context.model;
-        let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
-        model.kinematics.forward(q, &mut X_WJ);
+        let X_WJ = model.kinematics.poses(q);
         let value = parameter_of(model, self.run.constraint, q, &X_WJ);
         for motion in &mut self.motions[self.run.motions.clone()] {
             let mut parameters = motion.parameters.clone();

@@ -7,7 +7,6 @@ use crate::improvement::changes::context::{Context, ImprovementScratch};
 use crate::improvement::changes::shortcut::LEAST_GAIN;
 use crate::improvement::cost::path_cost;
 use crate::improvement::leaf_motion::LeafMotion;
-use foliate_components::Pose;
 use foliate_components::graph::StateId;
 use foliate_components::robot::{GripperIndex, HandleIndex, JointIndex};
 use rand::{Rng, RngExt};
@@ -191,11 +190,7 @@ fn keeps_waypoints(context: &Context<'_>, old: &[LeafMotion], range: Range<usize
             return true;
         }
         let bodies = taking_part(context, old, index);
-        let [was, is] = [was, is].map(|q| {
-            let mut X_WJ = vec![Pose::identity(); context.model.kinematics.bodies()];
-            context.model.kinematics.forward(q, &mut X_WJ);
-            X_WJ
-        });
+        let [was, is] = [was, is].map(|q| context.model.kinematics.poses(q));
         let stays = |body: &JointIndex| {
             let (was, is) = (was[body.at()], is[body.at()]);
             was.translation.distance(is.translation) <= SAME && was.rotation.angle_between(is.rotation) <= SAME.sqrt()

@@ -3,7 +3,6 @@
 use crate::improvement::changes::context::{Context, ImprovementScratch};
 use crate::improvement::leaf_motion::{LeafMotion, legs_ending_at, moves_fingers, same_value};
 use crate::planning_model::state_classification::{parameters_of, residual};
-use foliate_components::Pose;
 use foliate_components::candidate::LegParameter;
 use foliate_components::graph::ConstraintId;
 use foliate_components::graph::leaf::{LeafIndex, Parameter};
@@ -132,8 +131,7 @@ pub(crate) fn projected(
 /// Whether a configuration lies on the leaf of a motion, whatever the value of a `free` constraint.
 pub(crate) fn is_on_leaf(context: &Context<'_>, motion: &LeafMotion, free: Option<ConstraintId>, q: &[f64]) -> bool {
     let model = context.model;
-    let mut X_WJ = vec![Pose::identity(); model.kinematics.bodies()];
-    model.kinematics.forward(q, &mut X_WJ);
+    let X_WJ = model.kinematics.poses(q);
     let tolerance = 2.0 * context.settings.projection_tolerance;
     let holds = |constraint: &_| residual(model, *constraint, q, &X_WJ) <= tolerance;
     let is_kept = |(was, is): (&Parameter, &Parameter)| Some(was.constraint) == free || same_value(was, is);

@@ -49,9 +49,7 @@ impl<'a> Nearby<'a> {
 
     /// Where the bodies are.
     pub fn poses(&self, q: &[f64]) -> Vec<Pose> {
-        let mut X_WJ = vec![Pose::identity(); self.kinematics.bodies()];
-        self.kinematics.forward(q, &mut X_WJ);
-        X_WJ
+        self.kinematics.poses(q)
     }
 
     /// The root that moves an object, and its number among the objects.
