@@ -10,6 +10,8 @@ use foliate::check::{CheckOptions, Kind, Verdict, check};
 use foliate::path_file::save;
 use foliate::scene::PackagePath;
 use serde_json::{Value, json};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 use story::*;
 
@@ -206,7 +208,8 @@ mod bounded {
             json!([knot(0.0, -1.0, about_z(0.95, 0.2, 0.5, 0.0)), knot(0.0, -1e6, about_z(0.95, 0.2, 0.5, 0.0))]);
         let short = CheckOptions { time_limit: Some(Duration::from_millis(200)), ..options() };
         let few = CheckOptions { work_limit: 3_000, ..options() };
-        for (options, why) in [(short, "time limit"), (few, "work limit")] {
+        let ended = CheckOptions { cancelled: Some(Arc::new(AtomicBool::new(true))), ..options() };
+        for (options, why) in [(short, "time limit"), (few, "work limit"), (ended, "cancelled")] {
             let started = Instant::now();
             let report = prove(&folder, &path, &options);
             let told = &report.violations;

@@ -4,12 +4,12 @@ The compiled part of the package `foliate`.
 
 from _typeshed import SupportsGetItem
 from collections.abc import Mapping
-from numpy import float64
+from numpy import float64, uint32
 from numpy.typing import ArrayLike, NDArray
 from os import PathLike
 from typing import Any, Final, SupportsFloat, SupportsIndex, final
 
-__all__ = ["__version__", "Cancel", "CheckReport", "Event", "FunnelRow", "Path", "Report", "Scene", "Segment", "Solution", "check", "load_path", "run_program", "scenes", "schedulers", "solve"]
+__all__ = ["__version__", "Cancel", "CheckReport", "Event", "FunnelRow", "NewScene", "Path", "Report", "Scene", "Segment", "Solid", "Solution", "check", "load_path", "new_scene", "run_program", "scenes", "schedulers", "solve"]
 
 __version__: Final[str]
 """
@@ -166,6 +166,43 @@ class FunnelRow:
         """
 
 @final
+class NewScene:
+    """
+    A scene that was made of models, and what is known of it.
+    """
+    def __repr__(self, /) -> str: ...
+    @property
+    def grippers(self, /) -> list[str]:
+        """
+        The grippers that were found.
+        """
+    @property
+    def objects(self, /) -> list[tuple[str, int, int]]:
+        """
+        By object: its name, how many handles it has, and on how many faces it rests.
+        """
+    @property
+    def scene(self, /) -> Scene:
+        """
+        The scene.
+        """
+    @property
+    def solved(self, /) -> bool:
+        """
+        Whether a search found a path to its goal.
+        """
+    @property
+    def text(self, /) -> str:
+        """
+        The text of the scene file: plain entries with comments, to be looked at and changed. Names of files in it start at the `folder` that was given.
+        """
+    @property
+    def warnings(self, /) -> list[str]:
+        """
+        What reading the models has to remark.
+        """
+
+@final
 class Path:
     """
     A certified path: segments, each on one leaf, and, where it has times, a curve over time.
@@ -316,10 +353,26 @@ class Scene:
         """
         What it says of itself.
         """
+    @property
+    def environments(self, /) -> list[str]:
+        """
+        Names of what never moves.
+        """
+    @staticmethod
+    def from_dict(document: Mapping[str, Any], *, folder: str | PathLike[str] = ..., packages: SupportsGetItem[int, str | PathLike[str]] = ...) -> Scene:
+        """
+        Reads a scene from a dictionary that has the keys of a scene file. Names of files in it start at `folder`.
+
+        Raises `ValueError` where a value has no form in a scene file.
+        """
     @staticmethod
     def from_text(text: str, *, folder: str | PathLike[str] = ..., name: str = "scene", packages: SupportsGetItem[int, str | PathLike[str]] = ...) -> Scene:
         """
         Reads a scene from a text in the form of a scene file (TOML). Names of files in it start at `folder`.
+        """
+    def joint_names(self, /, robot: str) -> list[str]:
+        """
+        Names of a robot's joints of one coordinate, `part/joint`, depth first (pinocchio's order), without those that follow others.
         """
     @property
     def name(self, /) -> str:
@@ -331,10 +384,19 @@ class Scene:
         """
         Names of the objects.
         """
+    def poses(self, /, names: SupportsGetItem[int, str]) -> NDArray[float64]:
+        """
+        Poses in the world of links (`part/link`) or parts (`part`: its root link) at the start: an array of shape (names, 7), x, y, z in metres and the
+        quaternion x, y, z, w.
+        """
     @property
     def robots(self, /) -> list[str]:
         """
         Names of the robots.
+        """
+    def solids(self, /, *, visual: bool = False) -> list[Solid]:
+        """
+        The solids of its links: those that collide, or, with `visual`, what is seen (of a link without visual elements what collides).
         """
     def start(self, /, name: str) -> list[float]:
         """
@@ -389,6 +451,49 @@ class Segment:
         """
 
 @final
+class Solid:
+    """
+    A solid of a link.
+    """
+    def __repr__(self, /) -> str: ...
+    @property
+    def color(self, /) -> list[float] | None:
+        """
+        Red, green, blue and opacity from 0 to 1; `None` where the model says nothing.
+        """
+    @property
+    def kind(self, /) -> str:
+        """
+        `"box"`, `"cylinder"`, `"sphere"`, `"capsule"` or `"mesh"`.
+        """
+    @property
+    def link(self, /) -> str:
+        """
+        The link that it belongs to, `part/link`.
+        """
+    @property
+    def pose(self, /) -> list[float]:
+        """
+        Its pose in the link: x, y, z in metres and the quaternion x, y, z, w.
+        """
+    @property
+    def size(self, /) -> list[float]:
+        """
+        Its sizes, metres: the sides of a box; radius and length of a cylinder; the radius of a sphere; radius and length of a capsule without its round ends;
+        nothing of a mesh.
+        """
+    @property
+    def triangles(self, /) -> NDArray[uint32]:
+        """
+        Triangles of its surface as indices of vertices, counter-clockwise seen from outside: an array of shape (triangles, 3).
+        """
+    @property
+    def vertices(self, /) -> NDArray[float64]:
+        """
+        The corners of its surface in its own frame, metres: an array of shape (vertices, 3). Round solids are approximated from inside.
+        """
+
+@final
 class Solution:
     """
     A certified path, and what the search did to find it.
@@ -428,12 +533,29 @@ def check(file: str | PathLike[str], scene: Scene | str | None = None, *, time_l
     `scene` is what the path has to answer: a `Scene`, a scene's name or file. Without it, it is the scene that the file names. `time_limit` is in seconds;
     what is not decided by then counts as undecided. `clearance` asks for a proven bound of the smallest clearance.
 
+    Other threads of Python run meanwhile; Ctrl-C ends the check.
+
     Raises `PathError` where the file or a model cannot be read.
     """
 
 def load_path(file: str | PathLike[str], *, packages: SupportsGetItem[int, str | PathLike[str]] = ...) -> Path:
     """
     Reads a path file, of any version of Foliate that wrote one.
+    """
+
+def new_scene(robot: str, objects: SupportsGetItem[int, str], *, table: str = "1.2 0.8 0.75", srdf: str | None = None, drives: bool = False, grippers: SupportsGetItem[int, str] = ..., grasps: str | PathLike[str] | None = None, grasp_axes: str = "xy", seed: SupportsIndex = 0, folder: str | PathLike[str] = ..., packages: SupportsGetItem[int, str | PathLike[str]] = ...) -> NewScene:
+    """
+    Makes a scene of a robot and objects: finds grippers, handles, resting faces and links that touch by design, lays the objects on a table within reach, and
+    plans to see that the first one can be moved. It is what the command `foliate new` does.
+
+    `robot` and `srdf` are files or `package://` URLs. An object is `"box X Y Z"`, `"cylinder RADIUS LENGTH"`, `"sphere RADIUS"` (metres), a mesh as
+    `"FILE [SCALE]"`, or a URDF. `table` is `"LENGTH WIDTH HEIGHT"` (metres), and, where its place is not to be found, `"X Y"` or `"X Y YAW"` of its middle, seen
+    from the root of the robot (metres, radians). `drives`: the root of the robot is planar. `grippers` names links of hands, or tool frames as `LINK` or
+    `LINK:AXIS`; without it all hands with two jaws are found. `grasps` is a file with grasps of the first object, lines of `x y z qx qy qz qw [score]`, and
+    `grasp_axes` says which axes of its frames approach and close. Names of files in the text start at `folder`.
+
+    Raises `SceneError` where a model cannot be read, `ModelError` where there is no gripper, or an object cannot be held or reached, `ValueError` for a request
+    that is none.
     """
 
 def run_program(arguments: SupportsGetItem[int, str]) -> int:

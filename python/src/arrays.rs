@@ -25,6 +25,24 @@ impl<'py> IntoPyObject<'py> for Array<'py> {
     }
 }
 
+/// An array of u32.
+pub(crate) struct Corners<'py>(Bound<'py, PyAny>);
+
+impl<'py> IntoPyObject<'py> for Corners<'py> {
+    type Target = PyAny;
+    type Output = Bound<'py, PyAny>;
+    type Error = Infallible;
+
+    const OUTPUT_TYPE: PyStaticExpr = type_hint_subscript!(
+        type_hint_identifier!("numpy.typing", "NDArray"),
+        type_hint_identifier!("numpy", "uint32")
+    );
+
+    fn into_pyobject(self, _: Python<'py>) -> Result<Self::Output, Self::Error> {
+        Ok(self.0)
+    }
+}
+
 /// Numbers that are given as an array, a sequence, or one alone.
 pub(crate) struct Numbers(pub Vec<f64>);
 
@@ -53,6 +71,13 @@ pub(crate) fn row(py: Python<'_>, numbers: Vec<f64>) -> Array<'_> {
 pub(crate) fn matrix(py: Python<'_>, rows: Vec<f64>, columns: usize) -> PyResult<Array<'_>> {
     let count = rows.len().checked_div(columns).unwrap_or(0);
     Ok(Array(PyArray1::from_vec(py, rows).reshape([count, columns])?.into_any()))
+}
+
+/// Three indices for each triangle.
+pub(crate) fn triangles(py: Python<'_>, triangles: Vec<[u32; 3]>) -> PyResult<Corners<'_>> {
+    let count = triangles.len();
+    let indices: Vec<u32> = triangles.into_iter().flatten().collect();
+    Ok(Corners(PyArray1::from_vec(py, indices).reshape([count, 3])?.into_any()))
 }
 
 /// An array of blocks of so many rows and columns.

@@ -5,10 +5,12 @@ use crate::interruption::watched;
 use crate::scene::PyScene;
 use foliate::check::{CheckOptions, CheckReport, SceneChoice, Verdict, check as prove, check_problem};
 use foliate::path_file::save;
-use foliate::prelude::{CancelToken, PackagePath};
+use foliate::prelude::PackagePath;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// What `check` has found.
@@ -78,6 +80,8 @@ impl PyCheckReport {
 /// `scene` is what the path has to answer: a `Scene`, a scene's name or file. Without it, it is the scene that the file names. `time_limit` is in seconds;
 /// what is not decided by then counts as undecided. `clearance` asks for a proven bound of the smallest clearance.
 ///
+/// Other threads of Python run meanwhile; Ctrl-C ends the check.
+///
 /// Raises `PathError` where the file or a model cannot be read.
 #[pyfunction]
 #[pyo3(signature = (file, scene = None, *, time_limit = 600.0, clearance = false, packages = Vec::new()))]
@@ -96,18 +100,22 @@ pub fn check(
         Some(Against::Named(name)) => SceneChoice::Given(name.clone()),
         Some(Against::Scene(_)) | None => SceneChoice::Named,
     };
-    let options = CheckOptions { time_limit: Some(limit), scene: choice, clearance, ..CheckOptions::default() };
+    let cancelled = Arc::new(AtomicBool::new(false));
+    let asked = Some(Arc::clone(&cancelled));
+    let options =
+        CheckOptions { time_limit: Some(limit), cancelled: asked, scene: choice, clearance, ..CheckOptions::default() };
     let read = save::read(&file).map_err(|why| errors::of_path(py, &why))?;
-    let base = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let base = folder.unwrap_or(Path::new(".")).to_owned();
     let problem = match &scene {
-        Some(Against::Scene(scene)) => Some(&scene.get().scene.problem),
+        Some(Against::Scene(scene)) => Some(scene.get().scene.problem.clone()),
         Some(Against::Named(_)) | None => None,
     };
-    let work = || match problem {
-        Some(problem) => check_problem(&read, base, &packages, &options, problem),
-        None => prove(&read, base, &packages, &options),
+    let work = move || match problem {
+        Some(problem) => check_problem(&read, &base, &packages, &options, &problem),
+        None => prove(&read, &base, &packages, &options),
     };
-    let report = watched(py, &CancelToken::default(), work, |_| Ok(()))?.map_err(|why| errors::of_path(py, &why))?;
+    let report = watched(py, || cancelled.store(true, Ordering::Relaxed), work, |_| Ok(()))?.map_err(|why| errors::of_path(py, &why))?;
     Ok(PyCheckReport { report })
 }
 

@@ -25,6 +25,11 @@ pub(crate) fn of_model(py: Python<'_>, error: &impl std::error::Error) -> PyErr 
     raised(py, "ModelError", (error.to_string(),))
 }
 
+/// A name that nothing has.
+pub(crate) fn unknown(py: Python<'_>, what: &str, name: &str) -> PyErr {
+    raised(py, "ModelError", (format!("there is no {what} `{name}`"),))
+}
+
 /// What is wrong with a path, its file or what is asked of it.
 pub(crate) fn of_path(py: Python<'_>, error: &impl std::fmt::Display) -> PyErr {
     raised(py, "PathError", (error.to_string(),))

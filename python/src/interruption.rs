@@ -1,9 +1,11 @@
 //! Long calls: other threads of Python go on meanwhile, Ctrl-C ends them.
 
-use crate::errors;
+use crate::{errors, workers};
 use foliate::crossbeam_channel::{RecvTimeoutError, bounded};
 use foliate::prelude::CancelToken;
 use pyo3::prelude::*;
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Duration;
 
 /// So often Python is asked whether Ctrl-C was pressed.
@@ -37,35 +39,38 @@ impl PyCancel {
     }
 }
 
-/// Works on a thread of its own. Meanwhile other threads of Python run; signals are looked at, and `tick` is called, every 20 ms. Where one of the two
-/// raises, `token` is cancelled and the exception is raised once the work has ended.
-pub(crate) fn watched<T: Send>(
+/// Works on another thread. Meanwhile other threads of Python run; signals are looked at, and `tick` is called, every 20 ms. Where one of the two
+/// raises, `cancel` is called, which makes the work end soon; the exception is raised once it has.
+pub(crate) fn watched<T: Send + 'static>(
     py: Python<'_>,
-    token: &CancelToken,
-    work: impl FnOnce() -> T + Send,
+    cancel: impl Fn(),
+    work: impl FnOnce() -> T + Send + 'static,
     mut tick: impl FnMut(Python<'_>) -> PyResult<()>,
 ) -> PyResult<T> {
-    std::thread::scope(|scope| {
-        let (done, ended) = bounded::<()>(1);
-        let worker = scope.spawn(move || {
-            let value = work();
-            drop(done);
-            value
-        });
-        let mut raised = None;
-        while let Err(RecvTimeoutError::Timeout) = py.detach(|| ended.recv_timeout(PATIENCE)) {
-            if raised.is_none()
-                && let Err(why) = py.check_signals().and_then(|()| tick(py))
-            {
-                token.cancel();
-                raised = Some(why);
+    let (done, ended) = bounded(1);
+    workers::run(Box::new(move || {
+        let value = catch_unwind(AssertUnwindSafe(work));
+        // Somebody waits for it: `watched` does not return before.
+        let _ = done.send(value);
+    }));
+    let mut raised = None;
+    let value = loop {
+        match py.detach(|| ended.recv_timeout(PATIENCE)) {
+            Err(RecvTimeoutError::Timeout) => {
+                if raised.is_none()
+                    && let Err(why) = py.check_signals().and_then(|()| tick(py))
+                {
+                    cancel();
+                    raised = Some(why);
+                }
             }
+            Ok(value) => break value,
+            Err(RecvTimeoutError::Disconnected) => break Err(Box::new("a worker was lost") as Box<dyn Any + Send>),
         }
-        let value = py.detach(|| worker.join());
-        match (raised, value) {
-            (Some(why), _) => Err(why),
-            (None, Ok(value)) => Ok(value),
-            (None, Err(payload)) => Err(errors::of_panic(&*payload)),
-        }
-    })
+    };
+    match (raised, value) {
+        (Some(why), _) => Err(why),
+        (None, Ok(value)) => Ok(value),
+        (None, Err(payload)) => Err(errors::of_panic(&*payload)),
+    }
 }

@@ -1,11 +1,12 @@
 //! The Python package `foliate`: scenes, plans, and paths as numpy arrays.
 //!
-//! `scene` is what is planned for, `planning` plans, `solution` and `report` are what comes of it, `path` answers what a robot program or a notebook asks of a path,
-//! `checking` proves a path file, `command` is the program `foliate`. `errors` makes exceptions of errors, `interruption` lets Ctrl-C end what takes long, `arrays` fills numpy arrays, `page` shows.
+//! `scene` is what is planned for, made of a `document` or by `setup`, with each `solid` of its links, `planning` plans, `solution` and `report` are what comes of it, `path` answers what a robot program or a notebook asks of a path,
+//! `checking` proves a path file, `command` is the program `foliate`. `errors` makes exceptions of errors, `interruption` lets Ctrl-C end what takes long, on `workers`, `arrays` fills numpy arrays, `page` shows.
 
 mod arrays;
 mod checking;
 mod command;
+mod document;
 mod errors;
 mod interruption;
 mod page;
@@ -13,7 +14,10 @@ mod path;
 mod planning;
 mod report;
 mod scene;
+mod setup;
+mod solid;
 mod solution;
+mod workers;
 
 use pyo3::prelude::pymodule;
 
@@ -38,6 +42,10 @@ mod module {
     use crate::report::{PyFunnelRow, PyReport};
     #[pymodule_export]
     use crate::scene::{PyScene, scenes};
+    #[pymodule_export]
+    use crate::setup::{PyNewScene, new_scene};
+    #[pymodule_export]
+    use crate::solid::PySolid;
     #[pymodule_export]
     use crate::solution::PySolution;
 

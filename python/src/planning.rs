@@ -85,7 +85,7 @@ pub fn solve(
         None => (planner, None),
     };
     let tick = |py: Python<'_>| told.as_mut().map_or(Ok(()), |told| told.tell(py));
-    let answer = watched(py, &token, || planner.solve_on(usize::from(threads)), tick)?;
+    let answer = watched(py, || token.cancel(), move || planner.solve_on(usize::from(threads)), tick)?;
     match answer {
         Ok(solution) => Ok(PySolution::new(solution, scene, (seed, scheduler.to_owned()))),
         Err(none) => Err(errors::of_search(py, &none)),

@@ -1,8 +1,12 @@
 //! Scenes: what is planned for.
 
+use crate::arrays::{Array, matrix, pose_row};
 use crate::errors;
+use crate::solid::PySolid;
+use crate::document::{self, Document};
 use crate::page;
-use foliate::components::robot::PartKind;
+use foliate::components::robot::{PartKind, Source};
+use foliate::kernels::kinematics::{Kinematics, Placement};
 use foliate::prelude::{CoordinateValue, Goal, PackagePath, Pose, Problem};
 use foliate::scene::{Scene, shipped_scenes};
 use foliate::systems::planning_model::ProblemTables;
@@ -93,10 +97,25 @@ impl PyScene {
     /// Reads a scene from a text in the form of a scene file (TOML). Names of files in it start at `folder`.
     #[staticmethod]
     #[pyo3(signature = (text, *, folder = PathBuf::from("."), name = "scene", packages = Vec::new()))]
-    fn from_text(py: Python<'_>, text: &str, folder: PathBuf, name: &str, packages: Vec<PathBuf>) -> PyResult<Self> {
+    pub(crate) fn from_text(py: Python<'_>, text: &str, folder: PathBuf, name: &str, packages: Vec<PathBuf>) -> PyResult<Self> {
         let packages = PackagePath::from_environment(&packages);
         let scene = py.detach(|| Scene::from_text(name, text, &folder, &packages));
         Ok(Self::of(scene.map_err(|why| errors::of_scene(py, &why))?, packages))
+    }
+
+    /// Reads a scene from a dictionary that has the keys of a scene file. Names of files in it start at `folder`.
+    ///
+    /// Raises `ValueError` where a value has no form in a scene file.
+    #[staticmethod]
+    #[pyo3(signature = (document, *, folder = PathBuf::from("."), packages = Vec::new()))]
+    fn from_dict(
+        py: Python<'_>,
+        document: Document<'_>,
+        folder: PathBuf,
+        packages: Vec<PathBuf>,
+    ) -> PyResult<Self> {
+        let text = document::text_of(&document)?;
+        Self::from_text(py, &text, folder, "scene", packages)
     }
 
     /// Its name.
@@ -123,10 +142,44 @@ impl PyScene {
         self.names(PartKind::Object)
     }
 
+    /// Names of a robot's joints of one coordinate, `part/joint`, depth first (pinocchio's order), without those that follow others.
+    fn joint_names(&self, py: Python<'_>, robot: &str) -> PyResult<Vec<String>> {
+        let model = &self.scene.problem.robot;
+        let part = model.parts.iter().find(|part| part.name == robot && part.kind == PartKind::Robot);
+        let joints = part.ok_or_else(|| errors::unknown(py, "robot", robot))?.joints.clone();
+        let own = joints.map(|index| &model.joints[index]).filter(|joint| {
+            joint.motion.configuration_size() == 1 && matches!(joint.source, Source::Coordinates { .. })
+        });
+        Ok(own.map(|joint| joint.name.clone()).collect())
+    }
+
+    /// Names of what never moves.
+    #[getter]
+    fn environments(&self) -> Vec<String> {
+        self.names(PartKind::Environment)
+    }
+
     /// What reading it has to remark.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.scene.warnings.iter().map(ToString::to_string).collect()
+    }
+
+    /// The solids of its links: those that collide, or, with `visual`, what is seen (of a link without visual elements what collides).
+    #[pyo3(signature = (*, visual = false))]
+    fn solids(&self, py: Python<'_>, visual: bool) -> PyResult<Vec<PySolid>> {
+        let robot = &self.scene.problem.robot;
+        let mut solids = Visuals::of_shapes(robot);
+        if visual {
+            let packages = self.packages.clone().with_placeholders();
+            let seen = py.detach(|| Visuals::of_scene(&self.scene, &packages));
+            let seen = seen.map_err(|why| errors::of_scene(py, &why))?.links;
+            for (own, seen) in solids.links.iter_mut().zip(seen).filter(|(_, seen)| !seen.is_empty()) {
+                *own = seen;
+            }
+        }
+        let links = robot.links.iter().zip(&solids.links);
+        Ok(links.flat_map(|(link, solids)| solids.iter().map(|solid| PySolid::of(&link.name, solid))).collect())
     }
 
     /// What a joint (`part/joint`) or part has at the start: a number, three (x, y, angle) or seven (x, y, z, and the quaternion x, y, z, w); metres and
@@ -139,6 +192,23 @@ impl PyScene {
             CoordinateValue::Planar(numbers) => numbers.to_vec(),
             CoordinateValue::Pose(pose) => crate::arrays::pose_row(&pose).to_vec(),
         })
+    }
+
+    /// Poses in the world of links (`part/link`) or parts (`part`: its root link) at the start: an array of shape (names, 7), x, y, z in metres and the
+    /// quaternion x, y, z, w.
+    fn poses<'py>(&self, py: Python<'py>, names: Vec<String>) -> PyResult<Array<'py>> {
+        let problem = &self.scene.problem;
+        let robot = &problem.robot;
+        let at_start = Kinematics::new(robot).poses(&problem.start);
+        let mut numbers = Vec::with_capacity(7 * names.len());
+        for name in &names {
+            let part = || robot.part(name).map(|part| robot.parts[part.at()].root_link);
+            let link = robot.link(name).or_else(part);
+            let link = &robot.links[link.ok_or_else(|| errors::unknown(py, "part or link", name))?.at()];
+            let placement = Placement { joint: link.joint, X_JF: link.joint_from_link };
+            numbers.extend_from_slice(&pose_row(&placement.in_world(&at_start)));
+        }
+        matrix(py, numbers, 7)
     }
 
     /// The scene with another start: joints (`part/joint`, radians or metres) and parts (poses in the world: x, y, z in metres and the quaternion x, y, z,

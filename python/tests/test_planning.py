@@ -15,6 +15,7 @@ import pytest
 
 import foliate
 
+
 @pytest.fixture(scope="module")
 def demo() -> foliate.Scene:
     return foliate.Scene("demo")
@@ -138,9 +139,24 @@ except KeyboardInterrupt:
 """
 
 
+LONG_CHECK = """
+import foliate, signal, sys, time
+signal.signal(signal.SIGINT, signal.default_int_handler)
+print("begun", flush=True)
+try:
+    while True:
+        foliate.check(sys.argv[1], clearance=True)
+except KeyboardInterrupt:
+    print(time.time(), flush=True)
+"""
+
+
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
-def test_interrupts_end_a_search_at_once() -> None:
-    program = subprocess.Popen([sys.executable, "-c", LONG], stdout=subprocess.PIPE, text=True)
+@pytest.mark.parametrize("text", [LONG, LONG_CHECK])
+def test_interrupts_end_what_takes_long_at_once(text: str, solution: foliate.Solution, tmp_path: Path) -> None:
+    file = tmp_path / "path.json"
+    solution.path.save(file)
+    program = subprocess.Popen([sys.executable, "-c", text, str(file)], stdout=subprocess.PIPE, text=True)
     assert program.stdout is not None
     assert program.stdout.readline() == "begun\n"
     time.sleep(1.0)

@@ -82,7 +82,7 @@ fn prove(
     }
     let pairs = pairs::Pairs::list(file, &world, &ignored, &mut report, options.pairs)?;
     let mut proof = Proof { file, world: &world, frames: &frames, attachments: &attachments, pairs: &pairs, contract };
-    let mut work = Work::new(options.work_limit, deadline);
+    let mut work = Work::new(options.work_limit, deadline, options.cancelled.clone());
     proof.segments(options, &mut report, &mut work)?;
     if options.clearance && work.stop().is_none() {
         report.clearance = report.min_clearance.as_ref().map(|least| along::least_between(least.value));
@@ -164,7 +164,7 @@ impl Proof<'_> {
         let subject = format!("{}: segments {index} to {last} of 0 to {last} are not proved", stop.told());
         match stop {
             Stop::Refused => report.note(subject),
-            Stop::WorkLimit | Stop::TimeLimit => {
+            Stop::WorkLimit | Stop::TimeLimit | Stop::Cancelled => {
                 let place = check_report::Place { segment: Some(index), t: None };
                 report.violate(place, Kind::Undecided, subject, None, None);
             }

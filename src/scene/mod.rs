@@ -5,7 +5,7 @@
 //!
 //! `load` is the entrance for files, `shipped` for embedded scenes. Both call `assemble`, which makes a problem of a scene
 //! file. It finds the files of models by `sources` and reads them by `urdf`, `srdf` and `mesh`. All of these read by means
-//! of `reading`. `visuals` is what links look like.
+//! of `reading`. `visuals` is what links look like, `surface` their solids as triangles.
 
 pub(crate) mod assemble;
 pub mod load;
@@ -14,6 +14,8 @@ pub mod reading;
 pub(crate) mod shipped;
 pub(crate) mod sources;
 pub(crate) mod srdf;
+#[cfg(feature = "visuals")]
+pub(crate) mod surface;
 pub(crate) mod urdf;
 #[cfg(feature = "visuals")]
 pub(crate) mod visuals;
@@ -31,5 +33,7 @@ pub use crate::scene::shipped::{ShippedScene, shipped_scenes};
 pub use crate::scene::sources::package::PackagePath;
 pub use crate::scene::sources::source::{ModelFile, Origin, sha256};
 pub use crate::scene::sources::xacro::XacroUse;
+#[cfg(feature = "visuals")]
+pub use crate::scene::surface::Surface;
 #[cfg(feature = "visuals")]
 pub use crate::scene::visuals::{Visual, Visuals};

@@ -15,7 +15,7 @@ pub enum ObjectRequest {
     Cylinder(f64, f64),
     /// A ball of this radius, metres.
     Sphere(f64),
-    /// A mesh (STL, OBJ or DAE) and its scale.
+    /// A mesh (STL, OBJ, PLY, COLLADA or glTF) and its scale.
     Mesh(String, f64),
     /// A URDF.
     Urdf(String),
@@ -52,7 +52,7 @@ impl FromStr for ObjectRequest {
                 let ending = Path::new(file).extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
                 match ending.as_str() {
                     "urdf" => Ok(Self::Urdf(file.to_owned())),
-                    "stl" | "obj" | "dae" => Ok(Self::Mesh(file.to_owned(), scale)),
+                    "stl" | "obj" | "ply" | "dae" | "glb" | "gltf" => Ok(Self::Mesh(file.to_owned(), scale)),
                     _ => Err(refused()),
                 }
             }
@@ -139,7 +139,8 @@ mod tests {
         assert_eq!(object("my mug.stl 0.001"), Some(ObjectRequest::Mesh("my mug.stl".into(), 0.001)));
         assert_eq!(object("a/mug.OBJ"), Some(ObjectRequest::Mesh("a/mug.OBJ".into(), 1.0)));
         assert_eq!(object("mug.urdf"), Some(ObjectRequest::Urdf("mug.urdf".into())));
-        for wrong in ["", "box", "box 1 2", "box 1 2 -3", "sphere nan", "mug", "cylinder 1", "mug.gltf"] {
+        assert_eq!(object("mug.glb 2"), Some(ObjectRequest::Mesh("mug.glb".into(), 2.0)));
+        for wrong in ["", "box", "box 1 2", "box 1 2 -3", "sphere nan", "mug", "cylinder 1", "mug.step"] {
             assert_eq!(object(wrong), None, "{wrong}");
         }
         let table = |text: &str| text.parse::<TableRequest>().ok();

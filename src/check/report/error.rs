@@ -1,6 +1,8 @@
 //! What a check is asked (its options, the scene to compare with), and why a file cannot be checked at all.
 
 use crate::scene::reading::error::SceneError;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 /// What a path is compared with.
@@ -16,12 +18,14 @@ pub enum SceneChoice {
 }
 
 /// How much work a check may be, and what is asked.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub struct CheckOptions {
     /// Distances and residuals that are computed at most; what is then left is undecided.
     pub work_limit: u64,
     /// Time that a check may take, reading of models included; what is then left is undecided.
     pub time_limit: Option<Duration>,
+    /// Where another thread sets this, the check ends; what is then left is undecided.
+    pub cancelled: Option<Arc<AtomicBool>>,
     /// What the path is compared with.
     pub scene: SceneChoice,
     /// Whether the smallest clearance is asked for: see
@@ -35,7 +39,7 @@ pub struct CheckOptions {
 impl Default for CheckOptions {
     fn default() -> Self {
         let scene = SceneChoice::default();
-        Self { work_limit: 50_000_000, time_limit: None, scene, clearance: false, pairs: false }
+        Self { work_limit: 50_000_000, time_limit: None, cancelled: None, scene, clearance: false, pairs: false }
     }
 }
 

@@ -1,5 +1,7 @@
 //! How much a check may still do: distances and residuals are counted, and the clock is read now and then.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// Distances and residuals between two readings of the clock.
@@ -12,6 +14,7 @@ const AFTER_REFUSAL: u64 = 4_000;
 pub(crate) enum Stop {
     WorkLimit,
     TimeLimit,
+    Cancelled,
     /// A promise is broken already.
     Refused,
 }
@@ -21,6 +24,7 @@ impl Stop {
         match self {
             Self::WorkLimit => "the work limit is reached",
             Self::TimeLimit => "the time limit is reached",
+            Self::Cancelled => "the check was cancelled",
             Self::Refused => "the path is refused already",
         }
     }
@@ -30,14 +34,15 @@ impl Stop {
 pub(crate) struct Work {
     left: u64,
     deadline: Option<Instant>,
+    cancelled: Option<Arc<AtomicBool>>,
     until_look: u64,
     refused: bool,
     stop: Option<Stop>,
 }
 
 impl Work {
-    pub(crate) fn new(left: u64, deadline: Option<Instant>) -> Self {
-        Self { left, deadline, until_look: LOOK, refused: false, stop: None }
+    pub(crate) fn new(left: u64, deadline: Option<Instant>, cancelled: Option<Arc<AtomicBool>>) -> Self {
+        Self { left, deadline, cancelled, until_look: LOOK, refused: false, stop: None }
     }
 
     /// Whether there was this much left. Once there was not there never is again.
@@ -56,9 +61,12 @@ impl Work {
         true
     }
 
-    /// Reads the clock.
+    /// Reads the clock, and whether somebody wants an end.
     pub(crate) fn look(&mut self) {
         self.until_look = LOOK;
+        if self.stop.is_none() && self.cancelled.as_ref().is_some_and(|cancelled| cancelled.load(Ordering::Relaxed)) {
+            self.stop = Some(Stop::Cancelled);
+        }
         if self.stop.is_none() && self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
             self.stop = Some(Stop::TimeLimit);
         }

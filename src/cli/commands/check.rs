@@ -93,6 +93,7 @@ fn proved(
         scene,
         clearance: arguments.clearance,
         pairs: arguments.pairs,
+        cancelled: None,
     };
     let report =
         check(&file, base, &loading::until(packages, stop), &options).map_err(|error| match stop.is_raised() {

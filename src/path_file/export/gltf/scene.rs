@@ -4,9 +4,9 @@
 //! their bodies are animated in their parents' frames, roots of objects in the world, where they follow what carries them.
 
 use crate::path_file::export::gltf::buffer::Buffer;
-use crate::path_file::export::gltf::surface::surface;
 use crate::path_file::export::options::{ExportError, ExportOptions, fits};
 use crate::planner::trajectory::trajectory::Trajectory;
+use crate::scene::surface::Surface;
 use crate::scene::visuals::{Visual, Visuals};
 use foliate_components::Pose;
 use foliate_components::robot::shape::Geometry;
@@ -172,7 +172,7 @@ impl Scene {
     }
 
     fn surface(&mut self, geometry: &Geometry) -> Option<(usize, usize)> {
-        let surface = surface(geometry)?;
+        let surface = Surface::of(geometry)?;
         let positions = self.buffer.positions(&surface.vertices);
         Some((positions, self.buffer.corners(&surface.triangles, surface.vertices.len())))
     }

@@ -9,27 +9,33 @@ const AROUND: u32 = 48;
 /// Rings of half a ball.
 const RINGS: u32 = 12;
 
-/// Triangles, counter-clockwise seen from outside.
-pub(super) struct Surface {
+/// The surface of a solid as triangles, for what shows it. Round solids are approximated from inside.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Surface {
+    /// Corners, metres, in the frame of the solid.
     pub vertices: Vec<[f32; 3]>,
+    /// Three indices of vertices each, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// The surface of a solid; none where nothing is to be seen.
-pub(super) fn surface(geometry: &Geometry) -> Option<Surface> {
-    let (vertices, triangles) = match geometry {
-        Geometry::Mesh(mesh) => (mesh.vertices.clone(), mesh.triangles.clone()),
-        Geometry::Box { half_extents } => cuboid(*half_extents),
-        Geometry::Sphere { radius } => turned(&ball(*radius, 0.0)),
-        Geometry::Capsule { radius, half_length } => turned(&ball(*radius, *half_length)),
-        Geometry::Cylinder { radius, half_length } => {
-            let (r, h) = (*radius, *half_length);
-            turned(&[(0.0, -h), (r, -h), (r, h), (0.0, h)])
-        }
-    };
-    let vertices: Vec<[f32; 3]> = vertices.iter().map(|v| v.to_array().map(|x| x as f32)).collect();
-    let is_seen = !triangles.is_empty() && vertices.iter().flatten().all(|x| x.is_finite());
-    is_seen.then_some(Surface { vertices, triangles })
+impl Surface {
+    /// The surface of a solid; none where nothing is to be seen.
+    #[must_use]
+    pub fn of(geometry: &Geometry) -> Option<Self> {
+        let (vertices, triangles) = match geometry {
+            Geometry::Mesh(mesh) => (mesh.vertices.clone(), mesh.triangles.clone()),
+            Geometry::Box { half_extents } => cuboid(*half_extents),
+            Geometry::Sphere { radius } => turned(&ball(*radius, 0.0)),
+            Geometry::Capsule { radius, half_length } => turned(&ball(*radius, *half_length)),
+            Geometry::Cylinder { radius, half_length } => {
+                let (r, h) = (*radius, *half_length);
+                turned(&[(0.0, -h), (r, -h), (r, h), (0.0, h)])
+            }
+        };
+        let vertices: Vec<[f32; 3]> = vertices.iter().map(|v| v.to_array().map(|x| x as f32)).collect();
+        let is_seen = !triangles.is_empty() && vertices.iter().flatten().all(|x| x.is_finite());
+        is_seen.then_some(Self { vertices, triangles })
+    }
 }
 
 fn cuboid(half: DVec3) -> (Vec<DVec3>, Vec<[u32; 3]>) {
@@ -81,7 +87,7 @@ mod tests {
 
     /// By the divergence theorem: positive where triangles are seen from outside.
     fn volume(geometry: &Geometry) -> f64 {
-        let surface = surface(geometry).expect("a surface");
+        let surface = Surface::of(geometry).expect("a surface");
         let corner = |i: u32| DVec3::from_array(surface.vertices[i as usize].map(f64::from));
         surface.triangles.iter().map(|t| corner(t[0]).dot(corner(t[1]).cross(corner(t[2]))) / 6.0).sum()
     }
