@@ -1,8 +1,8 @@
 //! Proofs of path files.
 
-use crate::errors;
-use crate::interruption::watched;
-use crate::scene::PyScene;
+use crate::calls::errors;
+use crate::calls::interruption::watched;
+use crate::scene::py_scene::PyScene;
 use foliate::check::{CheckOptions, CheckReport, SceneChoice, Verdict, check as prove, check_problem};
 use foliate::path_file::save;
 use foliate::prelude::PackagePath;
@@ -115,7 +115,8 @@ pub fn check(
         Some(problem) => check_problem(&read, &base, &packages, &options, &problem),
         None => prove(&read, &base, &packages, &options),
     };
-    let report = watched(py, || cancelled.store(true, Ordering::Relaxed), work, |_| Ok(()))?.map_err(|why| errors::of_path(py, &why))?;
+    let report = watched(py, || cancelled.store(true, Ordering::Relaxed), work, |_| Ok(()))?
+        .map_err(|why| errors::of_path(py, &why))?;
     Ok(PyCheckReport { report })
 }
 

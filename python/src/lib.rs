@@ -1,23 +1,16 @@
 //! The Python package `foliate`: scenes, plans, and paths as numpy arrays.
 //!
-//! `scene` is what is planned for, made of a `document` or by `setup`, with each `solid` of its links, `planning` plans, `solution` and `report` are what comes of it, `path` answers what a robot program or a notebook asks of a path,
-//! `checking` proves a path file, `command` is the program `foliate`. `errors` makes exceptions of errors, `interruption` lets Ctrl-C end what takes long, on `workers`, `arrays` fills numpy arrays, `page` shows.
+//! `scene` is what is planned for, `planning` plans, `path` answers what a robot program or a notebook asks of a path, `checking` proves a path file,
+//! `command` is the program `foliate`. `calls` runs what takes long, `arrays` fills numpy arrays, `page` shows.
 
 mod arrays;
+mod calls;
 mod checking;
 mod command;
-mod document;
-mod errors;
-mod interruption;
 mod page;
 mod path;
 mod planning;
-mod report;
 mod scene;
-mod setup;
-mod solid;
-mod solution;
-mod workers;
 
 use pyo3::prelude::pymodule;
 
@@ -29,25 +22,25 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 #[pymodule(name = "_foliate")]
 mod module {
     #[pymodule_export]
+    use crate::calls::interruption::PyCancel;
+    #[pymodule_export]
     use crate::checking::{PyCheckReport, check};
     #[pymodule_export]
     use crate::command::run_program;
     #[pymodule_export]
-    use crate::interruption::PyCancel;
-    #[pymodule_export]
     use crate::path::{PyEvent, PyPath, PySegment, load_path};
     #[pymodule_export]
-    use crate::planning::{schedulers, solve};
+    use crate::planning::report::{PyFunnelRow, PyReport};
     #[pymodule_export]
-    use crate::report::{PyFunnelRow, PyReport};
+    use crate::planning::solution::PySolution;
     #[pymodule_export]
-    use crate::scene::{PyScene, scenes};
+    use crate::planning::solve::{schedulers, solve};
     #[pymodule_export]
-    use crate::setup::{PyNewScene, new_scene};
+    use crate::scene::new_scene::{PyNewScene, new_scene};
     #[pymodule_export]
-    use crate::solid::PySolid;
+    use crate::scene::py_scene::{PyScene, scenes};
     #[pymodule_export]
-    use crate::solution::PySolution;
+    use crate::scene::solid::PySolid;
 
     /// Version of Foliate.
     #[pymodule_export]

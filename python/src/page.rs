@@ -1,6 +1,6 @@
 //! Pages that show a scene or a path, see `foliate view`.
 
-use crate::errors;
+use crate::calls::errors;
 use foliate::view::Page;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;

@@ -1,8 +1,9 @@
 //! Paths: what a robot program or a notebook asks of them, as numpy arrays.
 
 use crate::arrays::{Array, Numbers, blocks, matrix, pose_row, row};
-use crate::scene::PyScene;
-use crate::{errors, page};
+use crate::calls::errors;
+use crate::page;
+use crate::scene::py_scene::PyScene;
 use foliate::components::path::{EventKind, ManipulationPath, Segment};
 use foliate::kernels::lanes::Level;
 use foliate::path_file::{LoadedPath, PathContext, save, write_path};

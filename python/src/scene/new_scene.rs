@@ -1,7 +1,7 @@
 //! Scenes from models: `foliate new`.
 
-use crate::errors;
-use crate::scene::PyScene;
+use crate::calls::errors;
+use crate::scene::py_scene::PyScene;
 use foliate::prelude::PackagePath;
 use foliate::setup::{NewScene, SetupError, WrittenScene, new_scene as written};
 use pyo3::exceptions::PyValueError;

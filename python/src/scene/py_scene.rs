@@ -1,10 +1,10 @@
 //! Scenes: what is planned for.
 
 use crate::arrays::{Array, matrix, pose_row};
-use crate::errors;
-use crate::solid::PySolid;
-use crate::document::{self, Document};
+use crate::calls::errors;
 use crate::page;
+use crate::scene::document::{self, Document};
+use crate::scene::solid::PySolid;
 use foliate::components::robot::{PartKind, Source};
 use foliate::kernels::kinematics::{Kinematics, Placement};
 use foliate::prelude::{CoordinateValue, Goal, PackagePath, Pose, Problem};
@@ -97,7 +97,13 @@ impl PyScene {
     /// Reads a scene from a text in the form of a scene file (TOML). Names of files in it start at `folder`.
     #[staticmethod]
     #[pyo3(signature = (text, *, folder = PathBuf::from("."), name = "scene", packages = Vec::new()))]
-    pub(crate) fn from_text(py: Python<'_>, text: &str, folder: PathBuf, name: &str, packages: Vec<PathBuf>) -> PyResult<Self> {
+    pub(crate) fn from_text(
+        py: Python<'_>,
+        text: &str,
+        folder: PathBuf,
+        name: &str,
+        packages: Vec<PathBuf>,
+    ) -> PyResult<Self> {
         let packages = PackagePath::from_environment(&packages);
         let scene = py.detach(|| Scene::from_text(name, text, &folder, &packages));
         Ok(Self::of(scene.map_err(|why| errors::of_scene(py, &why))?, packages))
@@ -108,12 +114,7 @@ impl PyScene {
     /// Raises `ValueError` where a value has no form in a scene file.
     #[staticmethod]
     #[pyo3(signature = (document, *, folder = PathBuf::from("."), packages = Vec::new()))]
-    fn from_dict(
-        py: Python<'_>,
-        document: Document<'_>,
-        folder: PathBuf,
-        packages: Vec<PathBuf>,
-    ) -> PyResult<Self> {
+    fn from_dict(py: Python<'_>, document: Document<'_>, folder: PathBuf, packages: Vec<PathBuf>) -> PyResult<Self> {
         let text = document::text_of(&document)?;
         Self::from_text(py, &text, folder, "scene", packages)
     }

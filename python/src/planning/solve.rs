@@ -1,9 +1,11 @@
 //! Planning: a scene in, a solution out.
 
-use crate::errors;
-use crate::interruption::{PyCancel, watched};
-use crate::scene::PyScene;
-use crate::solution::PySolution;
+use crate::calls::errors;
+use crate::calls::interruption::{PyCancel, watched};
+use crate::planning::report::PyReport;
+use crate::planning::solution::PySolution;
+use crate::scene::py_scene::PyScene;
+use foliate::NoSolution;
 use foliate::crossbeam_channel::Receiver;
 use foliate::memory::MemoryLimit;
 use foliate::prelude::{CancelToken, Planner, SearchEvent, SolveEvent};
@@ -88,8 +90,17 @@ pub fn solve(
     let answer = watched(py, || token.cancel(), move || planner.solve_on(usize::from(threads)), tick)?;
     match answer {
         Ok(solution) => Ok(PySolution::new(solution, scene, (seed, scheduler.to_owned()))),
-        Err(none) => Err(errors::of_search(py, &none)),
+        Err(none) => Err(without_path(py, &none)),
     }
+}
+
+/// What a search without a path raises.
+fn without_path(py: Python<'_>, none: &NoSolution) -> PyErr {
+    let report = match Py::new(py, PyReport::of(&none.report)) {
+        Ok(report) => report,
+        Err(why) => return why,
+    };
+    errors::raised(py, "NoSolution", (none.reason.to_string(), none.reason.name(), none.reason.detail(), report))
 }
 
 /// The schedulers that are shipped.

@@ -1,6 +1,6 @@
 //! Long calls: other threads of Python go on meanwhile, Ctrl-C ends them.
 
-use crate::{errors, workers};
+use crate::calls::{errors, workers};
 use foliate::crossbeam_channel::{RecvTimeoutError, bounded};
 use foliate::prelude::CancelToken;
 use pyo3::prelude::*;

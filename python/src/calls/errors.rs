@@ -1,14 +1,11 @@
 //! Exceptions: `foliate/errors.py` has their classes, with an attribute for each thing that an error says.
 
 use foliate::scene::SceneError;
-use foliate::{NoSolution, Report};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
-use crate::report::PyReport;
-
 /// An exception of a class of `foliate.errors`.
-fn raised<'py>(py: Python<'py>, class: &str, arguments: impl pyo3::call::PyCallArgs<'py>) -> PyErr {
+pub(crate) fn raised<'py>(py: Python<'py>, class: &str, arguments: impl pyo3::call::PyCallArgs<'py>) -> PyErr {
     let made = py.import("foliate.errors").and_then(|errors| errors.getattr(class)?.call1(arguments));
     match made {
         Ok(exception) => PyErr::from_value(exception),
@@ -33,16 +30,6 @@ pub(crate) fn unknown(py: Python<'_>, what: &str, name: &str) -> PyErr {
 /// What is wrong with a path, its file or what is asked of it.
 pub(crate) fn of_path(py: Python<'_>, error: &impl std::fmt::Display) -> PyErr {
     raised(py, "PathError", (error.to_string(),))
-}
-
-/// A search without a path.
-pub(crate) fn of_search(py: Python<'_>, none: &NoSolution) -> PyErr {
-    let report: &Report = &none.report;
-    let report = match Py::new(py, PyReport::of(report)) {
-        Ok(report) => report,
-        Err(why) => return why,
-    };
-    raised(py, "NoSolution", (none.reason.to_string(), none.reason.name(), none.reason.detail(), report))
 }
 
 /// What a panic of the kernel becomes: the process lives on.

@@ -1,8 +1,8 @@
 //! What a solve answers.
 
 use crate::path::{PyPath, Source};
-use crate::report::PyReport;
-use crate::scene::PyScene;
+use crate::planning::report::PyReport;
+use crate::scene::py_scene::PyScene;
 use foliate::Solution;
 use pyo3::prelude::*;
 use std::sync::Arc;
