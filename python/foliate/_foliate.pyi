@@ -219,6 +219,11 @@ class Path:
         carried.
         """
     @property
+    def coordinates(self, /) -> list[str]:
+        """
+        Names of the numbers of a configuration: `part/joint`, `part/x` to `part/qw` of a free part, `part/x`, `part/y` and `part/theta` of a planar one.
+        """
+    @property
     def duration(self, /) -> float | None:
         """
         How long it takes, seconds; `None` in a path without times.
@@ -228,9 +233,14 @@ class Path:
         """
         When hands take and let go, in the order of time.
         """
+    @property
+    def grippers(self, /) -> list[str]:
+        """
+        Names of all grippers, `part/gripper`.
+        """
     def joint_names(self, /, robot: str) -> list[str]:
         """
-        Names of a robot's joints of one coordinate, `part/joint`, depth first (pinocchio's order).
+        Names of a robot's joints of one coordinate, `part/joint`, those that follow others included, depth first (pinocchio's order).
         """
     def joints(self, /, joints: str | SupportsGetItem[int, str], times: ArrayLike) -> tuple[NDArray[float64], NDArray[float64], NDArray[float64]]:
         """
@@ -429,6 +439,11 @@ class Segment:
     A motion on one leaf.
     """
     def __repr__(self, /) -> str: ...
+    @property
+    def holding(self, /) -> list[tuple[str, str]]:
+        """
+        Who holds what during the motion: grippers (`part/gripper`) and handles (`part/handle`).
+        """
     @property
     def knots(self, /) -> NDArray[float64]:
         """

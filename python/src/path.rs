@@ -4,13 +4,15 @@ use crate::arrays::{Array, Numbers, blocks, matrix, pose_row, row};
 use crate::calls::errors;
 use crate::page;
 use crate::scene::py_scene::PyScene;
-use foliate::components::path::{EventKind, ManipulationPath, Segment};
+use foliate::Solution;
+use foliate::components::path::{Attachment, EventKind, ManipulationPath, Segment};
+use foliate::components::robot::{PartKind, Robot};
 use foliate::kernels::lanes::Level;
 use foliate::path_file::{LoadedPath, PathContext, save, write_path};
 use foliate::prelude::{PackagePath, Trajectory, TrajectoryError};
+use foliate::scene::{SceneError, coordinate_names};
 use foliate::trajectory::TrajectoryEvent;
 use foliate::view::{Page, ViewOptions, Visuals, page_of_path, page_of_solution};
-use foliate::{Solution, scene::SceneError};
 use pyo3::prelude::*;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -39,6 +41,7 @@ pub struct PySegment {
     segment: Segment,
     state: String,
     transition: String,
+    holding: Vec<(String, String)>,
 }
 
 #[pymethods]
@@ -53,6 +56,12 @@ impl PySegment {
     #[getter]
     fn transition(&self) -> &str {
         &self.transition
+    }
+
+    /// Who holds what during the motion: grippers (`part/gripper`) and handles (`part/handle`).
+    #[getter]
+    fn holding(&self) -> Vec<(String, String)> {
+        self.holding.clone()
     }
 
     /// Configurations: an array of shape (knots, numbers of a configuration).
@@ -77,6 +86,17 @@ impl PyPath {
         match &self.source {
             Source::Solved { solution, .. } => &solution.path,
             Source::Loaded { path, .. } => &path.path,
+        }
+    }
+
+    fn parts(&self, kind: PartKind) -> Vec<String> {
+        self.robot().parts.iter().filter(|part| part.kind == kind).map(|part| part.name.clone()).collect()
+    }
+
+    fn robot(&self) -> &Robot {
+        match &self.source {
+            Source::Solved { solution, .. } => &solution.model.problem.robot,
+            Source::Loaded { path, .. } => &path.robot,
         }
     }
 
@@ -124,11 +144,30 @@ impl PyPath {
             }
             Source::Loaded { path, .. } => (path.states()[index].clone(), path.transitions()[index].clone()),
         };
+        let robot = self.robot();
         let made = |(index, segment): (usize, &Segment)| {
             let (state, transition) = name(index, segment);
-            PySegment { segment: segment.clone(), state, transition }
+            let holding = segment.attachments.iter().filter_map(|attachment| match attachment {
+                Attachment::Grasp { gripper, handle, .. } => {
+                    Some((robot.grippers[gripper.at()].name.clone(), robot.handles[handle.at()].name.clone()))
+                }
+                Attachment::Contact { .. } | Attachment::Rest { .. } => None,
+            });
+            PySegment { segment: segment.clone(), state, transition, holding: holding.collect() }
         };
         self.path().segments.iter().enumerate().map(made).collect()
+    }
+
+    /// Names of all grippers, `part/gripper`.
+    #[getter]
+    fn grippers(&self) -> Vec<String> {
+        self.robot().grippers.iter().map(|gripper| gripper.name.clone()).collect()
+    }
+
+    /// Names of the numbers of a configuration: `part/joint`, `part/x` to `part/qw` of a free part, `part/x`, `part/y` and `part/theta` of a planar one.
+    #[getter]
+    fn coordinates(&self) -> Vec<String> {
+        coordinate_names(self.robot())
     }
 
     /// All knots in the direction of travel: an array of shape (knots, numbers of a configuration). The last knot of a segment is the first of the next
@@ -159,21 +198,23 @@ impl PyPath {
 
     /// Names of the robots.
     #[getter]
-    fn robots(&self, py: Python<'_>) -> PyResult<Vec<String>> {
-        Ok(self.trajectory(py)?.robots().map(str::to_owned).collect())
+    fn robots(&self) -> Vec<String> {
+        self.parts(PartKind::Robot)
     }
 
     /// Names of the objects.
     #[getter]
-    fn objects(&self, py: Python<'_>) -> PyResult<Vec<String>> {
-        Ok(self.trajectory(py)?.objects().map(str::to_owned).collect())
+    fn objects(&self) -> Vec<String> {
+        self.parts(PartKind::Object)
     }
 
-    /// Names of a robot's joints of one coordinate, `part/joint`, depth first (pinocchio's order).
+    /// Names of a robot's joints of one coordinate, `part/joint`, those that follow others included, depth first (pinocchio's order).
     fn joint_names(&self, py: Python<'_>, robot: &str) -> PyResult<Vec<String>> {
-        let trajectory = self.trajectory(py)?;
-        let names = trajectory.joint_names(robot).map_err(|why| errors::of_path(py, &why))?;
-        Ok(names.into_iter().map(str::to_owned).collect())
+        let model = self.robot();
+        let part = model.parts.iter().find(|part| part.name == robot && part.kind == PartKind::Robot);
+        let joints = part.ok_or_else(|| errors::unknown(py, "robot", robot))?.joints.clone();
+        let joints = joints.map(|index| &model.joints[index]).filter(|joint| joint.motion.configuration_size() == 1);
+        Ok(joints.map(|joint| joint.name.clone()).collect())
     }
 
     /// Times at a rate (per second), the last one exactly at the end: an array of shape (times,), seconds.
