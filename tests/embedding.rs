@@ -39,6 +39,12 @@ fn a_name_that_does_not_fit_is_refused_and_changes_nothing() {
     let before = problem.start.clone();
     let mut refused = |name: &str, value: CoordinateValue| problem.set_start(name, value).unwrap_err();
     assert_eq!(refused("arm/w9", 0.0.into()), CoordinateError::Unknown("arm/w9".into()));
+    assert_eq!(refused("arm/w2", f64::NAN.into()), CoordinateError::NotFinite("arm/w2".into()));
+    let mut turned = Pose::identity();
+    turned.rotation = foliate::glam::DQuat::from_xyzw(0.0, 0.0, 0.0, 1.1);
+    assert_eq!(refused("box0", turned.into()), CoordinateError::NoRotation("box0".into()));
+    turned.rotation.w = f64::INFINITY;
+    assert_eq!(refused("box0", turned.into()), CoordinateError::NotFinite("box0".into()));
     assert_eq!(refused("arm", Pose::identity().into()), CoordinateError::FixedRoot("arm".into()));
     assert_eq!(refused("arm/w2", Pose::identity().into()).to_string(), "`arm/w2` takes a number");
     assert_eq!(refused("box0", [0.0; 3].into()).to_string(), "`box0` takes a pose");

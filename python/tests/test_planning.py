@@ -89,6 +89,10 @@ def test_wrong_values_are_told(demo: foliate.Scene) -> None:
         demo.with_start({"box_that_is_not_there": 1.0})
     with pytest.raises(ValueError, match="2 numbers"):
         demo.with_start({demo.objects[0]: [1.0, 2.0]})
+    with pytest.raises(foliate.ModelError, match="not finite"):
+        demo.with_start({demo.objects[0]: [float("nan"), 0, 0, 0, 0, 0, 1]})
+    with pytest.raises(foliate.ModelError, match="no rotation"):
+        demo.with_goal({demo.objects[0]: [0.5, 0, 0.741, 0, 0, 0, 2]})
     with pytest.raises(ValueError, match="known: "):
         foliate.solve(demo, scheduler="none")
     with pytest.raises(ValueError, match="time_limit"):

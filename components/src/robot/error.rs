@@ -67,4 +67,10 @@ pub enum CoordinateError {
         /// What it takes: a number, a pose, or x, y and theta.
         takes: &'static str,
     },
+    /// A number that is infinite or none.
+    #[error("`{0}` has a number that is not finite")]
+    NotFinite(String),
+    /// A quaternion whose length is not 1.
+    #[error("the quaternion of `{0}` is no rotation: its length is not 1")]
+    NoRotation(String),
 }

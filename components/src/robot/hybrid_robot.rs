@@ -201,14 +201,17 @@ impl Robot {
     /// that moves the whole part. Bounds are not checked here; a search refuses a start or a goal that is outside.
     ///
     /// # Errors
-    /// Nothing that moves has the name, it follows another joint, or it takes another kind of value.
+    /// Nothing that moves has the name, it follows another joint, or it takes another kind of value; a number is not finite, a
+    /// quaternion no rotation.
     ///
     /// # Panics
     /// If `q` is shorter than a configuration.
     pub fn set(&self, q: &mut [f64], name: &str, value: impl Into<CoordinateValue>) -> Result<(), CoordinateError> {
         let (first, joint) = self.coordinates_of(name)?;
         let kind = |takes| CoordinateError::Kind { name: name.into(), takes };
-        match (joint.motion, value.into()) {
+        let value = value.into();
+        value.check(name)?;
+        match (joint.motion, value) {
             (JointType::Revolute { .. } | JointType::Prismatic { .. }, CoordinateValue::Number(x)) => q[first] = x,
             (JointType::Planar, CoordinateValue::Planar(x)) => q[first..first + 3].copy_from_slice(&x),
             (JointType::FreeFlyer, CoordinateValue::Pose(x)) => q[first..first + 7].copy_from_slice(&pose_to_array(&x)),

@@ -1,6 +1,7 @@
 //! Joints: how each moves its body, where its numbers come from; and how parts are placed in the world.
 
 use crate::pose::Pose;
+use crate::robot::error::CoordinateError;
 use crate::robot::indices::{JointIndex, PartIndex};
 use glam::DVec3;
 
@@ -55,6 +56,9 @@ impl JointType {
     }
 }
 
+/// How far the length of a quaternion may be off 1.
+const UNIT: f64 = 1e-6;
+
 /// What a joint's coordinates are set to by name.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CoordinateValue {
@@ -64,6 +68,24 @@ pub enum CoordinateValue {
     Planar([f64; 3]),
     /// Of a free-flyer: the pose of its body in the frame of the joint; of a part's root that is the pose in the world.
     Pose(Pose),
+}
+
+impl CoordinateValue {
+    /// Whether its numbers are finite and its quaternion is a rotation.
+    pub(crate) fn check(&self, name: &str) -> Result<(), CoordinateError> {
+        let is_finite = match self {
+            Self::Number(number) => number.is_finite(),
+            Self::Planar(numbers) => numbers.iter().all(|number| number.is_finite()),
+            Self::Pose(pose) => pose.translation.is_finite() && pose.rotation.is_finite(),
+        };
+        match self {
+            _ if !is_finite => Err(CoordinateError::NotFinite(name.into())),
+            Self::Pose(pose) if (pose.rotation.length() - 1.0).abs() > UNIT => {
+                Err(CoordinateError::NoRotation(name.into()))
+            }
+            Self::Number(_) | Self::Planar(_) | Self::Pose(_) => Ok(()),
+        }
+    }
 }
 
 impl From<f64> for CoordinateValue {

@@ -47,7 +47,7 @@ impl PyReport {
         self.report.leaves
     }
 
-    /// Seconds from the prepared problem to the answer, on the clock; with the graph.
+    /// Seconds from the prepared problem to the answer, on the clock.
     #[getter]
     fn time(&self) -> f64 {
         self.report.time().as_secs_f64()

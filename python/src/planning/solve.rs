@@ -57,7 +57,8 @@ pub fn solve(
     let token = cancel.map_or_else(CancelToken::default, |cancel| cancel.token.clone());
     let begun = Instant::now();
     let shared = scene.get();
-    let planner = py.detach(|| Planner::from_tables(shared.tables())).map_err(|why| errors::of_model(py, &why))?;
+    let model = py.detach(|| shared.model()).map_err(|why| errors::of_model(py, &why))?;
+    let planner = Planner::from_model(model);
     let settings = SearchSettings::default().with(|s| {
         s.seed = seed;
         s.candidates = usize::from(candidates);

@@ -9,7 +9,7 @@ use foliate::components::robot::{PartKind, Source};
 use foliate::kernels::kinematics::{Kinematics, Placement};
 use foliate::prelude::{CoordinateValue, Goal, PackagePath, Pose, Problem};
 use foliate::scene::{Scene, shipped_scenes};
-use foliate::systems::planning_model::ProblemTables;
+use foliate::systems::planning_model::{Model, ModelError, PlanningModel};
 use foliate::view::{ViewOptions, Visuals, model_of_scene, page_of_scene};
 use pyo3::exceptions::PyValueError;
 use pyo3::inspect::PyStaticExpr;
@@ -31,7 +31,7 @@ use std::sync::{Arc, OnceLock};
 pub struct PyScene {
     pub(crate) scene: Scene,
     pub(crate) packages: PackagePath,
-    tables: OnceLock<Arc<ProblemTables>>,
+    model: OnceLock<PlanningModel>,
 }
 
 /// A number, three (x, y, angle) or seven (x, y, z, and the quaternion x, y, z, w).
@@ -61,13 +61,18 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Values {
 
 impl PyScene {
     fn of(scene: Scene, packages: PackagePath) -> Self {
-        Self { scene, packages, tables: OnceLock::new() }
+        Self { scene, packages, model: OnceLock::new() }
     }
 
-    /// Tables of the problem, made once.
-    pub(crate) fn tables(&self) -> Arc<ProblemTables> {
-        let made = || Arc::new(ProblemTables::new(self.scene.problem.clone()));
-        Arc::clone(self.tables.get_or_init(made))
+    /// The constraint graph and the tables, made once.
+    pub(crate) fn model(&self) -> Result<PlanningModel, ModelError> {
+        match self.model.get() {
+            Some(model) => Ok(model.clone()),
+            None => {
+                let made = PlanningModel(Arc::new(Model::new(self.scene.problem.clone())?));
+                Ok(self.model.get_or_init(|| made).clone())
+            }
+        }
     }
 
     /// The same with another problem. No file says what it is now.
