@@ -13,7 +13,7 @@ use foliate_components::robot::{GripperIndex, HandleIndex, JointIndex, PartIndex
 use foliate_kernels::constraints;
 
 /// Off its support by less than this an object rests on it, metres and radians.
-const RESTS: f64 = 1e-4;
+pub(crate) const RESTS: f64 = 1e-4;
 
 /// Refuses a state in which a hand holds what the goal does not ask for, or in which something does not lie or is not held that it asks
 /// for.

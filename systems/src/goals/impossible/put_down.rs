@@ -2,15 +2,15 @@
 //!
 //! States in which an object would have to lie on supports that are too small for it have no configuration.
 
-use crate::goals::demands::may_hold;
-use crate::goals::impossible::moves::own_grasps;
+use crate::goals::demands::{RESTS, may_hold};
+use crate::goals::impossible::moves::{own_grasps, with_object_at};
 use crate::planning_model::graph::connected_states::connected_states;
 use crate::planning_model::graph::support_placement::SupportPlacement;
 use crate::planning_model::model::Model;
 use crate::planning_model::state_classification::Feasible;
 use foliate_components::graph::{ConstraintKind, State, StateId};
 use foliate_components::infeasibility::Infeasibility;
-use foliate_components::problem::{Goal, PartialGoal};
+use foliate_components::problem::{Goal, OtherHands, PartialGoal};
 use foliate_components::robot::JointIndex;
 
 /// The reason why no goal can be reached, where each wants an object out of the hands in which it stays.
@@ -27,6 +27,7 @@ pub(crate) fn never_put_down(model: &Model, start: &Feasible) -> Option<Infeasib
         let is_kept = reached.iter().all(|state| own(state).next().is_some());
         let is_unwanted = |goal: &PartialGoal| {
             goal.lying.iter().any(|(lying, _)| *lying == part)
+                || lies_there(model, goal, start, object)
                 || reached.iter().all(|state| own(state).any(|grasp| !may_hold(model, goal, grasp)))
         };
         let in_every_goal = |goal: &Goal| match goal {
@@ -43,6 +44,19 @@ pub(crate) fn never_put_down(model: &Model, start: &Feasible) -> Option<Infeasib
         object: robot.parts[graph.objects[object].part.at()].name.clone(),
         gripper: robot.grippers[gripper.at()].name.clone(),
         too_small: too_small.map(|support| robot.surfaces[support.at()].name.clone()).collect(),
+    })
+}
+
+/// Whether a goal has an object at a pose at which it lies on what is fixed in the world, and says nothing of a hand around it: then none is.
+fn lies_there(model: &Model, goal: &PartialGoal, start: &Feasible, object: usize) -> bool {
+    let part = model.graph.objects[object].part;
+    let is_asked = goal.held.contains(&part) || !goal.hands.is_empty() || goal.other_hands == OtherHands::Anything;
+    let pose = goal.poses.iter().find(|(named, _)| *named == part).filter(|_| !is_asked);
+    let there = pose.and_then(|(_, pose)| with_object_at(model, &start.q, object, pose));
+    there.is_some_and(|q| {
+        let X_WJ = model.kinematics.poses(&q);
+        let fixed = model.objects()[object].resting.iter().filter(|place| place.on.is_none());
+        fixed.map(|place| place.resting.residual(0.0, &X_WJ)).any(|off| off <= RESTS)
     })
 }
 
