@@ -161,7 +161,7 @@ fn a_path_is_about_the_document_and_its_buffers() {
     let (points, corners) = (points(), corners());
     folder.write("m/p.bin", &points);
     folder.write("m/t.bin", &corners);
-    let text = document(["p.bin", "t.bin"]).to_string();
+    let text = document(["p.bin", "./t.bin"]).to_string();
     folder.write("m/m.gltf", &text);
     folder.write("r.urdf", SLIDER);
     let sum = sha256(&[text.as_bytes(), &points, &corners].concat());

@@ -104,14 +104,18 @@ fn model_name<'s>(file: &'s ModelFile, out: &Path, beside: &mut NamesBeside<'s>)
             let name = mesh.file_name().ok_or_else(|| io(std::io::ErrorKind::InvalidFilename.into()))?;
             written_beside(&folder.join(name), &bytes, out)?;
             for outer in outer_files(mesh, &bytes) {
-                let is_beside = Path::new(&outer).components().all(|part| matches!(part, Component::Normal(_)));
-                if !is_beside {
-                    let why = format!("it names `{outer}`, which does not lie below its folder: save the mesh as .glb");
+                let is_below =
+                    Path::new(&outer).components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+                let target = folder.join(&outer);
+                if !is_below || target == place || target == folder.join(name) {
+                    let why = format!(
+                        "it names `{outer}`, which is no file of its own below its folder: save the mesh as .glb"
+                    );
                     return Err(io(std::io::Error::other(why)));
                 }
                 let source = folder_of(mesh).join(&outer);
                 let bytes = input::bytes(&source, input::MESH_CAP).map_err(|error| io(std::io::Error::other(error)))?;
-                written_beside(&folder.join(&outer), &bytes, out)?;
+                written_beside(&target, &bytes, out)?;
             }
             Ok(relative(&place, out))
         }
