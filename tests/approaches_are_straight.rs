@@ -97,6 +97,34 @@ fn hands_approach_and_back_off_on_a_line() {
     }
 }
 
+/// What is said of a handle counts before what is said of a gripper, and that before what is said of all.
+#[test]
+fn handles_and_grippers_may_have_lines_of_their_own() {
+    let demo = Demo::new("straight-own");
+    let with = |lines: &str| {
+        straight(SCENE).replacen("approach_line =", &format!("approach_lines = {{ {lines} }}\napproach_line ="), 1)
+    };
+    let scene = demo.scene(&with("\"robot/left_hand\" = \"free\", \"box2/top\" = { distance = 0.002, angle = 0.04 }"));
+    let options = &scene.problem.graph;
+    let [left, right] = ["robot/left_hand", "robot/right_hand"].map(|name| scene.problem.robot.gripper(name).unwrap());
+    let [one, two] = ["box1/top", "box2/top"].map(|name| scene.problem.robot.handle(name).unwrap());
+    let asked = |gripper, handle| options.line_to(gripper, handle).map(|line| line.distance);
+    assert_eq!([asked(left, one), asked(right, one)], [None, Some(DISTANCE)]);
+    assert_eq!([asked(left, two), asked(right, two)], [Some(0.002); 2]);
+    for seed in 1..=3 {
+        let file = demo.path(&scene, &solve(&scene.problem, seed).unwrap());
+        let report = demo.check(&file);
+        assert!(report.passed(), "seed {seed}: {:?}", report.violations);
+        let lines = file.segments.iter().filter(|s| s.state.contains("is on the line to"));
+        assert!(lines.clone().all(|s| !s.state.contains("left_hand is on the line to box1")), "seed {seed}");
+        assert!(lines.count() >= 2, "seed {seed}");
+    }
+    let error = demo.try_scene(&with("\"robot/left\" = \"free\"")).map(|_| ()).unwrap_err().to_string();
+    assert!(error.contains("no gripper and no handle of this name") && error.contains("robot/left_hand"), "{error}");
+    let error = demo.try_scene(&with("\"box1/top\" = \"straight\"")).map(|_| ()).unwrap_err().to_string();
+    assert!(error.contains("box1/top"), "{error}");
+}
+
 /// The segment before a grasp is cut where the hand is half as far: what comes before need not be straight.
 #[test]
 fn a_line_that_begins_too_near_is_refused() {

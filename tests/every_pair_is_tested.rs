@@ -123,6 +123,27 @@ fn cell_scene(goal: f64) -> String {
     )
 }
 
+/// Three carriages that overlap: one message names all pairs, and what to write where they may touch.
+#[test]
+fn links_that_overlap_at_the_start_are_told_all_at_once() {
+    let carriage = |name: &str, x: f64| {
+        let slide = joint(&format!("j{name}"), "prismatic", "base", name, &format!("{x} 0 0"), (-0.1, 0.1), "");
+        slide + &cuboid(name, "0 0 0", "0.1 0.1 0.1")
+    };
+    let base = cuboid("base", "0 0 0", "0.1 0.1 0.1");
+    let text = robot(&[base, carriage("a", 1.0), carriage("b", 1.05), carriage("c", 1.08)]);
+    let folder = Folder::new("at-once", &[("r.urdf", &text)]);
+    let part = "[[part]]\nname = \"r\"\nkind = \"robot\"\nurdf = \"r.urdf\"\n[start]\n[[goal]]\nconfiguration = { \"r/ja\" = 0.01 }\n";
+    let told = start_refused(&folder.scene(part));
+    for words in
+        ["r/a_0 and r/b_0 collide (50.00 mm deep)", "r/a_0 and r/c_0 collide (20.00", "r/b_0 and r/c_0 collide (70.00"]
+    {
+        assert!(told.contains(words), "`{words}` is not in {told}");
+    }
+    let written = &told[told.find("ignore = ").expect("what to write")..];
+    let _solved = solve(&folder.scene(&format!("{written}\n{part}")), 1);
+}
+
 #[test]
 fn what_is_fixed_to_a_neighbour_is_in_the_way() {
     let folder = Folder::new("wall", &[("cell.urdf", &cell())]);

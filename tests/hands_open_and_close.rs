@@ -208,6 +208,31 @@ fn a_hand_that_is_described_is_as_it_is_described() {
     assert_eq!((found.open, found.closed), (WIDE, 0.0));
 }
 
+/// Two grippers on one palm, of which the scene describes one: their fingers are the same, and have one opening at a time.
+#[test]
+fn grippers_on_one_palm_are_one_hand() {
+    let described = "hands = { \"robot/left_hand\" = { fingers = { \"robot/left_finger\" = { open = 0.04, closed = 0.0, travel = 0.03 } } } }";
+    let text = std::fs::read_to_string(folder().join("scene.toml")).unwrap();
+    let (head, rest) = text.split_once("[locked]").unwrap();
+    let second = "srdf = \"robot.srdf\"\n[[part.gripper]]\nname = \"fingertips\"\nlink = \"left_palm\"\npose = { xyz = [0.145, 0.0, 0.0] }\nclearance = 0.05\n";
+    let head = head.replacen("srdf = \"robot.srdf\"", second, 1).replacen(
+        "grippers = [",
+        "grippers = [\"robot/fingertips\", ",
+        1,
+    );
+    let text = format!("{head}{described}\n[start]{}", rest.split_once("[start]").unwrap().1);
+    let scene = Scene::from_text("demo", &text, &folder(), &PackagePath::default()).unwrap();
+    let planner = Planner::new(scene.problem.clone()).unwrap();
+    let hands = &planner.model().problem.graph.hands;
+    let names =
+        |hand: usize| hands[hand].grippers.iter().map(|g| scene.problem.robot.grippers[g.0 as usize].name.as_str());
+    assert_eq!(hands.len(), 2);
+    assert_eq!(names(0).collect::<Vec<_>>(), ["robot/left_hand", "robot/fingertips"]);
+    // Either may pick up both boxes.
+    let (path, _) = solved(&scene, 1, 1);
+    assert!(!path.segments.is_empty());
+}
+
 /// The demo with a post on either side of the first box: 22 mm from it, 2 mm less than a finger and half a wide hand need.
 fn between_posts(graph: &str) -> Scene {
     let text = std::fs::read_to_string(folder().join("scene.toml")).unwrap();

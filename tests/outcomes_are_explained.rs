@@ -58,8 +58,11 @@ fn the_words_of_proofs_and_of_what_is_likely_are_those_of_the_page() {
     let (gripper, handle, at_limits) = ("hand".to_owned(), "box/top".to_owned(), Vec::new());
     let shortfall = Shortfall::Distance(0.1);
     let far = Hindrance::OutOfReach(OutOfReach { gripper, handle, shortfall, at_limits }).sentence("box", "there");
+    let (object, gripper) = ("box".to_owned(), "hand".to_owned());
+    let held = Infeasibility::NeverPutDown { object, gripper, too_small: vec!["shelf/top".into()] };
     for (told, words) in [
         (apart.to_string(), "no transitions lead"),
+        (held.to_string(), "it can be put down nowhere"),
         (starts, "no hand can hold it where it starts"),
         (ends, "no hand can hold it where the goal has it"),
         (far, "likely out of reach"),

@@ -194,10 +194,16 @@ fn what_cannot_rest_as_it_must_is_refused() {
     assert!(refused.contains("3.00 mm inside of one, and 5.00 mm are asked"), "{refused}");
     let scene = folder.scene(&with("rests = \"stable\"\nrests_margin = 0.002"));
     assert!(Planner::new(scene.problem).is_ok());
-    // A start that hangs over by 3 mm.
-    let over = with("rests = \"whole-face\"").replace("box1 = { xyz = [0.50, 0.10", "box1 = { xyz = [0.508, 0.10");
-    let refused = try_to_solve(&folder.scene(&over), 1).unwrap_err().to_string();
-    assert!(refused.contains("the start is infeasible") && refused.contains("mm beside where it may lie"), "{refused}");
+    // A start that hangs over by 3 mm is moved, and one by 7 mm is refused.
+    let over = |x: &str| {
+        with("rests = \"whole-face\"").replace("box1 = { xyz = [0.50, 0.10", &format!("box1 = {{ xyz = [{x}, 0.10"))
+    };
+    assert!(try_to_solve(&folder.scene(&over("0.508")), 1).is_ok());
+    let refused = try_to_solve(&folder.scene(&over("0.512")), 1).unwrap_err().to_string();
+    assert!(
+        refused.contains("the start is infeasible") && refused.contains("7.00 mm beside where it may lie"),
+        "{refused}"
+    );
     // Words and numbers of the scene.
     for (line, words) in [
         ("rests = \"flat\"", "none of centre, stable, whole-face"),

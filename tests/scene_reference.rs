@@ -82,7 +82,7 @@ fn every_key_that_is_read_is_in_the_example_and_described() {
                 clearance mask mask_complement approaching_direction points polygons grippers supports objects grasps rules \
                 when allow placement_margin rests rests_margin preplacement_distance plane frame pair distance configuration handles surfaces xyz rpy \
                 quaternion frame to value parameter at_least at_most length parts polygon margin first second height joint \
-                everywhere while_held state constraints transition from legs within until short hands fingers open closed travel approach approach_clearance approach_line resting_joints velocity_limits acceleration_limits \
+                everywhere while_held state constraints transition from legs within until short hands fingers open closed travel approach approach_clearance approach_line approach_lines lift resting_joints velocity_limits acceleration_limits \
                 timing velocity_scale velocity acceleration ramp jerk_ramp object_speed dwell cost motion grasp_charge suggest \
                 start_tolerance angle on near tolerance held any object x y z within";
     let kinds = "\"pose\" \"centre_of_mass\" \"centre_of_mass_between\" \"distance\" \"tilt\" \"region\" \"joint\" \"start\" \"stays\" \"auto\"";

@@ -165,12 +165,25 @@ fn what_is_too_far_is_refused_with_the_pose_that_would_be_right() {
 fn a_box_over_the_edge_is_moved_aside() {
     let demo = Demo::new("start-edge");
     // Its centre of mass has to be 5 mm inside of the table, which ends at 0.6.
-    let scene = demo.scene(&with_box_1("xyz = [0.50, 0.596, 0.741]"));
-    let solution = solve(&scene.problem, 1).unwrap();
-    let [correction] = &solution.report.snapped[..] else { panic!("{:?}", solution.report.snapped) };
-    let Moved::Object(_, pose) = correction.moved else { panic!("{correction:?}") };
-    assert!(pose.translation.y <= 0.595 && pose.translation.y > 0.591, "{pose:?}");
-    proved(&demo.check(&demo.path(&scene, &solution)));
+    // By the shortest way, so that 5 mm of tolerance are 5 mm at an edge too; over a corner, by both of its edges.
+    for (at, moved) in
+        [((0.50, 0.596), (0.50, 0.595)), ((0.50, 0.5998), (0.50, 0.595)), ((0.303, 0.597), (0.305, 0.595))]
+    {
+        let scene = demo.scene(&with_box_1(&format!("xyz = [{}, {}, 0.741]", at.0, at.1)));
+        let solution = solve(&scene.problem, 1).unwrap();
+        let [correction] = &solution.report.snapped[..] else { panic!("{:?}", solution.report.snapped) };
+        let Moved::Object(_, pose) = correction.moved else { panic!("{correction:?}") };
+        let there = pose.translation;
+        assert!((there.x - moved.0).abs() < 1e-5 && (there.y - moved.1).abs() < 1e-5, "{at:?}: {pose:?}");
+        proved(&demo.check(&demo.path(&scene, &solution)));
+    }
+    // What is told of what is farther off is the shortest way too.
+    let scene = demo.scene(&with_box_1("xyz = [0.50, 0.603, 0.741]"));
+    let refused = solve(&scene.problem, 1).unwrap_err().to_string();
+    assert!(
+        refused.contains("8.00 mm beside where it may lie") && refused.contains("at box1 = [0.5, 0.595"),
+        "{refused}"
+    );
 }
 
 #[test]

@@ -122,6 +122,7 @@ pub fn waypoints(graph: &ConstraintGraph, id: TransitionId) -> Vec<String> {
             ConstraintKind::Finger { opening, .. } => Some((4, opening_words(*opening).to_owned())),
             ConstraintKind::Given { .. }
             | ConstraintKind::Approach { .. }
+            | ConstraintKind::Lift { .. }
             | ConstraintKind::WhileHeld { .. }
             | ConstraintKind::Rest { .. }
             | ConstraintKind::JointRest { .. } => None,

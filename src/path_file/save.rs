@@ -6,13 +6,14 @@ use crate::path_file::error::PathFileError;
 pub use crate::path_file::read::read;
 use crate::path_file::write::{FileNames, PartFiles};
 use crate::scene::assemble::scene::{PartSource, Scene, SceneFile, SceneOrigin};
+use crate::scene::mesh::formats::gltf_document;
 use crate::scene::reading::input;
 use crate::scene::shipped::shipped_scenes;
 use crate::scene::sources::mesh_name::folder_of;
 use crate::scene::sources::source::{ModelFile, Origin};
 use std::collections::HashMap;
 use std::ffi::OsStr;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// The files of a scene as a path file at `out` has to name them. Models that live only in the program are written beside it,
 /// into `PATH.models/`, two of one name and different content under different names, unless `out` is a device or a pipe. So are
@@ -102,9 +103,29 @@ fn model_name<'s>(file: &'s ModelFile, out: &Path, beside: &mut NamesBeside<'s>)
             let bytes = input::bytes(mesh, input::MESH_CAP).map_err(|error| io(std::io::Error::other(error)))?;
             let name = mesh.file_name().ok_or_else(|| io(std::io::ErrorKind::InvalidFilename.into()))?;
             written_beside(&folder.join(name), &bytes, out)?;
+            for outer in outer_files(mesh, &bytes) {
+                let is_below =
+                    Path::new(&outer).components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+                let target = folder.join(&outer);
+                if !is_below || target == place || target == folder.join(name) {
+                    let why = format!(
+                        "it names `{outer}`, which is no file of its own below its folder: save the mesh as .glb"
+                    );
+                    return Err(io(std::io::Error::other(why)));
+                }
+                let source = folder_of(mesh).join(&outer);
+                let bytes = input::bytes(&source, input::MESH_CAP).map_err(|error| io(std::io::Error::other(error)))?;
+                written_beside(&target, &bytes, out)?;
+            }
             Ok(relative(&place, out))
         }
     }
+}
+
+/// The files that a mesh file names.
+fn outer_files(mesh: &Path, content: &[u8]) -> Vec<String> {
+    let is_gltf = mesh.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("gltf"));
+    if is_gltf { gltf_document::outer_files(content) } else { Vec::new() }
 }
 
 /// Writes a file into a folder beside `out`. Beside a device or a pipe there is no place; the file then says what it would say.

@@ -7,9 +7,10 @@ mod common;
 
 use common::{model, search, seeded};
 use foliate_components::Pose;
+use foliate_components::constraint::Rests;
 use foliate_components::infeasibility::{Infeasibility, ObjectPlace, RuledOut};
 use foliate_components::outcome::SearchOutcome;
-use foliate_components::problem::{Goal, PartialGoal, Problem};
+use foliate_components::problem::{Goal, Holding, PartialGoal, Problem, Rule};
 use foliate_components::samples::{boxes_on_a_table, make_a_step, move_one_box, swap_two_boxes};
 use foliate_schedulers::mrrt::Mrrt;
 use glam::DVec3;
@@ -126,4 +127,74 @@ fn states_that_no_transition_joins_are_told() {
     problem.goals = vec![Goal::Partial(PartialGoal { coordinates, ..PartialGoal::default() })];
     let why = refusal(problem).unwrap().to_string();
     assert!(why.contains("contradicts every state that transitions lead to"), "{why}");
+}
+
+/// A box in the hand that shall be out of it.
+fn box_in_the_hand() -> Problem {
+    let mut problem = move_one_box().unwrap();
+    problem.graph.rests = Rests::default();
+    let held = PartialGoal { held: vec![problem.robot.part("box0").unwrap()], ..PartialGoal::default() };
+    problem.goals = vec![Goal::Partial(held)];
+    let (outcome, search) = search(&model(problem.clone()), &Mrrt, seeded(1), 1);
+    assert_eq!(outcome, SearchOutcome::Solved);
+    problem.start = search.path().unwrap().segments.last().unwrap().knots.last().unwrap().clone();
+    problem.goals = vec![out_of_hand(&problem, Holding::Nothing)];
+    problem
+}
+
+fn out_of_hand(problem: &Problem, holding: Holding) -> Goal {
+    Goal::Partial(PartialGoal { hands: vec![(problem.graph.grippers[0], holding)], ..PartialGoal::default() })
+}
+
+/// With all supports so many times as large.
+fn with_supports(mut problem: Problem, factor: f64) -> Problem {
+    for support in problem.graph.supports.clone() {
+        let points = &mut problem.robot.surfaces[support.at()].points;
+        let middle = points.iter().sum::<DVec3>() / points.len() as f64;
+        points.iter_mut().for_each(|point| *point = middle + (*point - middle) * factor);
+    }
+    problem
+}
+
+#[test]
+fn what_no_support_takes_stays_in_the_hand() {
+    let problem = box_in_the_hand();
+    assert_eq!(refusal(problem.clone()), None);
+    let Some(Infeasibility::NeverPutDown { object, gripper, too_small }) =
+        refusal(with_supports(problem.clone(), 1e-3))
+    else {
+        panic!("a place for the box was looked for on a table of a millimetre");
+    };
+    assert_eq!((object.as_str(), gripper.as_str(), too_small.len()), ("box0", "arm/hand", 1));
+    // Where a goal names a support it wants the box there, not in the hand.
+    let mut lying = with_supports(problem.clone(), 1e-3);
+    let on = vec![(lying.robot.part("box0").unwrap(), lying.graph.supports.clone())];
+    lying.goals = vec![Goal::Partial(PartialGoal { lying: on, ..PartialGoal::default() })];
+    assert!(matches!(refusal(lying), Some(Infeasibility::NeverPutDown { .. })));
+    // By the rule of centres nothing is proved, and one goal that lets the hand keep the box is enough.
+    let mut centred = with_supports(problem.clone(), 1e-3);
+    centred.graph.rests = Rests::Centre;
+    assert!(!matches!(refusal(centred), Some(Infeasibility::NeverPutDown { .. })));
+    let mut kept = with_supports(problem, 1e-3);
+    kept.goals.push(out_of_hand(&kept, Holding::Anything));
+    assert_eq!(refusal(kept), None);
+}
+
+#[test]
+fn what_no_rule_lets_go_stays_in_the_hand() {
+    let mut problem = box_in_the_hand();
+    let holds = vec![(problem.graph.grippers[0], problem.robot.handle("box0/top"))];
+    problem.graph.rules = vec![Rule { grasps: holds, allowed: true }];
+    let place = vec![(problem.robot.part("box0").unwrap(), Pose::from_translation(DVec3::new(0.7, -0.3, 0.031)))];
+    let at_rest = vec![Goal::object_poses(place)];
+    for goals in [problem.goals.clone(), at_rest] {
+        let problem = Problem { goals, ..problem.clone() };
+        let Some(why) = refusal(problem) else { panic!("a way to put the box down was looked for") };
+        assert!(matches!(&why, Infeasibility::NeverPutDown { too_small, .. } if too_small.is_empty()), "{why}");
+        assert!(why.to_string().contains("no state is allowed in which nothing holds it"), "{why}");
+    }
+    // Over the table the hand may keep it.
+    let place = vec![(problem.robot.part("box0").unwrap(), Pose::from_translation(DVec3::new(0.7, -0.3, 0.1)))];
+    problem.goals = vec![Goal::object_poses(place)];
+    assert!(!matches!(refusal(problem), Some(Infeasibility::NeverPutDown { .. })));
 }

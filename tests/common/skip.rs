@@ -77,6 +77,39 @@ fn installed(package: &str) -> Option<(PathBuf, PathBuf)> {
     (has_node && folder.join(package).is_dir()).then(|| (PathBuf::from("node"), folder))
 }
 
+/// The folder of a package from PyPI, unpacked and not installed: fetched by pip once, and kept in cargo's folder for tests. Where it cannot be
+/// fetched it says that the test is skipped.
+pub fn unpacked(package: &str, test: &str) -> Option<PathBuf> {
+    let python = std::env::var_os("FOLIATE_PYTHON").map_or(PathBuf::from("python3"), PathBuf::from);
+    let folder = option_env!("CARGO_TARGET_TMPDIR")
+        .map_or_else(std::env::temp_dir, PathBuf::from)
+        .join("packages")
+        .join(package);
+    if !folder.is_dir() {
+        let wheels = folder.with_extension(format!("wheels-{}", std::process::id()));
+        let done = |arguments: &[&str]| {
+            Command::new(&python).args(arguments).output().is_ok_and(|output| output.status.success())
+        };
+        let place = wheels.display().to_string();
+        let fetch = ["-m", "pip", "download", "-q", "--no-deps", "--only-binary", ":all:", "-d", &place, package];
+        let files = |_| std::fs::read_dir(&wheels).ok()?.flatten().map(|entry| entry.path()).next();
+        let wheel = Some(()).filter(|()| done(&fetch)).and_then(files);
+        let fresh = wheels.join("unpacked");
+        let unpacks = |wheel: &PathBuf| {
+            done(&["-m", "zipfile", "-e", &wheel.display().to_string(), &fresh.display().to_string()])
+        };
+        // Another test may have been faster.
+        let is_there =
+            wheel.as_ref().is_some_and(unpacks) && (std::fs::rename(&fresh, &folder).is_ok() || folder.is_dir());
+        let _gone = std::fs::remove_dir_all(&wheels);
+        if !is_there {
+            skipped(Needs::Python, test, &format!("{package} is not at hand (pip download --no-deps {package})"));
+            return None;
+        }
+    }
+    Some(folder)
+}
+
 fn imports(python: &Path, modules: &str) -> bool {
     Command::new(python).args(["-c", &format!("import {modules}")]).output().is_ok_and(|o| o.status.success())
 }

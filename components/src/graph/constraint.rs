@@ -100,7 +100,7 @@ pub enum ConstraintKind {
         opening: Opening,
     },
     /// The gripper is on the line from the pregrasp to the grasp, and turned as it is there, as far as
-    /// [`GraphOptions::approach_line`](crate::problem::GraphOptions::approach_line) asks.
+    /// [`GraphOptions::line_to`](crate::problem::GraphOptions::line_to) asks.
     Approach {
         /// Who approaches.
         gripper: GripperIndex,
@@ -108,6 +108,13 @@ pub enum ConstraintKind {
         handle: HandleIndex,
         /// Which of it.
         bound: ApproachBound,
+    },
+    /// The object keeps its pose against the body on which it lies, but for its height: a straight lift.
+    Lift {
+        /// The object.
+        object: u32,
+        /// The body whose supports carry it.
+        on: Option<JointIndex>,
     },
     /// A constraint of the problem's own.
     Given {

@@ -1,7 +1,7 @@
 //! States: "gripper A holds handle B, object C stands on surface D".
 
 use super::ConstraintId;
-use crate::robot::indices::{GripperIndex, HandleIndex};
+use crate::robot::indices::{GripperIndex, HandleIndex, JointIndex};
 
 /// Index of a state in [`crate::graph::constraint_graph::ConstraintGraph::states`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -45,6 +45,13 @@ pub enum Fingers {
         gripper: GripperIndex,
         /// What is to be held.
         handle: HandleIndex,
+    },
+    /// They hold still, and an object that a hand holds leaves its support or comes back to it along a line.
+    Lifting {
+        /// The object.
+        object: u32,
+        /// The body whose supports carry it.
+        on: Option<JointIndex>,
     },
 }
 

@@ -92,6 +92,15 @@ pub enum Infeasibility {
         /// All of its grasps, with what rules them out.
         grasps: Vec<ImpossibleGrasp>,
     },
+    /// An object that starts in a hand stays in hands in every state that can be reached, and no goal wants it there: a proof.
+    NeverPutDown {
+        /// The object's name.
+        object: String,
+        /// The gripper that holds it in the start.
+        gripper: String,
+        /// Supports that are too small for it; without any no state is allowed in which it lies.
+        too_small: Vec<String>,
+    },
     /// No transitions lead from the state of the start to that of any goal: a proof.
     GoalStateApart {
         /// Name of the start's state.
@@ -320,6 +329,7 @@ impl fmt::Display for Infeasibility {
                 write!(f, "`{object}` has to be moved, and no hand can hold it {}: ", place.words())?;
                 tell_grasps(grasps, f)
             }
+            Self::NeverPutDown { object, gripper, too_small } => tell_kept((object, gripper), too_small, f),
             Self::GoalStateApart { start, goal } => {
                 write!(f, "no transitions lead from the state of the start, `{start}`, to that of the goal, `{goal}`")
             }
@@ -356,6 +366,16 @@ impl fmt::Display for CollidingPair {
             write!(f, "{:.4} mm apart", self.distance * 1e3)?;
         }
         f.write_str(")")
+    }
+}
+
+/// An object that no support takes from the gripper that holds it.
+fn tell_kept((object, gripper): (&str, &str), too_small: &[String], f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    write!(f, "`{object}` starts in {gripper}, the goal wants it out of every hand, and it can be put down nowhere: ")?;
+    match too_small {
+        [] => f.write_str("no state is allowed in which nothing holds it (`grasps`, `rules`)"),
+        [one] => write!(f, "{one} is too small for it to lie on as `rests` asks"),
+        all => write!(f, "{} are too small for it to lie on as `rests` asks", all.join(", ")),
     }
 }
 

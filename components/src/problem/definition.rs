@@ -140,6 +140,12 @@ pub struct GraphOptions {
     pub approach: Approach,
     /// How straight grippers go from a pregrasp to a grasp, and back; `None` for as they like.
     pub approach_line: Option<ApproachLine>,
+    /// Grippers that go otherwise than [`Self::approach_line`] says, each once.
+    pub gripper_lines: Vec<(GripperIndex, Option<ApproachLine>)>,
+    /// Handles to which all grippers go so, whatever else is said of the grippers; each once.
+    pub handle_lines: Vec<(HandleIndex, Option<ApproachLine>)>,
+    /// How objects leave their supports and come back to them, as far as [`Self::preplacement_distance`].
+    pub lift: Lift,
     /// Constraints of the problem's own; what follows names them by number. Parameter rows name slot 0.
     pub constraints: Vec<NamedConstraint>,
     /// Those of them that hold in every state: feet that stand still, balance.
@@ -161,6 +167,16 @@ pub struct ApproachLine {
     pub distance: f64,
     /// Between the axes of gripper and handle, radians, as a [`Tilt`](crate::constraint::Tilt) has it.
     pub angle: f64,
+}
+
+/// How an object moves between its support and the height at which it is carried away.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Lift {
+    /// As the joints make it.
+    #[default]
+    Free,
+    /// On a line along the normal of the support, and without turning.
+    Straight,
 }
 
 /// Constraints that hold in every state in which a gripper holds an object: it stays upright, or below a height.

@@ -59,6 +59,7 @@ impl Contract<'_> {
         required.extend(self.of_held(motion));
         required.extend(self.on_lines(file, motion.index));
         self.line_ends(file, motion, frames, report)?;
+        self.lifts(file, motion, frames, report, work)?;
         required.extend(self.resting_joints(motion));
         required.extend(self.planes(motion));
         if !options.states.is_empty() {
@@ -201,7 +202,8 @@ fn hold(
     Ok(())
 }
 
-fn told(
+/// A constraint as entries of a path file.
+pub(super) fn told(
     robot: &Robot,
     name: &str,
     constraint: Constraint,

@@ -168,7 +168,7 @@ fn check_sums(keys: &mut Keys<'_>, loader: &mut Loader<'_>) -> Result<(), SceneE
             return Err(item.error("a SHA-256 has 64 hexadecimal digits"));
         }
         let sum = match locate(url, &loader.base, loader.packages) {
-            Ok(Place::Path(path)) => match loader.sum(&path) {
+            Ok(Place::Path(path)) => match loader.sum(&path).or_else(|| loader.sum(&path.canonicalize().ok()?)) {
                 Some(sum) => sum,
                 None => sha256(&input::bytes(&path, input::MESH_CAP)?),
             },

@@ -2,10 +2,12 @@
 
 use crate::scene::mesh::cache::key::Key;
 use crate::scene::mesh::cache::mesh_cache::{Kept, SMALLEST_FILE};
+use crate::scene::mesh::formats::gltf_document::OuterFile;
 #[cfg(feature = "visuals")]
 use crate::scene::mesh::formats::triangles::Paint;
 use crate::scene::mesh::formats::triangles::{Triangles, UpAxis};
 use crate::scene::mesh::formats::{dae, gltf, obj, ply, stl};
+use crate::scene::mesh::outer_files::{OuterFiles, check_memory};
 use crate::scene::reading::error::{LoadStop, SceneError};
 use crate::scene::reading::input;
 use crate::scene::reading::limits::LoadLimits;
@@ -16,7 +18,6 @@ use foliate_components::robot::shape::Mesh;
 use foliate_kernels::collision::solids::mesh_record;
 use foliate_systems::events::StopSignal;
 use glam::DVec3;
-use sha2::{Digest, Sha256};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -107,26 +108,6 @@ impl<'a> Meshes<'a> {
         self.packages.shows_placeholders()
     }
 
-    /// Refuses a file of so many bytes that would take more memory than is left, before it is read.
-    fn check_memory(&self, path: &Path, reader: Reader, bytes: u64) -> Result<(), SceneError> {
-        let name = path.display().to_string();
-        self.packages.limits().reached(&name)?;
-        let wanted = self.bytes.saturating_add(bytes.saturating_mul(reader.working_bytes()));
-        match self.packages.limits().mesh_bytes {
-            Some(most) if wanted > most => {
-                let mib = |bytes: u64| bytes.div_ceil(1 << 20);
-                let mut error = SceneError::stopped(&name, LoadStop::Memory);
-                error.message = format!(
-                    "with this mesh, reading would take about {} MiB, more than the {} MiB left",
-                    mib(wanted),
-                    mib(most)
-                );
-                Err(error.hint("simplify the collision meshes, or raise the memory limit"))
-            }
-            _ => Ok(()),
-        }
-    }
-
     /// The mesh of that name, scaled.
     pub fn load(&mut self, request: &MeshRequest<'_>) -> Result<LoadedMesh, MeshError> {
         let path = self.locate(request)?;
@@ -184,16 +165,20 @@ impl<'a> Meshes<'a> {
     fn triangles_of(&mut self, path: &Path, request: &MeshRequest<'_>) -> Result<(Triangles, [u8; 32]), SceneError> {
         let reader = Reader::of(path)?;
         let size = std::fs::metadata(path).map_or(0, |metadata| metadata.len());
-        self.check_memory(path, reader, size)?;
+        check_memory(self.packages.limits(), path, self.bytes, size.saturating_mul(reader.working_bytes()))?;
         let stop = &self.packages.limits().stop;
         let [bytes, _] = &mut self.buffers;
         input::bytes_into(path, reader.cap(), bytes)?;
-        // A path file says which bytes a proof is about, so that there is one sum of a file.
-        let sum: [u8; 32] = Sha256::digest(&*bytes).into();
+        let taken = self.bytes + size.saturating_mul(reader.working_bytes());
+        let mut outer = OuterFiles::new(path, self.packages, &mut self.below, taken, reader.working_bytes(), &*bytes);
+        let content = reader.read(path, bytes, request.up_axis, &mut |name| outer.read(name), stop);
+        // A path file says which bytes a proof is about, so that there is one sum of a file and of what it names.
+        let sum = outer.finish()?;
+        let content = content?;
         if self.sums.insert(path.to_owned(), sum).is_some_and(|before| before != sum) {
             return Err(SceneError::new(path.display().to_string(), "file", "has changed while the model was read"));
         }
-        Ok((reader.read(path, bytes, request.up_axis, stop)?, sum))
+        Ok((content, sum))
     }
 
     /// The mesh of a file, with what the cache knows of it (or else does afterwards), and the SHA-256 of the file.
@@ -323,6 +308,7 @@ impl Reader {
         path: &Path,
         bytes: &mut Vec<u8>,
         up_axis: UpAxis,
+        outer: OuterFile<'_>,
         stop: &StopSignal,
     ) -> Result<Triangles, SceneError> {
         let file = path.display().to_string();
@@ -331,7 +317,7 @@ impl Reader {
             Self::Stl => stl::read(&file, bytes, mesh)?,
             Self::Obj => obj::read(&file, bytes, mesh)?,
             Self::Ply => ply::read(&file, bytes, mesh)?,
-            Self::Gltf | Self::Glb => gltf::read(&file, bytes, up_axis, mesh)?,
+            Self::Gltf | Self::Glb => gltf::read(&file, bytes, up_axis, outer, mesh)?,
             Self::Dae => dae::read(&file, &input::decode(std::mem::take(bytes), &file)?, up_axis, mesh)?,
         };
         // What was read before may have been much larger.

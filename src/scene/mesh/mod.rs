@@ -5,8 +5,9 @@
 //! with its STL meshes only as they are written).
 //!
 //! `meshes` loads the meshes of a model: it reads triangles by `formats`, and takes what is costly to derive from them out
-//! of `cache`.
+//! of `cache`. `outer_files` are those that a mesh file names.
 
 pub(crate) mod cache;
 pub(crate) mod formats;
 pub(crate) mod meshes;
+mod outer_files;

@@ -13,7 +13,7 @@ use foliate_components::robot::{GripperIndex, HandleIndex, JointIndex, PartIndex
 use foliate_kernels::constraints;
 
 /// Off its support by less than this an object rests on it, metres and radians.
-const RESTS: f64 = 1e-4;
+pub(crate) const RESTS: f64 = 1e-4;
 
 /// Refuses a state in which a hand holds what the goal does not ask for, or in which something does not lie or is not held that it asks
 /// for.
@@ -25,16 +25,7 @@ pub(crate) fn fit(model: &Model, goal: &PartialGoal, state: StateId) -> Result<(
     let grasps = grasps(model, state);
     for &(gripper, handle) in &grasps {
         let (hand, held) = (&robot.grippers[gripper.at()].name, &robot.handles[handle.at()].name);
-        let asked = goal.hands.iter().find(|(named, _)| *named == gripper).map(|&(_, holding)| holding);
-        let object = object_of(model, handle);
-        let fits = match asked {
-            Some(Holding::Nothing) => false,
-            Some(Holding::Anything) => true,
-            Some(Holding::Object(part)) => part == object,
-            Some(Holding::Handle(wanted)) => wanted == handle,
-            None => is_free(model, goal, gripper) || goal.held.contains(&object) || is_about(model, goal, object),
-        };
-        if !fits {
+        if !may_hold(model, goal, (gripper, handle)) {
             return Err(format!("{hand} holds {held}, which the goal does not ask for"));
         }
     }
@@ -60,6 +51,19 @@ pub(crate) fn fit(model: &Model, goal: &PartialGoal, state: StateId) -> Result<(
     match goal.lying.iter().find(|(part, supports)| !may_lie(model, state, *part, supports)) {
         Some((part, _)) => Err(format!("{} does not lie where the goal wants it", robot[*part].name)),
         None => Ok(()),
+    }
+}
+
+/// Whether a goal lets a gripper hold a handle in the end.
+pub(crate) fn may_hold(model: &Model, goal: &PartialGoal, (gripper, handle): (GripperIndex, HandleIndex)) -> bool {
+    let asked = goal.hands.iter().find(|(named, _)| *named == gripper).map(|&(_, holding)| holding);
+    let object = object_of(model, handle);
+    match asked {
+        Some(Holding::Nothing) => false,
+        Some(Holding::Anything) => true,
+        Some(Holding::Object(part)) => part == object,
+        Some(Holding::Handle(wanted)) => wanted == handle,
+        None => is_free(model, goal, gripper) || goal.held.contains(&object) || is_about(model, goal, object),
     }
 }
 

@@ -266,6 +266,7 @@ fn rows_of(model: &Model, goal: &PartialGoal, constraint: ConstraintId) -> Optio
         | ConstraintKind::Finger { .. }
         | ConstraintKind::Given { .. }
         | ConstraintKind::Approach { .. }
+        | ConstraintKind::Lift { .. }
         | ConstraintKind::WhileHeld { .. } => model.constraint(constraint)?.without_parameters(),
     }
 }

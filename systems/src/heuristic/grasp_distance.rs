@@ -257,7 +257,10 @@ impl Of {
             | ConstraintKind::Preplacement { object, .. }
             | ConstraintKind::Rest { object } => Some(Self::Object(object)),
             ConstraintKind::JointRest { joint } => Some(Self::Joint(joint)),
-            ConstraintKind::Finger { .. } | ConstraintKind::Approach { .. } | ConstraintKind::WhileHeld { .. } => None,
+            ConstraintKind::Finger { .. }
+            | ConstraintKind::Approach { .. }
+            | ConstraintKind::Lift { .. }
+            | ConstraintKind::WhileHeld { .. } => None,
             ConstraintKind::Given { .. } => Some(Self::Stance),
         }
     }

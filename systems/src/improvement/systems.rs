@@ -12,7 +12,7 @@ use crate::improvement::leaf_motion::{LeafMotion, grasp_changes, merged};
 use crate::improvement::progress::{ImprovementEnding, Milestone, Progress};
 use crate::improvement::proposal::{Attempt, Change, Incumbent, Proposal};
 use crate::improvement::settings::ImprovementSettings;
-use crate::planning_model::model::PlanningModel;
+use crate::planning_model::model::{Model, PlanningModel};
 use crate::runtime::parallel::each;
 use crate::runtime::random::{Purpose, stream};
 use crate::runtime::scratch_pool::ScratchPool;
@@ -56,13 +56,17 @@ pub fn propose(
                 planned_work += max_steps * search.candidates as u64;
                 Attempt::Replan { range, max_steps }
             }
-            None => Attempt::Local(draw_change(&settings, &incumbent.motions, &mut rng)),
+            None => Attempt::Local(draw_change(&settings, (&model, &incumbent.motions), &mut rng)),
         });
     }
 }
 
 /// A change that needs no search.
-fn draw_change(settings: &ImprovementSettings, motions: &[LeafMotion], rng: &mut impl Rng) -> LocalChange {
+fn draw_change(
+    settings: &ImprovementSettings,
+    (model, motions): (&Model, &[LeafMotion]),
+    rng: &mut impl Rng,
+) -> LocalChange {
     let mut drawn: f64 = rng.random_range(0.0..1.0);
     let mut is = |probability: f64| {
         drawn -= probability;
@@ -72,7 +76,7 @@ fn draw_change(settings: &ImprovementSettings, motions: &[LeafMotion], rng: &mut
         LocalChange::LimbShortcut
     } else if is(settings.waypoint_probability) {
         LocalChange::WaypointMove
-    } else if is(settings.leaf_probability) && leaf_move::is_possible(motions) {
+    } else if is(settings.leaf_probability) && leaf_move::is_possible(model, motions) {
         LocalChange::LeafMove
     } else {
         LocalChange::Shortcut(draw_motion(motions, rng))

@@ -55,6 +55,7 @@ impl Model {
             | ConstraintKind::Finger { .. }
             | ConstraintKind::Given { .. }
             | ConstraintKind::Approach { .. }
+            | ConstraintKind::Lift { .. }
             | ConstraintKind::WhileHeld { .. } => None,
         }
     }

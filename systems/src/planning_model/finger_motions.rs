@@ -23,7 +23,11 @@ impl Model {
     pub fn moving_fingers(&self, fingers: Fingers) -> impl Iterator<Item = usize> + '_ {
         let all = 0..self.problem.graph.hands.len() as u32;
         let moves = move |hand: &u32| match fingers {
-            Fingers::Still | Fingers::Wide(_) | Fingers::Ready { .. } | Fingers::OnLine { .. } => false,
+            Fingers::Still
+            | Fingers::Wide(_)
+            | Fingers::Ready { .. }
+            | Fingers::OnLine { .. }
+            | Fingers::Lifting { .. } => false,
             Fingers::Moving(moving) => moving == *hand,
             Fingers::Free => true,
         };

@@ -61,7 +61,8 @@ pub(crate) fn complete(
             continue;
         }
         let joints: Vec<_> = joints.into_iter().filter(|&joint| may_move(problem, still, joint)).collect();
-        let shared = hands[named..].iter_mut().find(|hand| hand.fingers.iter().any(|f| joints.contains(&f.joint)));
+        // A finger has one opening at a time, whichever gripper of its hand is to hold something.
+        let shared = hands.iter_mut().find(|hand| hand.fingers.iter().any(|f| joints.contains(&f.joint)));
         match shared {
             Some(hand) => hand.grippers.push(gripper),
             None if joints.is_empty() => {}

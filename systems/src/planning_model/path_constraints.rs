@@ -37,6 +37,7 @@ impl Model {
             | ConstraintKind::Finger { .. }
             | ConstraintKind::Given { .. }
             | ConstraintKind::Approach { .. }
+            | ConstraintKind::Lift { .. }
             | ConstraintKind::WhileHeld { .. } => {
                 Some(PathConstraint { name, constraint: self.constraint(id)?, argument: value })
             }

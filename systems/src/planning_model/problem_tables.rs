@@ -5,6 +5,7 @@
 
 use crate::events::StopSignal;
 use crate::planning_model::graph::snapping::snap;
+use crate::planning_model::graph::support_placement::{LiftLines, lift_lines};
 use crate::planning_model::hands;
 use crate::planning_model::hands::FingerShares;
 use foliate_components::constraint::{Constraint, Grasp, Locked, LockedValue};
@@ -42,6 +43,8 @@ pub struct ProblemTables {
     pub(crate) closed: FingerShares,
     /// Where they are that approach a handle as far open as they need.
     pub(crate) ready: FingerShares,
+    /// Lifts that are straight.
+    lifts: LiftLines,
 }
 
 impl ProblemTables {
@@ -72,6 +75,7 @@ impl ProblemTables {
             snapped,
             closed,
             ready,
+            lifts: lift_lines(&problem.robot, &problem.graph),
             uninvolved: uninvolved_joints(&problem),
             kinematics,
             weights: coordinate_weights(robot),
@@ -127,10 +131,11 @@ impl ProblemTables {
                 options.constraints.get(constraint as usize).map(|given| given.constraint.clone())
             }
             ConstraintKind::Approach { gripper, handle, bound } => {
-                let line = options.approach_line?;
+                let line = options.line_to(gripper, handle)?;
                 let grasp = Grasp::new(&self.problem.robot, gripper, handle).ok()?;
                 grasp.approach(bound, line.distance, line.angle)
             }
+            ConstraintKind::Lift { object, on } => self.lifts.get(&(object, on)).copied().map(Constraint::RelativePose),
             ConstraintKind::JointRest { joint } => options.resting_joints.get(joint as usize).map(|resting| {
                 let value = match resting.rest {
                     JointRest::Stays => LockedValue::Argument(0),

@@ -198,6 +198,7 @@ impl<'a> Draft<'a> {
             | ConstraintKind::Finger { .. }
             | ConstraintKind::Given { .. }
             | ConstraintKind::Approach { .. }
+            | ConstraintKind::Lift { .. }
             | ConstraintKind::WhileHeld { .. } => {
                 let constraint = model.constraint(target)?;
                 if drawn { Some(constraint.at_slot(slot)) } else { constraint.without_parameters() }

@@ -239,6 +239,7 @@ fn residual_of(model: &Model, grasp: Option<&Grasp>, kind: ConstraintKind, q: &[
         | ConstraintKind::Finger { .. }
         | ConstraintKind::Given { .. }
         | ConstraintKind::Approach { .. }
+        | ConstraintKind::Lift { .. }
         | ConstraintKind::WhileHeld { .. } => {
             let given = model.constraint_of(kind);
             given.map_or(f64::INFINITY, |given| constraints::residual(&model.problem.robot, &given, q, X_WJ))
@@ -275,6 +276,7 @@ pub fn parameter_of(model: &Model, constraint: ConstraintId, q: &[f64], X_WJ: &[
         | ConstraintKind::Finger { .. }
         | ConstraintKind::Given { .. }
         | ConstraintKind::Approach { .. }
+        | ConstraintKind::Lift { .. }
         | ConstraintKind::WhileHeld { .. } => {
             let given = model.constraint(constraint);
             let value = given

@@ -32,7 +32,7 @@ pub(crate) fn arguments_as_written(model: &Model, segment: &Segment, interior: &
     let written = |id: ConstraintId| {
         let constraint = model.graph.constraint(id);
         match constraint.kind {
-            ConstraintKind::JointRest { .. } | ConstraintKind::Given { .. } => {
+            ConstraintKind::JointRest { .. } | ConstraintKind::Given { .. } | ConstraintKind::Lift { .. } => {
                 segment.constraints.iter().find(|written| written.name == constraint.name)?.argument
             }
             _ => None,

@@ -2,10 +2,10 @@
 
 use crate::scene::assemble::names::frame::one_of;
 use crate::scene::assemble::names::locked::{scalar_joint, within};
-use crate::scene::reading::error::SceneError;
+use crate::scene::reading::error::{SceneError, did_you_mean};
 use crate::scene::reading::keys::{Item, Keys};
 use foliate_components::constraint::Tilt;
-use foliate_components::problem::{Approach, ApproachLine, Finger, Hand};
+use foliate_components::problem::{Approach, ApproachLine, Finger, GraphOptions, Hand, Lift};
 use foliate_components::robot::{GripperIndex, JointIndex, Robot};
 
 /// How far fingers that approach stay off what they are to grasp where a scene does not say, metres.
@@ -85,7 +85,36 @@ fn finger(item: &Item<'_>, joint: JointIndex, robot: &Robot) -> Result<Finger, S
 
 /// `approach_line = { distance, angle }`: metres and radians.
 pub(super) fn approach_line(keys: &mut Keys<'_>) -> Result<Option<ApproachLine>, SceneError> {
-    let Some(item) = keys.optional("approach_line") else { return Ok(None) };
+    keys.optional("approach_line").map(|item| line(&item)).transpose()
+}
+
+/// `approach_lines = { "robot/gripper" or "object/handle" = { distance, angle } or "free" }`: how these differ.
+pub(super) fn approach_lines(keys: &mut Keys<'_>, robot: &Robot, options: &mut GraphOptions) -> Result<(), SceneError> {
+    let Some(item) = keys.optional("approach_lines") else { return Ok(()) };
+    for (name, item) in item.keys()?.entries() {
+        let line = match item.is_string() {
+            true => one_of(&item, &[("free", None)])?,
+            false => Some(line(&item)?),
+        };
+        match (robot.gripper(name), robot.handle(name)) {
+            (Some(gripper), None) => options.gripper_lines.push((gripper, line)),
+            (None, Some(handle)) => options.handle_lines.push((handle, line)),
+            (Some(_), Some(_)) => {
+                return Err(item.error("is the name of a gripper and of a handle").hint("rename one"));
+            }
+            (None, None) => {
+                let handles = robot.handles.iter().map(|handle| handle.name.as_str());
+                let known = robot.grippers.iter().map(|gripper| gripper.name.as_str()).chain(handles);
+                let hint = did_you_mean(name, known);
+                return Err(item.error("there is no gripper and no handle of this name").hint(hint));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// `{ distance, angle }` of a line.
+fn line(item: &Item<'_>) -> Result<ApproachLine, SceneError> {
     let mut keys = item.keys()?;
     let (distance, angle) = (keys.required("distance")?, keys.required("angle")?);
     keys.finish()?;
@@ -96,5 +125,11 @@ pub(super) fn approach_line(keys: &mut Keys<'_>) -> Result<Option<ApproachLine>,
     if !(Tilt::LEAST..=Tilt::MOST).contains(&line.angle) {
         return Err(angle.error(format!("is not between {} radians and a right angle", Tilt::LEAST)));
     }
-    Ok(Some(line))
+    Ok(line)
+}
+
+/// `lift = "free"` or `"straight"`.
+pub(super) fn lift(keys: &mut Keys<'_>) -> Result<Lift, SceneError> {
+    let words = [("free", Lift::Free), ("straight", Lift::Straight)];
+    keys.optional("lift").map_or(Ok(Lift::default()), |item| one_of(&item, &words))
 }

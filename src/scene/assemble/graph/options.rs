@@ -74,6 +74,8 @@ pub(crate) fn read(
     }
     options.approach = hands::approach(&mut keys)?;
     options.approach_line = hands::approach_line(&mut keys)?;
+    hands::approach_lines(&mut keys, robot, &mut options)?;
+    options.lift = hands::lift(&mut keys)?;
     written::read(&mut keys, robot, &mut options)?;
     keys.finish()?;
     Ok(options)

@@ -4,7 +4,7 @@
 //! is asked for.
 
 use crate::scene::mesh::formats::gltf_document::{
-    Accessor, Buffers, Document, Fault, Place, Primitive, read as document,
+    Accessor, Buffers, Document, Fault, OuterFile, Place, Primitive, read as document,
 };
 use crate::scene::mesh::formats::triangles::{Triangles, UpAxis};
 use crate::scene::reading::error::{SceneError, quoted};
@@ -18,9 +18,16 @@ const NODE_DEPTH: usize = 200;
 /// Extensions that only concern looks, by how they begin.
 const LOOKS: [&str; 4] = ["KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_"];
 
-pub(crate) fn read(file: &str, content: &[u8], up_axis: UpAxis, mesh: Triangles) -> Result<Triangles, SceneError> {
+/// `outer` reads buffers that lie in other files.
+pub(crate) fn read(
+    file: &str,
+    content: &[u8],
+    up_axis: UpAxis,
+    outer: OuterFile<'_>,
+    mesh: Triangles,
+) -> Result<Triangles, SceneError> {
     let located = |Fault(element, line, message)| SceneError::new(file, element, message).at(line);
-    let (document, buffers) = document(content).map_err(located)?;
+    let (document, buffers) = document(content, outer).map_err(located)?;
     let strange = |name: &&String| !LOOKS.iter().any(|looks| name.starts_with(looks));
     if let Some(name) = document.extensions_required.iter().find(strange) {
         let message = format!("needs the extension `{}`, which is not read", quoted(name));

@@ -1,5 +1,6 @@
 //! The parts of a glTF 2.0 document that say where triangles are, and the bytes behind it.
 
+use crate::scene::reading::error::quoted;
 use serde::Deserialize;
 use std::borrow::Cow;
 
@@ -101,9 +102,11 @@ pub(super) struct View {
     pub byte_stride: Option<usize>,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Default)]
+#[serde(rename_all = "camelCase", default)]
 struct Buffer {
     uri: Option<String>,
+    byte_length: usize,
 }
 
 /// Why a file makes no document: the element, the line where there is one, and the message.
@@ -113,11 +116,37 @@ fn fault<T>(element: impl Into<String>, message: impl Into<String>) -> Result<T,
     Err(Fault(element.into(), None, message.into()))
 }
 
-/// The bytes of each buffer: in the file, or decoded.
+/// The bytes of each buffer: in the file, decoded, or those of another file.
 pub(super) type Buffers<'a> = Vec<Cow<'a, [u8]>>;
 
+/// The bytes of a file that a document names, as written but for `%20` and the like; or why there are none.
+pub(crate) type OuterFile<'o> = &'o mut dyn FnMut(&str) -> Result<Vec<u8>, String>;
+
 /// The document and the bytes of its buffers, of a file of one piece (GLB) or of text.
-pub(super) fn read(content: &[u8]) -> Result<(Document, Buffers<'_>), Fault> {
+pub(super) fn read<'c>(content: &'c [u8], outer: OuterFile<'_>) -> Result<(Document, Buffers<'c>), Fault> {
+    let (document, binary) = parsed(content)?;
+    let mut buffers = Vec::with_capacity(document.buffers.len());
+    for (index, buffer) in document.buffers.iter().enumerate() {
+        let failed = |message| Fault(format!("buffer {index}"), None, message);
+        buffers.push(match (&buffer.uri, binary) {
+            (None, Some(binary)) if index == 0 => Cow::Borrowed(binary),
+            (None, _) => return Err(failed("has no bytes".into())),
+            (Some(uri), _) if uri.starts_with("data:") => Cow::Owned(embedded(uri).map_err(failed)?),
+            (Some(uri), _) => Cow::Owned(other_file(uri, buffer.byte_length, outer).map_err(failed)?),
+        });
+    }
+    Ok((document, buffers))
+}
+
+/// The names of the files in which a document has buffers, in their order.
+pub(crate) fn outer_files(content: &[u8]) -> Vec<String> {
+    let Ok((document, _)) = parsed(content) else { return Vec::new() };
+    let uris = document.buffers.iter().filter_map(|buffer| buffer.uri.as_deref());
+    uris.filter(|uri| !uri.starts_with("data:")).filter_map(decoded).collect()
+}
+
+/// The document, and the buffer of a file of one piece.
+fn parsed(content: &[u8]) -> Result<(Document, Option<&[u8]>), Fault> {
     let (json, binary) = if content.starts_with(MAGIC) { chunks(content)? } else { (content, None) };
     let json = json.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(json);
     if json.iter().filter(|&&byte| byte == b'{').count() > OBJECTS {
@@ -125,17 +154,7 @@ pub(super) fn read(content: &[u8]) -> Result<(Document, Buffers<'_>), Fault> {
     }
     let document: Document = serde_json::from_slice(json)
         .map_err(|error| Fault("document".into(), u32::try_from(error.line()).ok(), error.to_string()))?;
-    let mut buffers = Vec::with_capacity(document.buffers.len());
-    for (index, buffer) in document.buffers.iter().enumerate() {
-        buffers.push(match (&buffer.uri, binary) {
-            (None, Some(binary)) if index == 0 => Cow::Borrowed(binary),
-            (None, _) => return fault(format!("buffer {index}"), "has no bytes"),
-            (Some(uri), _) => {
-                Cow::Owned(embedded(uri).map_err(|message| Fault(format!("buffer {index}"), None, message))?)
-            }
-        });
-    }
-    Ok((document, buffers))
+    Ok((document, binary))
 }
 
 /// The document and the buffer of a file of one piece.
@@ -166,10 +185,32 @@ fn chunks(content: &[u8]) -> Result<(&[u8], Option<&[u8]>), Fault> {
 
 /// The bytes that a URI holds itself.
 fn embedded(uri: &str) -> Result<Vec<u8>, String> {
-    let Some((_, text)) = uri.strip_prefix("data:").and_then(|data| data.split_once(";base64,")) else {
-        return Err("lies in another file: save the mesh as .glb, which is one file".into());
-    };
-    base64(text.as_bytes()).ok_or_else(|| "is no base64".into())
+    let text = uri.split_once(";base64,").map(|(_, text)| text);
+    text.and_then(|text| base64(text.as_bytes())).ok_or_else(|| "is no base64".into())
+}
+
+/// The bytes of a buffer in a file of its own.
+fn other_file(uri: &str, length: usize, outer: OuterFile<'_>) -> Result<Vec<u8>, String> {
+    let shown = quoted(uri);
+    let name = decoded(uri).ok_or_else(|| format!("`{shown}` is no URI: `%` stands before two hexadecimal digits"))?;
+    let bytes = outer(&name).map_err(|message| format!("`{shown}`: {message}"))?;
+    if bytes.len() < length {
+        return Err(format!("`{shown}` has {} bytes, and {length} are declared", bytes.len()));
+    }
+    Ok(bytes)
+}
+
+/// A URI without `%20` and the like (RFC 3986).
+fn decoded(uri: &str) -> Option<String> {
+    let mut bytes = Vec::with_capacity(uri.len());
+    let mut pieces = uri.split('%');
+    bytes.extend_from_slice(pieces.next()?.as_bytes());
+    for piece in pieces {
+        let digits = piece.get(..2).filter(|digits| digits.bytes().all(|digit| digit.is_ascii_hexdigit()))?;
+        bytes.push(u8::from_str_radix(digits, 16).ok()?);
+        bytes.extend_from_slice(&piece.as_bytes()[2..]);
+    }
+    String::from_utf8(bytes).ok()
 }
 
 /// The bytes of a base64 text (RFC 4648), with or without padding.
@@ -204,6 +245,16 @@ fn base64(text: &[u8]) -> Option<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_of_files_are_decoded() {
+        for (uri, name) in [("a.bin", "a.bin"), ("b%20c%2ebin", "b c.bin"), ("%C3%A4.bin", "ä.bin")] {
+            assert_eq!(decoded(uri).as_deref(), Some(name));
+        }
+        for uri in ["a%", "a%2", "a%2g.bin", "%ff", "%+1"] {
+            assert_eq!(decoded(uri), None, "{uri}");
+        }
+    }
 
     #[test]
     fn texts_of_base64_are_those_of_the_standard() {

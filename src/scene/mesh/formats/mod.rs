@@ -4,7 +4,7 @@ pub(crate) mod dae;
 pub(crate) mod dae_materials;
 pub(crate) mod dae_values;
 pub(crate) mod gltf;
-mod gltf_document;
+pub(crate) mod gltf_document;
 pub(crate) mod obj;
 pub(crate) mod ply;
 pub(crate) mod stl;

@@ -4,7 +4,7 @@
 //! each evaluation and held constant in the Jacobian.
 
 use super::relative_pose;
-use crate::constraints::resting::overhang;
+use crate::constraints::resting::{self, overhang};
 use crate::constraints::rows_out::{RowsOut, placement_of};
 use crate::kinematics::Column;
 use foliate_components::Pose;
@@ -68,6 +68,29 @@ pub fn contact(placement: &Placement, X_WJ: &[Pose]) -> Contact {
 pub fn pose(placement: &Placement, contact: Contact, X_WJ: &[Pose]) -> Pose {
     let support = placement_of(&placement.supports[contact.support].frame);
     relative_pose::pose(&support, &placement_of(&placement.object[contact.object].frame), X_WJ)
+}
+
+/// The shortest way in the plane of the support, metres in the world, after which an object lies over it as the rule asks; see
+/// [`resting::way_inside`].
+///
+/// # Panics
+/// If `X_WJ` is too short or the contact is not of this placement.
+#[must_use]
+pub fn way_inside(placement: &Placement, contact: Contact, X_WJ: &[Pose]) -> Option<DVec3> {
+    let way = resting::way_inside(placement, contact.object, contact.support, &pose(placement, contact, X_WJ))?;
+    let support = placement_of(&placement.supports[contact.support].frame).in_world(X_WJ);
+    Some(support.rotation * DVec3::new(0.0, way.x, way.y))
+}
+
+/// How far along its support an object has to go to lie over it as the rule asks, metres; by [`Rests::Centre`] to its middle.
+///
+/// # Panics
+/// If `X_WJ` is too short or the contact is not of this placement.
+#[must_use]
+pub fn aside(placement: &Placement, contact: Contact, X_WJ: &[Pose]) -> f64 {
+    let [_, y, z, ..] = value(placement, contact, X_WJ);
+    let shortest = way_inside(placement, contact, X_WJ).map(DVec3::length);
+    shortest.filter(|_| !contact.inside).unwrap_or_else(|| y.hypot(z))
 }
 
 /// P_f: `[x + margin, 0, 0, ry, rz]` inside, `[x + margin, y, z, ry, rz]` outside (P0 eq. 4). By other rules than [`Rests::Centre`]

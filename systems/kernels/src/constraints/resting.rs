@@ -38,11 +38,7 @@ pub fn overhang(placement: &Placement, object: usize, support: usize, X_SO: &Pos
     }
     let polygon = &placement.supports[support];
     let turned = |footing: &DVec2| in_plane(X_SO.rotation * DVec3::new(0.0, footing.x, footing.y));
-    // n_k · p − b_k: how far beyond edge k the farthest footing is.
-    let beyond = |k: usize, p: DVec2| {
-        let reach = footings.iter().map(|f| polygon.normals[k].dot(turned(f))).fold(f64::NEG_INFINITY, f64::max);
-        polygon.normals[k].dot(p - polygon.vertices[k]) + reach + placement.rests.margin()
-    };
+    let beyond = beyond_edges(placement, footings, polygon, X_SO);
     let p = in_plane(X_SO.translation);
     if worst(polygon, |k| beyond(k, p)).1 <= 0.0 {
         return None;
@@ -63,6 +59,35 @@ pub fn overhang(placement: &Placement, object: usize, support: usize, X_SO: &Pos
     let share = (0..polygon.normals.len()).map(share).fold(0.0, f64::max);
     let left = 1.0 - share;
     Some(Overhang { distance: share * away.length(), error: (1.0 - left * left) * away })
+}
+
+/// The shortest way in the plane, (y, z) of the support's frame, metres, after which an object lies on its support as the rule asks: where it
+/// hangs over one edge, and nearly so at corners. `None` where it lies so already, where no place is found at its turn, and by
+/// [`Rests::Centre`], which has no footings.
+///
+/// [`Rests::Centre`]: foliate_components::constraint::Rests::Centre
+#[must_use]
+pub fn way_inside(placement: &Placement, object: usize, support: usize, X_SO: &Pose) -> Option<DVec2> {
+    let footings = placement.footings.get(object).filter(|footings| !footings.is_empty())?;
+    let polygon = &placement.supports[support];
+    let p = in_plane(X_SO.translation);
+    let (fits, missing) = fitting(polygon, p, &beyond_edges(placement, footings, polygon, X_SO));
+    (missing <= 0.0 && fits != p).then(|| fits - p)
+}
+
+/// n_k · p − b_k: how far beyond edge k the farthest footing is where the origin of the object's polygon is at p.
+fn beyond_edges<'p>(
+    placement: &'p Placement,
+    footings: &'p [DVec2],
+    polygon: &'p Polygon,
+    X_SO: &Pose,
+) -> impl Fn(usize, DVec2) -> f64 + 'p {
+    let rotation = X_SO.rotation;
+    move |k, p| {
+        let turned = |footing: &DVec2| in_plane(rotation * DVec3::new(0.0, footing.x, footing.y));
+        let reach = footings.iter().map(|f| polygon.normals[k].dot(turned(f))).fold(f64::NEG_INFINITY, f64::max);
+        polygon.normals[k].dot(p - polygon.vertices[k]) + reach + placement.rests.margin()
+    }
 }
 
 /// A place at which the footings fit, looked for from `p` by steps over the edge that is broken most (Agmon's relaxation), and what

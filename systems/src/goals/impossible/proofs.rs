@@ -9,6 +9,7 @@ use crate::goals::impossible::hand_fit;
 use crate::goals::impossible::moves::{
     Asked, asked, displacement, grasps_of, moves_in_hands_alone, objects_to_move, own_grasps, stands_in_world,
 };
+use crate::goals::impossible::put_down::never_put_down;
 use crate::planning_model::graph::connected_states::connected_states;
 use crate::planning_model::model::Model;
 use crate::planning_model::state_classification::Feasible;
@@ -24,7 +25,9 @@ pub(crate) fn refute(model: &Model, settings: &SearchSettings, start: &Feasible)
         return None;
     }
     let is_connected = connected_states(&model.graph, start.state, |_| true);
-    never_moves(model, start, &is_connected).or_else(|| no_grasp_is_possible(model, settings, start))
+    never_moves(model, start, &is_connected)
+        .or_else(|| never_put_down(model, start))
+        .or_else(|| no_grasp_is_possible(model, settings, start))
 }
 
 fn never_moves(model: &Model, start: &Feasible, is_connected: &[bool]) -> Option<Infeasibility> {

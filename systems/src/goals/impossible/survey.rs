@@ -4,13 +4,13 @@
 //! It is evidence and no proof: as many tries as are made, from random configurations. A survey ends with the first grasp that is possible.
 
 use crate::events::StopSignal;
+use crate::goals::impossible::beyond::Limits;
 use crate::goals::impossible::hindrance::{Blocked, Hindrance, OutOfReach, Shortfall};
 use crate::goals::impossible::moves::grasps_of;
 use crate::goals::impossible::site::Site;
-use crate::goals::impossible::tries::{converges, solve, widened};
+use crate::goals::impossible::tries::{solve, widened};
 use crate::goals::programs::GoalProgram;
 use crate::planning_model::model::{Model, PlanningModel};
-use crate::planning_model::state_classification::coordinate;
 use crate::settings::SearchSettings;
 use foliate_components::constraint::Frame;
 use foliate_components::graph::{State, StateId};
@@ -22,7 +22,7 @@ use foliate_kernels::constraints;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Tries for each grasp at first, and to see how far beyond their limits joints would have to go.
+/// Tries for each grasp at first.
 const TRIES: u32 = 32;
 /// Tries for each grasp before anything is said, and most of all grasps together.
 const MORE_TRIES: u32 = 128;
@@ -36,8 +36,6 @@ const COMPARED: u64 = 64;
 const MOST_GRASPS: usize = 256;
 /// So near a bound a joint is at it, radians and metres.
 const AT_LIMIT: f64 = 1e-4;
-/// Times that a configuration beyond the limits is brought nearer to them.
-const NEARER: u32 = 4;
 
 /// What seems to keep every hand from an object where it starts, or from each place where goals have it. `None` where a grasp is possible,
 /// where not all grasps can be tried, where something else than a hand may move the object there, and where the stop signal is raised.
@@ -280,8 +278,9 @@ impl<'a> Survey<'a> {
         };
         let wide = Model::with_graph(widened(&self.model.problem), self.model.graph.clone()).ok()?;
         let wide = PlanningModel(Arc::new(wide));
+        let limits = Limits { model: self.model, wide: &wide, settings: self.settings, stop: self.stop };
         let beyond = self.grasps.iter().filter_map(|tries| {
-            let (excess, shortfall) = self.beyond(&wide, tries.state)?;
+            let (excess, shortfall) = limits.beyond(self.site, tries.state)?;
             Some((excess, told(tries.grasp, shortfall, Vec::new())))
         });
         let least = beyond.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, told)| told);
@@ -309,35 +308,6 @@ impl<'a> Survey<'a> {
             (is_one && is_at && !is_locked).then(|| joint.name.clone())
         };
         robot.joints.iter().filter(of_robot).filter_map(at_limit).collect()
-    }
-
-    /// Of the tries of a grasp beyond the limits the one that needs least, and which.
-    fn beyond(&self, wide: &PlanningModel, state: StateId) -> Option<(f64, Shortfall)> {
-        let space = &self.model.problem.robot.space;
-        let program = GoalProgram::new(wide, self.settings, &self.site.goal, &self.site.q, state, true).ok()?;
-        let mut scratch = Scratch::default();
-        let mut best: Option<(f64, Shortfall)> = None;
-        for number in (0..TRIES).take_while(|_| !self.stop.is_raised()) {
-            let found = solve(wide, self.settings, &program, (&self.site.q, state, number), &mut scratch);
-            let (mut q, mut is_converged) = found;
-            // From the nearest configuration within the limits the next one is less beyond them.
-            for _ in 0..=NEARER {
-                let over = |index: usize| (space.lower[index] - q[index]).max(q[index] - space.upper[index]);
-                let worst = (0..q.len()).map(|index| (index, over(index))).max_by(|a, b| a.1.total_cmp(&b.1));
-                let Some((index, excess)) = worst.filter(|(_, excess)| is_converged && *excess > 0.0) else { break };
-                if best.as_ref().is_none_or(|(least, _)| excess < *least) {
-                    let limit = if q[index] < space.lower[index] { space.lower[index] } else { space.upper[index] };
-                    let joint = coordinate(&self.model.problem.robot, index);
-                    best = Some((excess, Shortfall::Limit { joint, needed: q[index], limit }));
-                }
-                let beyond: Vec<usize> = (0..q.len()).filter(|&index| over(index) > 0.0).collect();
-                beyond
-                    .into_iter()
-                    .for_each(|index| q[index] = q[index].max(space.lower[index]).min(space.upper[index]));
-                is_converged = converges(self.settings, &program, &mut q, &mut scratch);
-            }
-        }
-        best
     }
 
     fn what_blocks(&self) -> Option<Blocked> {

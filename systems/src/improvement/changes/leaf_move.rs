@@ -10,10 +10,11 @@ use crate::improvement::changes::waypoint_chain::{
 };
 use crate::improvement::cost::path_cost;
 use crate::improvement::leaf_motion::{LeafMotion, interior_arguments, same_value};
+use crate::planning_model::model::Model;
 use crate::planning_model::state_classification::parameter_of;
 use crate::step::steering;
-use foliate_components::graph::ConstraintId;
 use foliate_components::graph::leaf::Parameter;
+use foliate_components::graph::{ConstraintId, ConstraintKind};
 use foliate_kernels::constrained_motion::{Settings, project};
 use rand::{Rng, RngExt};
 use std::ops::{Range, RangeInclusive};
@@ -33,7 +34,7 @@ pub(crate) fn attempt(
     rng: &mut impl Rng,
     scratch: &mut ImprovementScratch,
 ) -> Option<Changed> {
-    let runs = runs(motions);
+    let runs = runs(context.model, motions);
     let run = runs.get(rng.random_range(0..runs.len().max(1)))?;
     let mut moving = Moving { context, run, motions: motions.to_vec(), moved: vec![None; motions.len() + 1] };
     let chains = [run.motions.start, run.motions.end].map(|at| chain_around(motions, at));
@@ -54,12 +55,21 @@ pub(crate) fn attempt(
 }
 
 /// Whether a path has a leaf that can be moved.
-pub(crate) fn is_possible(motions: &[LeafMotion]) -> bool {
-    !runs(motions).is_empty()
+pub(crate) fn is_possible(model: &Model, motions: &[LeafMotion]) -> bool {
+    !runs(model, motions).is_empty()
+}
+
+/// Whether nothing else hangs on a value: the line of a straight lift is that of the placement.
+fn may_move(model: &Model, constraint: ConstraintId) -> bool {
+    match model.graph.constraint(constraint).kind {
+        ConstraintKind::Lift { .. } => false,
+        ConstraintKind::Placement { object, on } => model.constraint_of(ConstraintKind::Lift { object, on }).is_none(),
+        _ => true,
+    }
 }
 
 /// The leaves that can be moved: they are reached and left on the way.
-fn runs(motions: &[LeafMotion]) -> Vec<Run> {
+fn runs(model: &Model, motions: &[LeafMotion]) -> Vec<Run> {
     let has = |index: usize, value: &Parameter| motions[index].parameters.iter().any(|p| same_value(p, value));
     let mut runs = Vec::new();
     for begin in 1..motions.len() {
@@ -67,7 +77,8 @@ fn runs(motions: &[LeafMotion]) -> Vec<Run> {
             let end = (begin..motions.len()).find(|&index| !has(index, value));
             // A value that goes over into another one of its constraint is not of waypoints.
             let is_new = |index: usize| motions[index].parameters.iter().all(|p| p.constraint != value.constraint);
-            if let Some(end) = end.filter(|&end| is_new(begin - 1) && is_new(end)) {
+            let is_alone = |end: usize| is_new(begin - 1) && is_new(end) && may_move(model, value.constraint);
+            if let Some(end) = end.filter(|&end| is_alone(end)) {
                 runs.push(Run { constraint: value.constraint, motions: begin..end });
             }
         }

@@ -6,7 +6,8 @@
 //! | 2 | intersection | grasp, and what holds while the grasp does not: placement, doors at rest |
 //! | 3 | pre-placement | grasp, and the object lifted along the support's normal |
 //!
-//! Legs 01 and 12 lie in the state without the grasp, 23 in the state with it. A hand with fingers opens and closes in legs of its own,
+//! Legs 01 and 12 lie in the state without the grasp, 23 in the state with it; 12 and 23 in states that are only passed through where they
+//! are to be straight. A hand with fingers opens and closes in legs of its own,
 //! in states that are only passed through: in one the fingers move, in another they are open though the hand is empty. HPP's last leg
 //! of either direction (34, 10) has no length, because the waypoint already satisfies the target: it is left out.
 
@@ -56,7 +57,7 @@ impl Builder<'_> {
         }
         let lifted = self.lifted(&self.difference(without, with));
         if !lifted.is_empty() {
-            legs.push(leg(name, "23", with, lifted, true));
+            legs.push(leg(name, "23", self.lifting(with, &lifted), lifted, true));
         }
         legs
     }
@@ -69,12 +70,13 @@ impl Builder<'_> {
         let lost = self.lost(change);
         let mut legs = Vec::new();
         let lifted = self.lifted(&lost);
+        let down = self.lifting(with, &lifted);
         if !lifted.is_empty() {
             legs.push(leg(name, "43", with, lifted, false));
         }
         let stays = lost.is_empty();
         if !stays {
-            legs.push(leg(name, "32", with, lost.clone(), !legs.is_empty()));
+            legs.push(leg(name, "32", down, lost.clone(), !legs.is_empty()));
         }
         let has_pregrasp = self.state_keys.has_pregrasp(gripper, handle);
         if let Some(hand) = &hand {
@@ -141,6 +143,20 @@ impl Builder<'_> {
             beside: if travels_open { change.without } else { at(&without, beside) },
         })
     }
+
+    /// The state between where an object lies and its pre-placement: on a line where the problem asks for that.
+    fn lifting(&mut self, with: StateId, lifted: &[ConstraintId]) -> StateId {
+        let line = lifted.iter().find_map(|&c| match self.graph.constraint(c).kind {
+            ConstraintKind::Preplacement { object, on } => {
+                self.state_keys.documents.lifts.contains_key(&(object, on)).then_some((object, on))
+            }
+            _ => None,
+        });
+        let Some((object, on)) = line else { return with };
+        let key = StateKey::clone(&self.key(with));
+        self.passing_state(StateKey { fingers: Fingers::Lifting { object, on }, ..key })
+    }
+
     /// The pre-placements of those of the constraints that are placements.
     fn lifted(&mut self, constraints: &[ConstraintId]) -> Vec<ConstraintId> {
         if self.state_keys.options.preplacement_distance <= 0.0 {

@@ -10,6 +10,7 @@ use foliate_components::problem::{GraphOptions, ObjectOptions};
 use foliate_components::robot::{JointIndex, LinkIndex, Robot, SurfaceIndex};
 use foliate_kernels::constraints::{placement, placement_of, relative_pose};
 use glam::DVec3;
+use std::collections::HashMap;
 
 /// What an object may rest on.
 #[derive(Clone, Debug)]
@@ -37,6 +38,9 @@ pub struct PlacementOnSupport {
     /// How the object rests there.
     pub resting: SupportPlacement,
 }
+
+/// See [`lift_lines`].
+pub(crate) type LiftLines = HashMap<(u32, Option<JointIndex>), RelativePose>;
 
 /// The bodies that may carry an object, with their supports: what is fixed in the world first, others in the order in
 /// which their supports are named. An object's own surfaces do not carry it.
@@ -66,6 +70,17 @@ pub(crate) fn carrying_bodies(
     // Stable: among bodies that move the order stays.
     bodies.sort_by_key(|(body, _)| body.is_some());
     bodies
+}
+
+/// What holds along straight lifts, by object and body that carries it; see [`GraphOptions::lift_line`].
+#[must_use]
+pub(crate) fn lift_lines(robot: &Robot, options: &GraphOptions) -> LiftLines {
+    let of_object = |(number, object): (u32, &ObjectOptions)| {
+        let bodies: Vec<_> = carrying_bodies(robot, options, object).into_iter().map(|(on, _)| on).collect();
+        let line = move |on| Some(((number, on), options.lift_line(robot, number as usize, on)?));
+        bodies.into_iter().filter_map(line)
+    };
+    (0u32..).zip(&options.objects).flat_map(of_object).collect()
 }
 
 impl PlacementOnSupport {
@@ -122,10 +137,10 @@ impl SupportPlacement {
     pub fn off(&self, X_WJ: &[Pose]) -> Option<OffSupport> {
         let Self::Surfaces(lying) = self else { return None };
         let contact = placement::contact(lying, X_WJ);
-        let [x, y, z, ..] = placement::value(lying, contact, X_WJ);
+        let [x, ..] = placement::value(lying, contact, X_WJ);
         let tilt = (placement::pose(lying, contact, X_WJ).rotation * DVec3::X).angle_between(DVec3::X);
         // x points into the support.
-        Some(OffSupport::new(-x, y.hypot(z), tilt, lying.rests))
+        Some(OffSupport::new(-x, placement::aside(lying, contact, X_WJ), tilt, lying.rests))
     }
 
     /// Where exactly the object rests, given poses at which it does to within a projection's tolerance: its carrier, and

@@ -5,11 +5,14 @@
 
 use crate::planning_model::graph::snapping::nearby::{Nearby, ON};
 use crate::planning_model::graph::states::state_keys::StateKey;
+use crate::planning_model::graph::support_placement::{PlacementOnSupport, SupportPlacement};
 use foliate_components::Pose;
 use foliate_components::constraint::{Constraint, Frame, Reference, RelativePose};
+use foliate_components::graph::ConstraintKind;
 use foliate_components::pose::{log_so3, pose_from_array};
 use foliate_components::robot::{JointIndex, JointType, Source};
 use foliate_kernels::constrained_motion::{ConstraintProgram, Outcome, Scratch, Settings, project};
+use foliate_kernels::constraints::placement;
 
 /// How exactly a corrected configuration lies in its state, metres and radians.
 const EXACT: f64 = 1e-9;
@@ -38,7 +41,13 @@ impl Nearby<'_> {
             let X_WJ = self.poses(&there.q);
             manifold.iter().all(|&kind| self.residual(kind, &there.q, &X_WJ) <= ON)
         };
-        let objects = self.solved(&constraints, q, &|joint| roots.contains(&joint));
+        let mut over = q.to_vec();
+        for &kind in &manifold {
+            if let ConstraintKind::Placement { object, on } = kind {
+                self.slide(object as usize, self.place(object, on), &mut over);
+            }
+        }
+        let objects = self.solved(&constraints, &over, &|joint| roots.contains(&joint));
         let within = |there: Vec<f64>| {
             let there = self.difference(q, there);
             let share = |&(_, distance, angle): &(_, f64, f64)| self.share(distance, angle);
@@ -46,6 +55,19 @@ impl Nearby<'_> {
             (is_within && holds(&there)).then_some(there)
         };
         objects.and_then(within).or_else(|| within(self.solved(&constraints, q, &|_| true)?))
+    }
+
+    /// Moves an object that hangs over the edge of a support by the shortest way: Newton's method would go towards the middle.
+    pub fn slide(&self, object: usize, place: Option<&PlacementOnSupport>, q: &mut [f64]) {
+        let Some(SupportPlacement::Surfaces(lying)) = place.map(|place| &place.resting) else { return };
+        let Some((_, root)) = self.roots().find(|(number, _)| *number == object) else { return };
+        let joint = &self.problem.robot.joints[root.at()];
+        let X_WJ = self.poses(q);
+        let way = placement::way_inside(lying, placement::contact(lying, &X_WJ), &X_WJ);
+        if let (Some(way), Source::Coordinates { q: first, .. }, None) = (way, joint.source, joint.parent) {
+            let way = joint.parent_from_joint.rotation.conjugate() * way;
+            q[first..first + 3].iter_mut().zip(way.to_array()).for_each(|(q, by)| *q += by);
+        }
     }
 
     /// A motion as a share of the tolerance. Where nothing may be moved, of the usual one: to compare states in messages.

@@ -161,9 +161,10 @@ impl<'a> Nearby<'a> {
             ConstraintKind::Placement { object, on } => match &self.place(object, on)?.resting {
                 SupportPlacement::Surfaces(lying) => {
                     let contact = placement::contact(lying, X_WJ);
-                    let [x, y, z, turn_y, turn_z] = placement::value(lying, contact, X_WJ);
+                    let [x, _, _, turn_y, turn_z] = placement::value(lying, contact, X_WJ);
                     let lever = lying.object[contact.object].frame.joint_from_frame.translation.length();
-                    Some((x.hypot(y).hypot(z), turn_y.hypot(turn_z), lever))
+                    let aside = placement::aside(lying, contact, X_WJ);
+                    Some((x.hypot(aside), turn_y.hypot(turn_z), lever))
                 }
                 plane @ SupportPlacement::Plane { frame, .. } => {
                     let Constraint::RelativePose(pose) = plane.constraint(0.0) else { return None };

@@ -226,7 +226,9 @@ impl Nearby<'_> {
             return None;
         }
         let laid = known().filter_map(|place| {
-            let there = self.solved(&[place.resting.constraint(0.0)], q, &|joint| joint == root)?;
+            let mut over = q.to_vec();
+            self.slide(object, Some(place), &mut over);
+            let there = self.solved(&[place.resting.constraint(0.0)], &over, &|joint| joint == root)?;
             let there_poses = self.poses(&there);
             let (distance, angle) = poses_apart(&X_WJ[root.at()], &there_poses[root.at()]);
             let share = self.share(distance, angle);

@@ -4,7 +4,7 @@
 use crate::planning_model::graph::attachment_order::{Chain, grasp_of, is_beyond, root_of};
 use crate::planning_model::graph::checks::GraphError;
 use crate::planning_model::graph::states::own_constraints::own_constraints;
-use crate::planning_model::graph::support_placement::carrying_bodies;
+use crate::planning_model::graph::support_placement::{LiftLines, carrying_bodies, lift_lines};
 use foliate_components::constraint::{ApproachBound, Grasp};
 use foliate_components::graph::{ConstraintKind, Fingers, Opening};
 use foliate_components::problem::{GraphOptions, JointRest, Problem};
@@ -35,6 +35,8 @@ pub(crate) struct Documents {
     pub bodies: Vec<Vec<Option<JointIndex>>>,
     /// Documents of the grasps that the table allows.
     pub grasps: HashMap<(GripperIndex, HandleIndex), Grasp>,
+    /// Lifts that are straight.
+    pub lifts: LiftLines,
 }
 
 impl Documents {
@@ -61,7 +63,7 @@ impl Documents {
             .objects
             .iter()
             .map(|object| carrying_bodies(robot, options, object).into_iter().map(|(body, _)| body).collect());
-        Ok(Self { bodies: bodies.collect(), grasps })
+        Ok(Self { bodies: bodies.collect(), grasps, lifts: lift_lines(robot, options) })
     }
 }
 
@@ -196,6 +198,9 @@ impl<'a> StateKeys<'a> {
         if let Fingers::OnLine { gripper, handle, .. } = key.fingers {
             manifold.extend(self.on_line(gripper, handle));
         }
+        if let Fingers::Lifting { object, on } = key.fingers {
+            manifold.push(ConstraintKind::Lift { object, on });
+        }
         let is_held = |part| {
             let holds =
                 |&(_, handle): &_| self.options.objects.get(self.object_of(handle)).is_some_and(|o| o.part == part);
@@ -317,6 +322,7 @@ impl<'a> StateKeys<'a> {
             }
             ConstraintKind::Placement { object, on } => (placed("place", object, on), true),
             ConstraintKind::Preplacement { object, on } => (placed("preplace", object, on), false),
+            ConstraintKind::Lift { object, on } => (placed("lift", object, on), true),
             ConstraintKind::Rest { object } => (format!("rest_{}", self.object_name(object as usize)), true),
             ConstraintKind::JointRest { joint } => {
                 let resting = &self.options.resting_joints[joint as usize];

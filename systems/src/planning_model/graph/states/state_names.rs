@@ -18,7 +18,7 @@ impl StateKeys<'_> {
     /// Whether a gripper has to go to a handle along a line.
     pub(in crate::planning_model::graph) fn has_line(&self, gripper: GripperIndex, handle: HandleIndex) -> bool {
         let grasp = self.documents.grasps.get(&(gripper, handle));
-        self.options.approach_line.is_some() && grasp.is_some_and(|grasp| grasp.has_line())
+        self.options.line_to(gripper, handle).is_some() && grasp.is_some_and(|grasp| grasp.has_line())
     }
 
     /// What holds on that line.
@@ -70,6 +70,11 @@ impl StateKeys<'_> {
                 let [gripper, handle] =
                     [&self.robot.grippers[gripper.at()].name, &self.robot.handles[handle.at()].name];
                 words.push(format!("{gripper} is on the line to {handle}"));
+            }
+            Fingers::Lifting { object, on } => {
+                let object = self.object_name(object as usize);
+                let off = on.map_or(String::new(), |body| format!(" off {}", self.body_name(body)));
+                words.push(format!("{object} is lifted straight{off}"));
             }
         }
         words.join(" : ")
