@@ -200,6 +200,15 @@ fn objects_that_a_goal_has_in_each_other_are_named() {
 }
 
 #[test]
+fn places_outside_of_an_objects_bounds_are_named_with_them() {
+    let demo = Demo::new("goal-bounds");
+    let goal = "objects = { box1 = { xyz = [0.5, 0.9, 0.741] } }";
+    let refused = solve(&demo.scene(&with_goal(goal)).problem, 1).unwrap_err();
+    let words = "goal 1: `box1` at y = 0.9 is outside its bounds, [-0.7, 0.7] (`root_bounds`)";
+    assert!(refused.to_string().contains(words) && refused.report.steps == 0, "{refused}");
+}
+
+#[test]
 fn slips_in_goals_are_named() {
     let demo = Demo::new("goal-slips");
     for (goal, words) in [

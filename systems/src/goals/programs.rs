@@ -155,7 +155,27 @@ pub(crate) fn validate(model: &Model, goal: &PartialGoal) -> Result<(), String> 
         let name = robot.parts.get(part.0 as usize).map_or("?", |p| p.name.as_str());
         return Err(format!("`{name}` is no movable object that lies anywhere"));
     }
+    within_bounds(model, goal)?;
     whole_quaternions(model, goal)
+}
+
+/// Refuses poses that are outside of the bounds of their object.
+fn within_bounds(model: &Model, goal: &PartialGoal) -> Result<(), String> {
+    let robot = &model.problem.robot;
+    for (part, pose) in &goal.poses {
+        let root = object_root(model, *part).map(|root| robot.joints[root.at()].source);
+        let Some(Source::Coordinates { q, .. }) = root else { continue };
+        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+            let (value, low, high) = (pose.translation[axis], robot.space.lower[q + axis], robot.space.upper[q + axis]);
+            if value < low - 1e-9 || value > high + 1e-9 {
+                let object = &robot[*part].name;
+                return Err(format!(
+                    "`{object}` at {name} = {value} is outside its bounds, [{low}, {high}] (`root_bounds`)"
+                ));
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Puts the numbers that a goal wants near a value within what it allows: where they are in `q`, if that is near, else by `share` of
