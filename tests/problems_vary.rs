@@ -128,6 +128,62 @@ fn scenes_vary_too_and_are_read_back() {
     assert!(refused > 0, "among arms and obstacles no draw of ten was refused");
 }
 
+/// Two plates that lie on either face on a table.
+const PLATES: &str = r#"
+    format = "foliate.scene/1"
+    name = "plates"
+    [[part]]
+    name = "robot"
+    kind = "robot"
+    urdf = "demo/robot.urdf"
+    srdf = "demo/robot.srdf"
+    [[part]]
+    name = "table"
+    kind = "environment"
+    urdf = "demo/table.urdf"
+    srdf = "demo/table.srdf"
+    pose = { xyz = [0.6, 0.0, 0.0] }
+    [[part]]
+    name = "plate"
+    kind = "object"
+    shape = { box = [0.05, 0.05, 0.02], mass = 0.1 }
+    root_bounds = [[0.2, 1.0], [-0.7, 0.7], [0.6, 1.5]]
+    handles = "auto"
+    surfaces = "auto"
+    [graph]
+    grippers = ["robot/left_hand"]
+    supports = ["table/top"]
+    placement_margin = 0.001
+    [start]
+    robot = "ready"
+    plate = { xyz = [0.5, 0.1, 0.711] }
+    [[goal]]
+    objects = { plate = { xyz = [0.5, -0.1, 0.711] } }
+"#;
+
+#[test]
+fn objects_stay_on_their_face_unless_they_may_turn_over() {
+    let folder = std::env::temp_dir().join(format!("foliate-vary-faces-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = folder.join("plates.toml");
+    let scenes = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/demo");
+    std::fs::write(&file, PLATES.replace("demo/", &format!("{}/", scenes.display()))).unwrap();
+    let entry = Entry::load(file.to_str().unwrap(), &PackagePath::default()).unwrap();
+    let upright = |any_face: bool| {
+        let vary = Vary { any_face, ..vary() };
+        let variations = Variations::new(&entry, vary, &PackagePath::default()).unwrap();
+        let up = |number| {
+            let instance = variations.instance(number).unwrap();
+            let Goal::Partial(goal) = &instance.tables.problem.goals[0] else { panic!("its goal is a pose") };
+            (goal.poses[0].1.rotation * foliate::glam::DVec3::Z).z > 0.999
+        };
+        (0..20).filter(|&number| up(number)).count()
+    };
+    assert_eq!(upright(false), 20);
+    assert!(upright(true) < 20);
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
 #[test]
 fn draws_that_are_none_are_counted_and_end() {
     // Nowhere on the table.

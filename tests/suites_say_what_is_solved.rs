@@ -429,7 +429,7 @@ fn the_page_of_suites_is_true() {
     assert_eq!((vary.instances, vary.objects, vary.moves.len(), suite.paths), (100, Some((1, 2)), 1, false));
     let tables = page.replacen(example, "", 1);
     let keys = "format name scenes schedulers settings seeds time_limit threads improve_work improve_time checkpoints paths vary candidates \
-                selection loop_weight max_steps simd instances seed tries starts goals within objects move size obstacles part factor count \
+                selection loop_weight max_steps simd instances seed tries starts goals any_face within objects move size obstacles part factor count \
                 sides x y z turn";
     for key in keys.split_whitespace() {
         assert!(tables.contains(&format!("`{key}`")), "`{key}` is not described");

@@ -19,6 +19,7 @@ pub(crate) fn vary(item: &Item<'_>) -> Result<Vary, SceneError> {
     }
     vary.starts = which(keys.optional("starts"))?;
     vary.goals = which(keys.optional("goals"))?;
+    vary.any_face = keys.optional("any_face").map_or(Ok(false), |item| item.boolean())?;
     vary.within = within(keys.optional("within"))?;
     vary.objects = keys.optional("objects").map(|item| counts(&item, 1)).transpose()?;
     vary.moves = of_list(keys.optional("move"), moved)?;

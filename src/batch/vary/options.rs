@@ -30,6 +30,8 @@ pub struct Vary {
     pub starts: Which,
     /// Objects that shall end elsewhere on the supports, of goals that give them poses.
     pub goals: Which,
+    /// Whether objects may come to lie on other faces than they do in the scene. Few hands can turn an object over.
+    pub any_face: bool,
     /// Bounds of the places that are drawn, of the origins of the objects' root links in the world: x, y and z, metres.
     pub within: [Option<Span>; 3],
     /// How many of the movable objects there are, from fewest to most. Which ones is drawn.
@@ -85,6 +87,7 @@ impl Vary {
             tries: 100,
             starts: Which::None,
             goals: Which::None,
+            any_face: false,
             within: [None; 3],
             objects: None,
             moves: Vec::new(),

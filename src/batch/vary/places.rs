@@ -13,10 +13,15 @@ use foliate_systems::heuristic::placements::draw_place;
 use foliate_systems::planning_model::PlanningModel;
 use foliate_systems::planning_model::state_classification::{reach_feasible, reach_start, state_of};
 use foliate_systems::settings::SearchSettings;
+use glam::DVec3;
 use rand::RngExt;
 
 /// Draws of one object's place before all are drawn anew.
 const DRAWS: usize = 64;
+/// Draws of one place for one that has the face down that is asked for.
+const FACES: usize = 64;
+/// Cosine of the angle to which the direction of a face is the same.
+const SAME_FACE: f64 = 0.999;
 
 /// What was drawn.
 pub(crate) struct Ends {
@@ -177,10 +182,16 @@ impl Places<'_> {
         rng: &mut impl RngExt,
         refused: &mut Rejections,
     ) -> Option<()> {
-        for &object in objects {
+        let X_WJ = self.model.kinematics.poses(placing.q);
+        let up = |object: usize| {
+            let keeps_face = !self.vary.any_face && self.rests(object, &X_WJ) == Some(true);
+            keeps_face.then(|| self.up(object, &X_WJ)).flatten()
+        };
+        let faces: Vec<Option<DVec3>> = objects.iter().map(|&object| up(object)).collect();
+        for (&object, face) in objects.iter().zip(faces) {
             let part = self.model.graph.objects[object].part;
             placing.unplaced.retain(|unplaced| *unplaced != part);
-            let is_placed = (0..DRAWS).any(|_| match self.try_place(&mut placing, object, rng) {
+            let is_placed = (0..DRAWS).any(|_| match self.try_place(&mut placing, (object, face), rng) {
                 Ok(()) => true,
                 Err(reason) => {
                     refused.add(reason);
@@ -192,8 +203,35 @@ impl Places<'_> {
         Some(())
     }
 
-    fn try_place(&self, placing: &mut Placing<'_>, object: usize, rng: &mut impl RngExt) -> Result<(), Rejection> {
-        let X_WO = draw_place(self.model, object as u32, rng).ok_or(Rejection::Outside)?;
+    /// The normal of what carries an object, in the frame of its root: which face is down.
+    fn up(&self, object: usize, X_WJ: &[Pose]) -> Option<DVec3> {
+        let model = &self.model.objects()[object];
+        let normal = model.placement_on(None)?.resting.normal(X_WJ);
+        Some(X_WJ[model.root?.at()].rotation.conjugate() * normal)
+    }
+
+    /// A place with a face down, if one is asked for.
+    fn draw_face(&self, q: &[f64], object: usize, face: Option<DVec3>, rng: &mut impl RngExt) -> Option<Pose> {
+        let root = self.model.objects()[object].root?;
+        let mut X_WJ = self.model.kinematics.poses(q);
+        for _ in 0..FACES {
+            let X_WO = draw_place(self.model, object as u32, rng)?;
+            X_WJ[root.at()] = X_WO;
+            let is_same = |up: DVec3| self.up(object, &X_WJ).is_some_and(|drawn| drawn.dot(up) > SAME_FACE);
+            if face.is_none_or(is_same) {
+                return Some(X_WO);
+            }
+        }
+        None
+    }
+
+    fn try_place(
+        &self,
+        placing: &mut Placing<'_>,
+        (object, face): (usize, Option<DVec3>),
+        rng: &mut impl RngExt,
+    ) -> Result<(), Rejection> {
+        let X_WO = self.draw_face(placing.q, object, face, rng).ok_or(Rejection::Outside)?;
         let place = X_WO.translation.to_array();
         let mut bounds = place.iter().zip(self.vary.within);
         if !bounds.all(|(x, span)| span.is_none_or(|(low, high)| (low..=high).contains(x))) {
