@@ -46,3 +46,8 @@ pub use {
 #[cfg(doctest)]
 #[doc = include_str!("../docs/own-scheduler.md")]
 struct OwnSchedulerGuide;
+
+/// The code of the page about batches runs.
+#[cfg(all(doctest, feature = "scene"))]
+#[doc = include_str!("../docs/batches.md")]
+struct BatchesGuide;

@@ -129,16 +129,22 @@ fn features_bring_only_what_they_need() {
     let command_line = ["clap", "indicatif", "mimalloc", "signal-hook", "nix"];
     let export = ["mcap", "zip"];
     let view = ["dagre", "miniz_oxide"];
-    let sets: [(&str, Vec<&str>, Vec<&str>); 6] = [
+    let report = ["plotters", "plotters-svg"];
+    let sets: [(&str, Vec<&str>, Vec<&str>); 7] = [
         ("", vec!["bevy_ecs", "glam"], [files.as_slice(), &command_line, &export, &["urdf-rs"]].concat()),
-        ("check", files.to_vec(), [command_line.as_slice(), &export, &view, &["urdf-rs"]].concat()),
+        ("check", files.to_vec(), [command_line.as_slice(), &export, &report, &view, &["urdf-rs"]].concat()),
+        (
+            "report",
+            [files.as_slice(), &report].concat(),
+            [command_line.as_slice(), &export, &view, &["font-kit", "image", "urdf-rs"]].concat(),
+        ),
         (
             "export",
             [files.as_slice(), &export].concat(),
             [command_line.as_slice(), &["urdf-rs", "zstd", "lz4"]].concat(),
         ),
         ("view", [files.as_slice(), &view].concat(), [command_line.as_slice(), &export, &["urdf-rs"]].concat()),
-        ("cli", [command_line.as_slice(), &export, &view].concat(), vec!["urdf-rs"]),
+        ("cli", [command_line.as_slice(), &export, &report, &view].concat(), vec!["urdf-rs"]),
         ("urdf-rs", vec!["urdf-rs"], [command_line.as_slice(), &export].concat()),
     ];
     for (features, present, absent) in sets {

@@ -71,7 +71,12 @@ impl Entry {
     /// The name as part of a file's name: everything but letters, digits, `-`, `_` and `.` becomes `_`.
     #[must_use]
     pub fn file_stem(&self) -> String {
-        let keep = |c: char| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '_' };
-        self.name().chars().take(100).map(keep).collect()
+        as_file_name(self.name())
     }
+}
+
+/// A name as part of a file's name.
+pub(crate) fn as_file_name(name: &str) -> String {
+    let keep = |c: char| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '_' };
+    name.chars().take(100).map(keep).collect()
 }

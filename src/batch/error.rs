@@ -1,7 +1,9 @@
 //! The error of a batch, and the one way in which its files are written whole.
 
-use crate::batch::row::{COLUMNS, Row, csv_line};
+use crate::batch::results::csv::csv_line;
+use crate::batch::results::row::{COLUMNS, Row};
 use crate::os::output;
+use crate::scene::reading::error::SceneError;
 use std::path::{Path, PathBuf};
 
 /// Most solves of a batch.
@@ -16,6 +18,24 @@ pub enum BatchError {
     Empty,
     #[error("two scenes are called `{0}`: their rows and paths could not be told apart")]
     SameName(String),
+    #[error("a batch needs at least one scheduler")]
+    NoScheduler,
+    #[error("there is no scheduler `{0}`")]
+    UnknownScheduler(String),
+    #[error("scheduler `{0}` is given twice")]
+    SameScheduler(String),
+    #[error("a batch needs at least one group of settings")]
+    NoSettings,
+    #[error("two groups of settings are called `{0}`: their rows could not be told apart")]
+    SameSettings(String),
+    #[error("the settings `{0}` and `{1}` are the same: their rows would be, too")]
+    EqualSettings(String, String),
+    #[error(
+        "the settings `{name}` use {threads} threads, and the batch has {all}; give it as many (--threads {threads})"
+    )]
+    Oversubscribed { name: String, threads: usize, all: usize },
+    #[error(transparent)]
+    Scene(#[from] SceneError),
     #[error("{0} solves are more than the {MOST_SOLVES} of one batch; split the seeds")]
     TooMany(u64),
     #[error("{} is there already; choose another folder, go on with it (resume), or remove it", path.display())]
@@ -28,6 +48,8 @@ pub enum BatchError {
     Foreign { path: PathBuf, scene: String, seed: u64 },
     #[error("{}:{line}: {what}", path.display())]
     Damaged { path: PathBuf, line: usize, what: String },
+    #[error("a plot cannot be drawn: {0}")]
+    Plot(String),
     #[error("{}: {source}", path.display())]
     Io { path: PathBuf, source: std::io::Error },
 }

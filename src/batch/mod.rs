@@ -5,28 +5,32 @@
 //! other solve down. (What ends the whole process, such as a lack of memory, ends the batch; the rows written by then are on
 //! disk.)
 //!
-//! `run` has each `entry` solved (`solve`) with each of the `seeds`, by its `settings`. `record` writes a `row` for each to disk, and
-//! takes up what an earlier run left by `kept`. `table` sums the rows up; `machine` says where they were measured. `improvement`
-//! looks at paths while they get better.
+//! A `suite` file says what a batch is; an `entry` is one of its problems, of which `vary` makes instances. `run` solves all of them, and
+//! `results` are the rows, on disk and in tables; `machine` says where they were measured. `improvement` looks at paths while they get
+//! better, `report` draws what rows say.
 
 pub(crate) mod entry;
-pub mod error;
+pub(crate) mod error;
 pub mod improvement;
-pub(crate) mod kept;
 pub(crate) mod machine;
-pub(crate) mod record;
-pub(crate) mod row;
-pub mod run;
-pub(crate) mod seeds;
-pub(crate) mod settings;
-pub(crate) mod solve;
-pub(crate) mod table;
+#[cfg(feature = "report")]
+pub mod report;
+pub(crate) mod results;
+pub(crate) mod run;
+pub(crate) mod suite;
+pub mod vary;
 
 pub use crate::batch::entry::Entry;
 pub use crate::batch::error::BatchError;
 pub use crate::batch::machine::{Machine, today};
-pub use crate::batch::row::{COLUMNS, PathNumbers, Row, RowOutcome, Work};
-pub use crate::batch::run::Batch;
-pub use crate::batch::seeds::{Seeds, SeedsError};
-pub use crate::batch::settings::Settings;
-pub use crate::batch::table::{SceneSummary, Spread, Table};
+pub use crate::batch::results::ompl_log::write_ompl_log;
+pub use crate::batch::results::row::{COLUMNS, PathNumbers, Row, RowOutcome, Work};
+pub use crate::batch::results::table::{GroupSummary, SceneSummary, Spread, Table};
+pub use crate::batch::run::batch::{Batch, Progress};
+pub use crate::batch::run::pool::Pool;
+pub use crate::batch::run::seeds::{Seeds, SeedsError};
+pub use crate::batch::run::settings::Settings;
+pub use crate::batch::run::shard::{Shard, ShardError};
+pub use crate::batch::run::stream::{PlanBatch, plan_batch};
+pub use crate::batch::run::variant::Variant;
+pub use crate::batch::suite::definition::Suite;

@@ -1,9 +1,10 @@
 //! The arguments of the program, the choice of the command, and the exit code.
 
+use crate::cli::commands::bench;
 use crate::cli::commands::models::install;
 use crate::cli::commands::solve::arguments::INTERNALS;
 use crate::cli::commands::solve::run;
-use crate::cli::commands::{bench, check, demo, export, graph, new, scenes};
+use crate::cli::commands::{check, demo, export, graph, new, scenes};
 use crate::cli::console::print::{Ending, LOST, Refusal, lose, print, say};
 use crate::cli::console::{interrupt, watchdog};
 use crate::kernels::lanes::Level;
@@ -50,7 +51,7 @@ enum Command {
     Check(check::Arguments),
     Export(export::Arguments),
     Graph(graph::Arguments),
-    Bench(bench::Arguments),
+    Bench(bench::arguments::Arguments),
     Inspect(crate::cli::commands::inspect::run::Arguments),
     Models(install::Arguments),
     New(new::Arguments),
@@ -169,7 +170,7 @@ fn run(mut cli: Cli) -> u8 {
         Command::Certify(arguments) => crate::cli::commands::certify::run::run(arguments, &packages),
         Command::Check(arguments) => check::run(arguments, &packages),
         Command::Export(arguments) => export::run(arguments, &packages),
-        Command::Bench(arguments) => bench::run(arguments, &packages),
+        Command::Bench(arguments) => bench::run::run(arguments, &packages),
         Command::Graph(arguments) => graph::run(arguments, &packages),
         Command::Inspect(arguments) => crate::cli::commands::inspect::run::run(arguments, &packages),
         Command::Models(arguments) => install::run(arguments, &packages),

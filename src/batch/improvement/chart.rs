@@ -181,7 +181,7 @@ fn scale(values: &[f64]) -> (Vec<(f64, String)>, Range<f64>) {
     (ticks, first as f64 * step..last as f64 * step)
 }
 
-fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     // Of the control characters XML allows no more than these.
     let kept = text.chars().filter(|c| !c.is_control() || matches!(c, '\t' | '\n'));
     kept.fold(String::new(), |mut out, character| {

@@ -3,17 +3,17 @@
 use serde_json::{Value, json};
 use std::time::Duration;
 
-/// The columns of `improvement.csv`, a row per scene, seed and checkpoint.
+/// The columns of `improvement.csv`, a row per solve and checkpoint.
 ///
-/// `checkpoint` is `end` in the last row of a solve and the seconds in the others; `seconds` has the wall time since the improvement
-/// began in both. `work` is the counted work after which the path was there. `cost` is the cost that is minimised, an estimate;
+/// `id` is that of the solve in `results.csv`. `checkpoint` is `end` in the last row of a solve and the seconds in the others; `seconds`
+/// has the wall time since the improvement began in both. `work` is the counted work after which the path was there. `cost` is the cost that is minimised, an estimate;
 /// `duration` is how long the path takes once it is smoothed and timed, seconds, empty where it gets no times. `length` is the
 /// weighted length without smoothing, metres.
-pub const CHECKPOINT_COLUMNS: [&str; 9] =
-    ["scene", "seed", "checkpoint", "seconds", "work", "cost", "duration", "grasp_changes", "length"];
+pub const CHECKPOINT_COLUMNS: [&str; 10] =
+    ["scene", "seed", "id", "checkpoint", "seconds", "work", "cost", "duration", "grasp_changes", "length"];
 
 /// The columns of `history.csv`, a row for the first path of each solve and for every better one.
-pub const HISTORY_COLUMNS: [&str; 5] = ["scene", "seed", "seconds", "work", "cost"];
+pub const HISTORY_COLUMNS: [&str; 6] = ["scene", "seed", "id", "seconds", "work", "cost"];
 
 /// The best path at one time of its improvement.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,8 +41,8 @@ impl Checkpoint {
         self.at.is_none()
     }
 
-    /// The cells behind `scene` and `seed`.
-    pub(crate) fn cells(&self) -> [String; CHECKPOINT_COLUMNS.len() - 2] {
+    /// The cells behind `scene`, `seed` and `id`.
+    pub(crate) fn cells(&self) -> [String; CHECKPOINT_COLUMNS.len() - 3] {
         [
             self.at.map_or_else(|| "end".into(), |at| at.as_secs_f64().to_string()),
             format!("{:?}", self.time.as_secs_f64()),

@@ -6,8 +6,9 @@
 use crate::batch::error::{BatchError, write_whole};
 use crate::batch::improvement::checkpoint::{CHECKPOINT_COLUMNS, Checkpoint, HISTORY_COLUMNS};
 use crate::batch::improvement::numbers::ImprovementNumbers;
-use crate::batch::kept;
-use crate::batch::row::{Row, csv_line};
+use crate::batch::results::csv::csv_line;
+use crate::batch::results::kept;
+use crate::batch::results::row::Row;
 use crate::os::output::Lines;
 use crate::planner::refinement::CostRow;
 use std::collections::HashMap;
@@ -77,14 +78,15 @@ fn history_text<'a>(rows: impl Iterator<Item = &'a Row>) -> String {
 }
 
 fn checkpoint_lines(row: &Row, numbers: &ImprovementNumbers) -> String {
-    let name = [row.scene.clone(), row.seed.to_string()];
+    let name = [row.scene.clone(), row.seed.to_string(), row.id.clone()];
     numbers.checkpoints.iter().map(|checkpoint| csv_line(&[&name[..], &checkpoint.cells()].concat())).collect()
 }
 
 fn history_lines(row: &Row, numbers: &ImprovementNumbers) -> String {
     let line = |cost: &CostRow| {
         let seconds = format!("{:?}", cost.time.as_secs_f64());
-        csv_line(&[row.scene.clone(), row.seed.to_string(), seconds, cost.work.to_string(), format!("{:?}", cost.cost)])
+        let (work, cost) = (cost.work.to_string(), format!("{:?}", cost.cost));
+        csv_line(&[row.scene.clone(), row.seed.to_string(), row.id.clone(), seconds, work, cost])
     };
     numbers.history.iter().map(line).collect()
 }
@@ -94,25 +96,24 @@ pub(crate) fn join(out: &Path, rows: &mut Vec<(usize, Row)>) -> Result<(), Batch
     let mut checkpoints = read_checkpoints(&out.join("improvement.csv"))?;
     let mut history = read(&out.join("history.csv"), &HISTORY_COLUMNS, cost_row, |cost| cost.work == 0)?;
     rows.retain_mut(|(_, row)| {
-        let key = (row.scene.clone(), row.seed);
         let Some(numbers) = row.answer.as_mut().and_then(|answer| answer.improvement.as_mut()) else { return true };
-        numbers.checkpoints = checkpoints.remove(&key).unwrap_or_default();
-        numbers.history = history.remove(&key).unwrap_or_default();
+        numbers.checkpoints = checkpoints.remove(&row.id).map(|(_, rows)| rows).unwrap_or_default();
+        numbers.history = history.remove(&row.id).map(|(_, rows)| rows).unwrap_or_default();
         let is_whole = numbers.checkpoints.last().is_some_and(Checkpoint::is_end);
         is_whole && numbers.history.last().is_some_and(|last| last.cost == numbers.final_cost)
     });
     Ok(())
 }
 
-/// By scene and seed.
-pub(crate) type BySolve<T> = HashMap<(String, u64), Vec<T>>;
+/// The scene, and its rows, by the identity of the solve.
+pub(crate) type BySolve<T> = HashMap<String, (String, Vec<T>)>;
 
 /// Reads an `improvement.csv`; one that is not there is empty.
 pub(crate) fn read_checkpoints(path: &Path) -> Result<BySolve<Checkpoint>, BatchError> {
     read(path, &CHECKPOINT_COLUMNS, Checkpoint::of_cells, |checkpoint| checkpoint.at == Some(Duration::ZERO))
 }
 
-/// Reads rows that begin with scene and seed. Those of a solve begin with its `first`: what stands before it was left by an
+/// Reads rows that begin with scene, seed and identity. Those of a solve begin with its `first`: what stands before it was left by an
 /// interruption.
 fn read<T>(
     path: &Path,
@@ -126,9 +127,9 @@ fn read<T>(
     }
     for (line, cells) in kept::table(path, columns)? {
         let damaged = || BatchError::Damaged { path: path.to_owned(), line, what: "is no row".into() };
-        let (key, cells) = cells.split_at_checked(2).ok_or_else(damaged)?;
-        let (seed, row) = key[1].parse().ok().zip(row(cells)).ok_or_else(damaged)?;
-        let rows: &mut Vec<T> = found.entry((key[0].clone(), seed)).or_default();
+        let (key, cells) = cells.split_at_checked(3).ok_or_else(damaged)?;
+        let row = row(cells).ok_or_else(damaged)?;
+        let (_, rows) = found.entry(key[2].clone()).or_insert_with(|| (key[0].clone(), Vec::new()));
         if is_first(&row) {
             rows.clear();
         }

@@ -5,7 +5,7 @@ use crate::batch::improvement::chart::{Chart, TimeAxis};
 use crate::batch::improvement::curve::curve;
 use crate::batch::improvement::numbers::ImprovementNumbers;
 use crate::batch::improvement::quantile::quantile;
-use crate::batch::row::Row;
+use crate::batch::results::row::Row;
 use crate::planner::refinement::CostRow;
 use std::collections::BTreeSet;
 use std::path::Path;

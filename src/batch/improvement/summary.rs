@@ -5,7 +5,7 @@ use crate::batch::improvement::files::read_checkpoints;
 use crate::batch::improvement::measurement::Measurement;
 use crate::batch::improvement::numbers::ImprovementNumbers;
 use crate::batch::improvement::quantile::quantile;
-use crate::batch::row::Row;
+use crate::batch::results::row::Row;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
@@ -64,7 +64,7 @@ impl BestDurations {
     pub fn read(path: &Path) -> Result<Self, BatchError> {
         std::fs::metadata(path).map_err(|source| BatchError::Io { path: path.to_owned(), source })?;
         let mut best = BTreeMap::new();
-        for ((scene, _), checkpoints) in read_checkpoints(path)? {
+        for (scene, checkpoints) in read_checkpoints(path)?.into_values() {
             let shortest = best.entry(scene).or_insert(f64::INFINITY);
             *shortest = checkpoints.iter().filter_map(|row| row.duration).fold(*shortest, f64::min);
         }

@@ -4,19 +4,27 @@ use crate::scene::reading::error::{SceneError, did_you_mean, quoted};
 use foliate_components::Pose;
 use foliate_components::pose::{pose_from_array, rotation_from_rpy};
 use glam::DVec3;
+use std::ops::RangeInclusive;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// A scene file's text, for line numbers.
+/// A file's text, for line numbers.
 pub(crate) struct File<'a> {
     pub name: &'a str,
+    /// What the whole file is.
+    what: &'static str,
     line_starts: Vec<usize>,
 }
 
 impl<'a> File<'a> {
     pub fn new(name: &'a str, text: &str) -> Self {
         let line_starts = std::iter::once(0).chain(text.match_indices('\n').map(|(i, _)| i + 1)).collect();
-        Self { name, line_starts }
+        Self { name, what: "scene", line_starts }
+    }
+
+    /// A suite file.
+    pub fn of_suite(name: &'a str, text: &str) -> Self {
+        Self { what: "suite", ..Self::new(name, text) }
     }
 
     fn line(&self, offset: usize) -> u32 {
@@ -80,16 +88,20 @@ impl<'f> Keys<'f> {
         match self.table.iter().find(|(k, _)| !self.asked.contains(&k.get_ref().as_ref())) {
             Some((key, _)) => {
                 let name = key.get_ref().as_ref();
-                Err(SceneError::new(self.file.name, self.below(name), "is no key of a scene file")
-                    .at(self.file.line(key.span().start))
-                    .hint(did_you_mean(name, self.asked.iter().copied())))
+                Err(SceneError::new(
+                    self.file.name,
+                    self.below(name),
+                    format!("is no key of a {} file", self.file.what),
+                )
+                .at(self.file.line(key.span().start))
+                .hint(did_you_mean(name, self.asked.iter().copied())))
             }
             None => Ok(()),
         }
     }
 
     pub fn error(&self, message: impl Into<String>) -> SceneError {
-        let element = if self.path.is_empty() { "scene" } else { &self.path };
+        let element = if self.path.is_empty() { self.file.what } else { &self.path };
         SceneError::new(self.file.name, element, message).at(self.file.line(self.offset))
     }
 
@@ -119,6 +131,10 @@ impl<'f> Item<'f> {
         matches!(self.value, DeValue::String(_))
     }
 
+    pub fn is_list(&self) -> bool {
+        matches!(self.value, DeValue::Array(_))
+    }
+
     pub fn string(&self) -> Result<&'f str, SceneError> {
         match self.value {
             DeValue::String(s) if s.trim().is_empty() => Err(self.error("is empty")),
@@ -142,6 +158,15 @@ impl<'f> Item<'f> {
             _ => return self.wants("a number"),
         };
         parsed.filter(|x| x.is_finite()).ok_or_else(|| self.error("is not a finite number"))
+    }
+
+    /// A whole number within bounds.
+    pub fn whole(&self, bounds: RangeInclusive<u64>) -> Result<u64, SceneError> {
+        let number = self.number()?;
+        let whole = (number.fract() == 0.0 && number >= 0.0).then_some(number as u64);
+        let (low, high) = (bounds.start(), bounds.end());
+        let wrong = || self.error(format!("wants a whole number from {low} to {high}, got {number}"));
+        whole.filter(|whole| bounds.contains(whole)).ok_or_else(wrong)
     }
 
     /// A number that is not negative, say metres.

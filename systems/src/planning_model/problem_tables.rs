@@ -65,6 +65,13 @@ impl ProblemTables {
         Some(Self::on_scene(problem, still, collision))
     }
 
+    /// Those of the same problem with another start and other goals. What takes long is taken over.
+    #[must_use]
+    pub fn with_ends(&self, start: Vec<f64>, goals: Vec<Goal>) -> Self {
+        let problem = Problem { start, goals, ..self.problem.clone() };
+        Self::on_scene(problem, self.still.clone(), self.collision.clone())
+    }
+
     fn on_scene(mut problem: Problem, still: Vec<JointIndex>, collision: CollisionScene) -> Self {
         let kinematics = Kinematics::new(&problem.robot);
         let snapped = snap(&mut problem, &kinematics);

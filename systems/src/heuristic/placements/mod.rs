@@ -15,4 +15,5 @@ pub(crate) mod floating_hand;
 pub(crate) mod pool;
 pub mod systems;
 
+pub use crate::heuristic::placements::drawing::draw_place;
 pub use crate::heuristic::placements::pool::PlacementPool;

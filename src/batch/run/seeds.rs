@@ -22,6 +22,11 @@ impl Seeds {
         (first <= last).then_some(Self { first, last })
     }
 
+    /// From 1 to a number.
+    pub(crate) fn one_to(last: u64) -> Self {
+        Self { first: 1, last: last.max(1) }
+    }
+
     /// The first.
     #[must_use]
     pub fn first(self) -> u64 {

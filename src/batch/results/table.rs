@@ -1,9 +1,10 @@
 //! The table that the papers give: minimum, median and maximum of time and nodes.
 
-use super::improvement::summary::ImprovementTable;
-use super::machine::Machine;
-use super::row::Row;
-use super::seeds::Seeds;
+use crate::batch::improvement::summary::ImprovementTable;
+use crate::batch::machine::Machine;
+use crate::batch::results::row::Row;
+use crate::batch::run::seeds::Seeds;
+use crate::batch::vary::rejections::Rejections;
 use foliate_systems::settings::SearchSettings;
 use std::fmt::Write;
 use std::time::Duration;
@@ -34,6 +35,17 @@ pub struct SceneSummary {
     pub nodes: Option<Spread>,
 }
 
+/// The summary of a problem with one scheduler and settings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GroupSummary {
+    /// Name of the scheduler.
+    pub scheduler: String,
+    /// Name of the settings; empty where the batch has one.
+    pub settings: String,
+    /// The rest.
+    pub summary: SceneSummary,
+}
+
 /// The table, and what has to be said about it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
@@ -41,18 +53,24 @@ pub struct Table {
     pub machine: Machine,
     /// When.
     pub date: String,
-    /// Name of the scheduler.
+    /// Name of the scheduler; of several, their names with commas.
     pub scheduler: String,
     /// Settings of the searches.
     pub search: SearchSettings,
     /// Seeds.
     pub seeds: Seeds,
-    /// Solves side by side.
+    /// Threads of all solves that ran at once.
     pub threads: usize,
     /// Wall time after which one solve gave up.
     pub time_limit: Duration,
-    /// The lines.
+    /// The lines: all rows of each scene.
     pub scenes: Vec<SceneSummary>,
+    /// The lines of each scene with each scheduler and all settings; empty where there is one of both.
+    pub groups: Vec<GroupSummary>,
+    /// Varied instances of each scene; `None` where scenes are not varied.
+    pub instances: Option<u64>,
+    /// Draws that made no instance, by reason.
+    pub refused: Rejections,
     /// What the improvement has made of the paths, where there was one.
     pub improvement: Option<ImprovementTable>,
 }
@@ -73,7 +91,10 @@ impl SceneSummary {
     /// Of the rows of one problem.
     #[must_use]
     pub fn of(scene: &str, rows: &[Row]) -> Self {
-        let rows = rows.iter().filter(|row| row.scene == scene);
+        Self::of_rows(scene, rows.iter().filter(|row| row.scene == scene))
+    }
+
+    pub(crate) fn of_rows<'a>(scene: &str, rows: impl Iterator<Item = &'a Row> + Clone) -> Self {
         let solved: Vec<&Row> = rows.clone().filter(|row| row.is_solved()).collect();
         Self {
             scene: scene.into(),
@@ -82,6 +103,16 @@ impl SceneSummary {
             time: Spread::of(solved.iter().map(|row| row.solve_time.as_secs_f64()).collect()),
             nodes: Spread::of(solved.iter().filter_map(|row| Some(row.work?.nodes as f64)).collect()),
         }
+    }
+}
+
+impl GroupSummary {
+    /// Of the rows of one problem with one scheduler and settings.
+    #[must_use]
+    pub fn of(scene: &str, scheduler: &str, settings: &str, rows: &[Row]) -> Self {
+        let is_of = |row: &&Row| (&*row.scene, &*row.scheduler, &*row.settings) == (scene, scheduler, settings);
+        let summary = SceneSummary::of_rows(scene, rows.iter().filter(is_of));
+        Self { scheduler: scheduler.to_owned(), settings: settings.to_owned(), summary }
     }
 }
 
@@ -101,28 +132,52 @@ impl Table {
             self.machine,
             self.date
         );
+        let instances = self.instances.map(|count| format!("{count} varied instances of each scene, "));
         let _ = writeln!(
             out,
-            "seeds {}, each solve on one thread, {} side by side, at most {} s each; times without loading{}\n",
+            "{}seeds {}, {} threads in all, at most {} s each; times without loading{}\n",
+            instances.unwrap_or_default(),
             self.seeds,
             self.threads,
             self.time_limit.as_secs_f64(),
             if self.improvement.is_some() { ", up to the first path" } else { "" }
         );
-        out.push_str("| scene | solved | time (s): min / median / max | nodes: min / median / max |\n");
-        out.push_str("| :-- | --: | --: | --: |\n");
-        for line in &self.scenes {
-            let (name, solved, runs) = (&line.scene, line.solved, line.runs);
-            let (time, nodes) = (spread(line.time, seconds), spread(line.nodes, count));
-            let _ = writeln!(out, "| {name} | {solved}/{runs} | {time} | {nodes} |");
-        }
+        self.write_lines(&mut out);
         if self.scenes.iter().any(|line| line.solved < line.runs) {
             out.push_str("\nTimes and nodes are those of the solves that gave a path.\n");
+        }
+        if !self.refused.is_empty() {
+            let _ = writeln!(out, "\nDraws that were no instance: {}.", self.refused.words());
         }
         if let Some(improvement) = &self.improvement {
             out.push_str(&improvement.markdown());
         }
         out
+    }
+}
+
+impl Table {
+    /// A line per scene, or per scene, scheduler and settings.
+    fn write_lines(&self, out: &mut String) {
+        let has_settings = self.groups.iter().any(|group| !group.settings.is_empty());
+        let columns = match (self.groups.is_empty(), has_settings) {
+            (true, _) => "scene |",
+            (false, false) => "scene | scheduler |",
+            (false, true) => "scene | scheduler | settings |",
+        };
+        let _ = writeln!(out, "| {columns} solved | time (s): min / median / max | nodes: min / median / max |");
+        let _ = writeln!(out, "|{} --: | --: | --: |", " :-- |".repeat(columns.matches('|').count()));
+        let mut line = |name: String, line: &SceneSummary| {
+            let (time, nodes) = (spread(line.time, seconds), spread(line.nodes, count));
+            let _ = writeln!(out, "| {name} | {}/{} | {time} | {nodes} |", line.solved, line.runs);
+        };
+        match self.groups.is_empty() {
+            true => self.scenes.iter().for_each(|scene| line(scene.scene.clone(), scene)),
+            false => self.groups.iter().for_each(|group| {
+                let settings = if has_settings { format!(" | {}", group.settings) } else { String::new() };
+                line(format!("{} | {}{settings}", group.summary.scene, group.scheduler), &group.summary);
+            }),
+        }
     }
 }
 

@@ -1,7 +1,8 @@
 //! One solve of a batch, as a row of `results.csv`.
 
-use super::entry::Entry;
 use crate::batch::improvement::numbers::AnswerNumbers;
+use crate::batch::results::csv::csv_line;
+use crate::batch::vary::rejections::Rejections;
 use crate::planner::answer::NoSolutionReason;
 use serde_json::{Value, json};
 use std::time::Duration;
@@ -9,9 +10,11 @@ use std::time::Duration;
 /// The columns of `results.csv`. Cells are empty where there is nothing to say, as there is no path length without a path.
 ///
 /// Columns from `solve_ms` to `edges`, `path_length` and `roadmap` are of the search and its first path. `segments`, `min_clearance` and
-/// `max_residual` are of the path that is written. Columns after `message` are of the improvement, and empty where the batch wants
-/// first paths.
-pub const COLUMNS: [&str; 24] = [
+/// `max_residual` are of the path that is written. `instance` is the number of the varied instance, `refused` the draws that made none, by
+/// reason; `settings` their name, where the batch has several; `threads` those of the solve. `id` is the identity of the row: a hash of
+/// all that decides it (problem and models, instance, scheduler, settings, limits, seed, version). Columns from `grasp_changes` on are of the
+/// improvement, and empty where the batch wants first paths.
+pub const COLUMNS: [&str; 29] = [
     "scene",
     "seed",
     "scheduler",
@@ -28,6 +31,11 @@ pub const COLUMNS: [&str; 24] = [
     "max_residual",
     "roadmap",
     "message",
+    "instance",
+    "settings",
+    "threads",
+    "refused",
+    "id",
     "grasp_changes",
     "first_cost",
     "final_cost",
@@ -61,6 +69,8 @@ pub enum RowOutcome {
     InfeasibleGoal,
     /// It panicked.
     Crashed,
+    /// No draw of the varied instance was a problem whose start and goals can be planned for.
+    NoInstance,
     /// It could not start, or its answer could not be written.
     Failed,
 }
@@ -106,7 +116,7 @@ pub struct Row {
     pub outcome: RowOutcome,
     /// Wall time from the loaded problem, with the bounds of its shapes, to the certified path; of a crash, up to it.
     pub solve_time: Duration,
-    /// Wall time of reading the scene and building its model, once for all seeds.
+    /// Wall time of reading the scene and building its model, once for all seeds; of a varied instance, of drawing it.
     pub load_time: Duration,
     /// What the search did, where it came to an end.
     pub work: Option<Work>,
@@ -116,10 +126,32 @@ pub struct Row {
     pub answer: Option<AnswerNumbers>,
     /// Why there is no answer, where there is a reason to tell.
     pub message: String,
+    /// Number of the varied instance; `None` of the problem as it is.
+    pub instance: Option<u64>,
+    /// Name of the settings; empty where the batch has one.
+    pub settings: String,
+    /// Threads within the solve.
+    pub threads: usize,
+    /// Draws that were no instance, by reason.
+    pub refused: Rejections,
+    /// The row's identity: 32 hexadecimal digits.
+    pub id: String,
+}
+
+/// Which solve a row is of.
+#[derive(Clone, Debug)]
+pub(crate) struct Label {
+    pub scene: String,
+    pub seed: u64,
+    pub scheduler: String,
+    pub instance: Option<u64>,
+    pub settings: String,
+    pub threads: usize,
+    pub id: String,
 }
 
 impl RowOutcome {
-    /// The outcome's name: those of searches, `crashed`, `failed`.
+    /// The outcome's name: those of searches, `crashed`, `no_instance`, `failed`.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
@@ -131,6 +163,7 @@ impl RowOutcome {
             Self::InfeasibleStart => "infeasible_start",
             Self::InfeasibleGoal => "infeasible_goal",
             Self::Crashed => "crashed",
+            Self::NoInstance => "no_instance",
             Self::Failed => "failed",
         }
     }
@@ -145,6 +178,7 @@ impl RowOutcome {
             "infeasible_start" => Self::InfeasibleStart,
             "infeasible_goal" => Self::InfeasibleGoal,
             "crashed" => Self::Crashed,
+            "no_instance" => Self::NoInstance,
             "failed" => Self::Failed,
             _ => return None,
         })
@@ -166,22 +200,29 @@ impl RowOutcome {
 }
 
 impl Row {
-    pub(crate) fn new(entry: &Entry, seed: u64, scheduler: &str) -> Self {
+    /// A row of which nothing is known yet.
+    pub(crate) fn new(label: Label) -> Self {
         Self {
-            scene: entry.name().into(),
-            seed,
-            scheduler: scheduler.into(),
+            scene: label.scene,
+            seed: label.seed,
+            scheduler: label.scheduler,
             outcome: RowOutcome::Failed,
             solve_time: Duration::ZERO,
-            load_time: entry.load_time(),
+            load_time: Duration::ZERO,
             work: None,
             path: None,
             answer: None,
             message: String::new(),
+            instance: label.instance,
+            settings: label.settings,
+            threads: label.threads,
+            refused: Rejections::default(),
+            id: label.id,
         }
     }
 
     /// Reads the cells of [`Self::cells`] back; `None` where they are no row.
+    // Long: a line for each column.
     pub(crate) fn of_cells(cells: &[String]) -> Option<Self> {
         let (cells, answer) = cells.split_at_checked(SEARCH_COLUMNS)?;
         let [
@@ -201,6 +242,11 @@ impl Row {
             residual,
             roadmap,
             message,
+            instance,
+            settings,
+            threads,
+            refused,
+            id,
         ] = cells
         else {
             return None;
@@ -235,6 +281,11 @@ impl Row {
             path: if segments.is_empty() { None } else { Some(path()?) },
             answer: AnswerNumbers::of_cells(answer)?,
             message: message.clone(),
+            instance: if instance.is_empty() { None } else { Some(instance.parse().ok()?) },
+            settings: settings.clone(),
+            threads: threads.parse().ok()?,
+            refused: refused.parse().ok()?,
+            id: id.clone(),
         })
     }
 
@@ -266,6 +317,11 @@ impl Row {
             path(|p| format!("{:?}", p.max_residual)),
             work(|w| format!("{:016x}", w.fingerprint)),
             self.message.clone(),
+            self.instance.map(|instance| instance.to_string()).unwrap_or_default(),
+            self.settings.clone(),
+            self.threads.to_string(),
+            self.refused.to_string(),
+            self.id.clone(),
         ];
         let answer = self.answer.as_ref().map(AnswerNumbers::cells).unwrap_or_default();
         let mut cells = search.into_iter().chain(answer);
@@ -298,6 +354,11 @@ impl Row {
             "max_residual": self.path.map(|p| p.max_residual),
             "roadmap": self.work.map(|w| format!("{:016x}", w.fingerprint)),
             "message": self.message,
+            "instance": self.instance,
+            "settings": self.settings,
+            "threads": self.threads,
+            "refused": self.refused.to_string(),
+            "id": self.id,
             "answer": self.answer.as_ref().map(AnswerNumbers::json),
         })
     }
@@ -305,27 +366,4 @@ impl Row {
 
 fn milliseconds(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
-}
-
-/// A line of CSV (RFC 4180): cells with commas, quotes or line breaks stand in quotes, quotes in them doubled.
-pub(crate) fn csv_line<S: AsRef<str>>(cells: &[S]) -> String {
-    let cells: Vec<String> = cells.iter().map(|cell| csv_cell(cell.as_ref())).collect();
-    cells.join(",") + "\n"
-}
-
-fn csv_cell(text: &str) -> String {
-    if text.contains(['"', ',', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::csv_line;
-
-    #[test]
-    fn cells_that_need_quotes_have_them() {
-        assert_eq!(
-            csv_line(&["plain", "a, b", "say \"no\"", "two\nlines", ""]),
-            "plain,\"a, b\",\"say \"\"no\"\"\",\"two\nlines\",\n"
-        );
-    }
 }

@@ -1,7 +1,7 @@
 //! What all solves of a batch share.
 
 use crate::batch::improvement::measurement::Measurement;
-use crate::batch::seeds::Seeds;
+use crate::batch::run::seeds::Seeds;
 use foliate_systems::settings::SearchSettings;
 use std::time::Duration;
 
@@ -10,7 +10,7 @@ use std::time::Duration;
 pub struct Settings {
     /// The seeds, both ends included.
     pub seeds: Seeds,
-    /// Solves side by side; each of them uses one thread.
+    /// Threads of all solves that run at once. Each solve uses one, unless a [`Variant`](crate::batch::Variant) says otherwise.
     pub threads: usize,
     /// Wall time after which one solve gives up. The time that its problem took to load, once for all its solves, counts for each.
     pub time_limit: Duration,

@@ -2,9 +2,10 @@
 
 use crate::batch::error::{BatchError, text, write_whole};
 use crate::batch::improvement::files::{ImprovementFiles, join};
-use crate::batch::kept;
-use crate::batch::kept::Identity;
-use crate::batch::row::{COLUMNS, Row, csv_line};
+use crate::batch::results::csv::csv_line;
+use crate::batch::results::identity::Identity;
+use crate::batch::results::kept;
+use crate::batch::results::row::{COLUMNS, Row};
 use crate::os::output;
 use crate::os::output::Lines;
 use std::collections::HashSet;
@@ -33,9 +34,9 @@ impl FailureFolder {
     }
 
     /// Where the next failed solve is recorded; none once there are enough.
-    pub(crate) fn next(&self, scene: &str, seed: u64) -> Option<PathBuf> {
+    pub(crate) fn next(&self, stem: &str) -> Option<PathBuf> {
         let number = self.failed.fetch_add(1, Ordering::Relaxed);
-        (number < MOST_FAILURES).then(|| self.folder.join(format!("{scene}-{seed}.search")))
+        (number < MOST_FAILURES).then(|| self.folder.join(format!("{stem}.search")))
     }
 
     /// Solves that have failed by now.
@@ -53,9 +54,9 @@ pub(crate) struct Recorder {
     rows: Vec<(usize, Row)>,
 }
 
-/// `paths/SCENE-SEED.json`.
-pub(crate) fn path_file(out: &Path, scene: &str, seed: u64) -> PathBuf {
-    out.join("paths").join(format!("{scene}-{seed}.json"))
+/// `paths/STEM.json`.
+pub(crate) fn path_file(out: &Path, stem: &str) -> PathBuf {
+    out.join("paths").join(format!("{stem}.json"))
 }
 
 impl Recorder {
@@ -117,9 +118,9 @@ impl Recorder {
         Ok(Self { path, lines, improvement, rows })
     }
 
-    /// Numbers of the solves that have their row already.
-    pub(crate) fn done(&self) -> HashSet<usize> {
-        self.rows.iter().map(|(index, _)| *index).collect()
+    /// The solves that have their row already, by number.
+    pub(crate) fn done(&self) -> &[(usize, Row)] {
+        &self.rows
     }
 
     /// Adds the row of the solve with that number. It is in the file when this returns.

@@ -1,0 +1,85 @@
+//! How times fall with threads, where rows have several numbers of them.
+
+use crate::batch::error::BatchError;
+use crate::batch::improvement::quantile::quantile;
+use crate::batch::report::canvas::{GRID, INK, TEXT, colour, failed, from_zero, svg};
+use crate::batch::report::groups::{Group, scenes};
+use plotters::prelude::{ChartBuilder, Circle, Color, IntoFont, LineSeries, PathElement};
+
+/// Median times of one scheduler on one scene, over those with the fewest threads.
+#[derive(Debug)]
+struct Speedup<'a> {
+    scene: &'a str,
+    kind: usize,
+    /// Threads, and how many times as fast.
+    points: Vec<(f64, f64)>,
+}
+
+/// Each scheduler with settings that differ in threads on each scene.
+fn speedups<'a>(groups: &[Group<'a>]) -> Vec<Speedup<'a>> {
+    let mut found = Vec::new();
+    for scene in scenes(groups) {
+        let of_scene: Vec<&Group<'_>> = groups.iter().filter(|group| group.scene == scene).collect();
+        let mut schedulers: Vec<&str> = of_scene.iter().map(|group| group.scheduler).collect();
+        schedulers.dedup();
+        for scheduler in schedulers {
+            let mut medians: Vec<(usize, f64, usize)> = of_scene
+                .iter()
+                .filter(|group| group.scheduler == scheduler)
+                .filter_map(|group| Some((group.threads, quantile(&group.times(), 0.5)?, group.kind)))
+                .collect();
+            medians.sort_by_key(|(threads, ..)| *threads);
+            medians.dedup_by_key(|(threads, ..)| *threads);
+            let &[(_, first, kind), _, ..] = medians.as_slice() else { continue };
+            let points = medians.iter().map(|(threads, time, _)| (*threads as f64, first / time)).collect();
+            found.push(Speedup { scene, kind, points });
+        }
+    }
+    found
+}
+
+/// A plot of all speedups, and their scenes; none where all rows have one number of threads.
+pub(crate) fn plot(groups: &[Group<'_>]) -> Result<Option<String>, BatchError> {
+    let speedups = speedups(groups);
+    let points = || speedups.iter().flat_map(|speedup| speedup.points.iter().copied());
+    let most = points().map(|(threads, _)| threads).fold(0.0, f64::max);
+    if speedups.is_empty() {
+        return Ok(None);
+    }
+    let words: Vec<&str> = speedups.iter().map(|speedup| speedup.scene).collect();
+    let title = format!("times as fast with more threads: {}", words.join(", "));
+    let drawn = svg(300, &title, |plane| {
+        let values = from_zero(points().map(|(_, factor)| factor).chain([most]));
+        let mut chart = ChartBuilder::on(plane)
+            .margin(14)
+            .margin_right(34)
+            .x_label_area_size(52)
+            .y_label_area_size(72)
+            .build_cartesian_2d(0.8..most + 0.2, values)
+            .map_err(failed)?;
+        chart
+            .configure_mesh()
+            .bold_line_style(GRID)
+            .light_line_style(GRID.mix(0.4))
+            .axis_style(INK)
+            .label_style(("sans-serif", TEXT).into_font().color(&INK))
+            .axis_desc_style(("sans-serif", TEXT).into_font().color(&INK))
+            .x_desc("threads of a solve")
+            .y_desc("times as fast (median)")
+            .x_labels(most.min(16.0) as usize + 1)
+            .x_label_formatter(&|threads| if threads.fract() == 0.0 { threads.to_string() } else { String::new() })
+            .draw()
+            .map_err(failed)?;
+        // What threads would bring at best.
+        let ideal = PathElement::new(vec![(1.0, 1.0), (most, most)], GRID.stroke_width(2));
+        chart.draw_series([ideal]).map_err(failed)?;
+        for speedup in &speedups {
+            let colour = colour(speedup.kind);
+            chart.draw_series(LineSeries::new(speedup.points.clone(), colour.stroke_width(2))).map_err(failed)?;
+            let dots = speedup.points.iter().map(|point| Circle::new(*point, 4, colour.filled()));
+            chart.draw_series(dots).map_err(failed)?;
+        }
+        Ok(())
+    });
+    drawn.map(Some)
+}
