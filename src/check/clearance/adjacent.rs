@@ -34,7 +34,7 @@ impl<'w> Neighbours<'w> {
         for (index, shape) in world.shapes.iter().enumerate() {
             shapes.entry(shape.link.as_str()).or_default().push(index);
         }
-        Self { world, file, measured: Measured::all(&world.shapes), shapes }
+        Self { world, file, measured: Measured::all(world), shapes }
     }
 
     /// Whether both links have shapes.

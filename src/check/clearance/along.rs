@@ -53,7 +53,7 @@ impl<'w> Clearance<'w> {
             pairs,
             least,
             claim: claim.unwrap_or(0.0),
-            shapes: Measured::all(&world.shapes),
+            shapes: Measured::all(world),
             shells: world.shapes.iter().map(|s| Shell::of(&s.geometry)).collect(),
             witnesses: world.shapes.iter().map(|s| witnesses(&s.geometry)).collect(),
         }
@@ -70,10 +70,7 @@ impl<'w> Clearance<'w> {
     ) {
         let reach = Reach::new(motion);
         for (pair, &threshold) in thresholds.iter().enumerate() {
-            let (a, b) = self.pairs.list[pair];
-            let end = |shape: usize| (self.shapes[shape].body(), self.shapes[shape].reach());
-            let levers = reach.levers(end(a), end(b));
-            let movement = reach.movement(&levers, motion.knots.len());
+            let movement = self.movement(motion, &reach, pair);
             moving[pair] |= movement.last().is_some_and(|&moved| moved > 0.0);
             let mut march = March { tester: self, motion, pair, threshold, movement, report, work, hint: None };
             march.go();
@@ -101,6 +98,19 @@ impl<'w> Clearance<'w> {
                 continue;
             }
             self.judge((motion.index, knot as f64), pair, (a, b), threshold, (report, &mut None));
+        }
+    }
+
+    /// How far the solids of a pair may move against each other, from the first knot to each knot. Where that is more than their balls are
+    /// apart, a better bound is worth its search.
+    fn movement(&self, motion: &SegmentMotion<'_>, reach: &Reach, pair: usize) -> Vec<f64> {
+        let (a, b) = self.pairs.list[pair];
+        let (one, other) = (self.shapes[a].end(), self.shapes[b].end());
+        let movement = reach.movement(&reach.levers(one, other), motion.knots.len());
+        let (a, b) = self.placed(motion, pair, At::knot(0));
+        match movement.last() {
+            Some(&all) if all > 0.0 && ball_bound(a, b) < all => reach.least_movement(one, other, motion.knots.len()),
+            _ => movement,
         }
     }
 
@@ -317,8 +327,8 @@ mod tests {
             let motion = SegmentMotion::new(&world, segment, index, &attachments[index]).unwrap();
             let reach = Reach::new(&motion);
             for (pair, &(a, b)) in pairs.list.iter().enumerate() {
-                let end = |shape: usize| (tester.shapes[shape].body(), tester.shapes[shape].reach());
-                let movement = reach.movement(&reach.levers(end(a), end(b)), motion.knots.len());
+                let end = |shape: usize| tester.shapes[shape].end();
+                let movement = reach.least_movement(end(a), end(b), motion.knots.len());
                 let distance = |at: At| {
                     let (a, b) = tester.placed(&motion, pair, at);
                     exact(a, b, &mut None).value.max(0.0)

@@ -3,8 +3,10 @@
 use crate::check::distance::apart::Wanted;
 use crate::check::distance::pieces;
 use crate::check::distance::pieces::{Hint, Pieces, bounds};
-use crate::check::world::models::Shape;
+use crate::check::motion::reach::End;
+use crate::check::world::models::World;
 use foliate_components::Pose;
+use foliate_components::robot::JointType;
 use foliate_components::robot::shape::Geometry;
 use glam::DVec3;
 use std::sync::Arc;
@@ -26,6 +28,8 @@ pub(crate) struct Measured {
     center: DVec3,
     half: DVec3,
     is_mesh: bool,
+    /// See [`End`].
+    end: End,
 }
 
 /// A shape's pose at some moment.
@@ -39,10 +43,10 @@ pub(crate) struct Distance {
 
 impl Measured {
     /// Meshes that several shapes share are prepared once.
-    pub(crate) fn all(shapes: &[Shape]) -> Vec<Self> {
+    pub(crate) fn all(world: &World) -> Vec<Self> {
         let mut known: Vec<(&Geometry, Arc<Pieces>)> = Vec::new();
-        let mut measured = Vec::with_capacity(shapes.len());
-        for shape in shapes {
+        let mut measured = Vec::with_capacity(world.shapes.len());
+        for shape in &world.shapes {
             let same = |other: &Geometry| match (other, &shape.geometry) {
                 (Geometry::Mesh(a), Geometry::Mesh(b)) => Arc::ptr_eq(a, b),
                 _ => false,
@@ -55,7 +59,13 @@ impl Measured {
             }
             let (center, half) = bounds(&shape.geometry);
             let (body, body_from_shape) = (shape.rigid.1, shape.body_from_shape);
-            measured.push(Self { body, body_from_shape, pieces, center, half, is_mesh });
+            let reach = body_from_shape.transform_point(center).length() + half.length();
+            let about = match body.map(|body| world.bodies[body].motion) {
+                Some(JointType::Revolute { axis }) => about(&shape.geometry, &body_from_shape, axis, (center, half)),
+                _ => f64::INFINITY,
+            };
+            let end = End { body, reach, about };
+            measured.push(Self { body, body_from_shape, pieces, center, half, is_mesh, end });
         }
         measured
     }
@@ -68,14 +78,29 @@ impl Measured {
         world_from_body * self.body_from_shape
     }
 
-    /// No point of the shape is farther than this from its body's origin, metres.
-    pub(crate) fn reach(&self) -> f64 {
-        self.body_from_shape.transform_point(self.center).length() + self.half.length()
+    /// How far the shape is from its body's origin and from the axis of its joint.
+    pub(crate) fn end(&self) -> End {
+        self.end
     }
 
     pub(crate) fn is_mesh(&self) -> bool {
         self.is_mesh
     }
+}
+
+/// No point of a shape is farther than this from an axis through its body's origin, metres: corners of a mesh, or of the box around the shape.
+fn about(geometry: &Geometry, body_from_shape: &Pose, axis: DVec3, (center, half): (DVec3, DVec3)) -> f64 {
+    let axis = axis.normalize_or_zero();
+    let far = |p: DVec3| body_from_shape.transform_point(p).reject_from(axis).length();
+    let corner = |i: u32| {
+        let sign = |bit: u32| if i & bit == 0 { -1.0 } else { 1.0 };
+        center + half * DVec3::new(sign(1), sign(2), sign(4))
+    };
+    let farthest = match geometry {
+        Geometry::Mesh(mesh) => mesh.vertices.iter().map(|&p| far(p)).fold(0.0, f64::max),
+        _ => (0..8).map(|i| far(corner(i))).fold(0.0, f64::max),
+    };
+    if axis == DVec3::ZERO { f64::INFINITY } else { farthest * (1.0 + 1e-9) }
 }
 
 /// A lower bound of the distance from the balls around the shapes.

@@ -43,6 +43,15 @@ pub(crate) struct Lever {
     pub reach: f64,
 }
 
+/// A solid on a body (none for the world): at most how far it is from the body's origin and, where a joint turns the body, from that
+/// joint's axis. Metres.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct End {
+    pub body: Option<usize>,
+    pub reach: f64,
+    pub about: f64,
+}
+
 impl Reach {
     pub(crate) fn new(motion: &SegmentMotion<'_>) -> Self {
         let bodies = 0..motion.world.bodies.len();
@@ -81,18 +90,17 @@ impl Reach {
         [a, b]
     }
 
-    /// Moving joints between two solids that lie within the given distances of their bodies' origins (for the world,
-    /// anywhere), each with its lever to the solid on its own side.
-    pub(crate) fn levers(&self, a: (Option<usize>, f64), b: (Option<usize>, f64)) -> Vec<Lever> {
-        let chains = self.between(a.0, b.0);
+    /// Moving joints between two solids (for the world, anywhere), each with its lever to the solid on its own side.
+    pub(crate) fn levers(&self, a: End, b: End) -> Vec<Lever> {
+        let chains = self.between(a.body, b.body);
         let mut levers = Vec::new();
-        for (chain, reach) in chains.iter().zip([a.1, b.1]) {
-            let mut reach = reach;
+        for (chain, end) in chains.iter().zip([a, b]) {
+            let mut reach = end.reach;
             for &body in chain {
                 let (before, after) = self.lengths[body];
                 reach += after;
                 if let Some(joint) = self.joints[body].filter(|&j| self.travel[j].is_some()) {
-                    levers.push(Lever { joint, reach });
+                    levers.push(Lever { joint, reach: reach.min(about(end, joint)) });
                 }
                 reach += before;
             }
@@ -100,17 +108,31 @@ impl Reach {
         levers
     }
 
+    /// As [`Self::movement`] of [`Self::levers`], or less: two solids approach each other by no more than both move, seen from any body
+    /// between them. Of all these bodies the one counts from which they move least on the whole way.
+    pub(crate) fn least_movement(&self, a: End, b: End, knots: usize) -> Vec<f64> {
+        let total = |movement: &Vec<f64>| movement.last().copied().unwrap_or(0.0);
+        let from = |body: Option<usize>| {
+            let levers: Vec<Lever> = self.outwards(body, a).into_iter().chain(self.outwards(body, b)).collect();
+            self.movement(&levers, knots)
+        };
+        let bodies = self.between(a.body, b.body).concat();
+        let common = self.movement(&self.levers(a, b), knots);
+        let others = bodies.into_iter().map(|body| from(Some(body)));
+        others.fold(common, |least, other| if total(&other) < total(&least) { other } else { least })
+    }
+
     /// Moving joints from one frame outwards to a point that is within a distance of its body's origin (or of the
     /// world's), each with the longest that the point can be from its axis.
-    fn outwards(&self, from: Option<usize>, point: (Option<usize>, f64)) -> Vec<Lever> {
-        let [near, far] = self.between(from, point.0);
-        let mut reach = point.1;
+    fn outwards(&self, from: Option<usize>, point: End) -> Vec<Lever> {
+        let [near, far] = self.between(from, point.body);
+        let mut reach = point.reach;
         let mut levers = Vec::new();
         let moving = |body: usize| self.joints[body].filter(|&j| self.travel[j].is_some());
         // From the point back to where the way turns down, and on to the frame.
         for &body in &far {
             let (before, after) = self.lengths[body];
-            levers.extend(moving(body).map(|joint| Lever { joint, reach: reach + after }));
+            levers.extend(moving(body).map(|joint| Lever { joint, reach: (reach + after).min(about(point, joint)) }));
             reach += after + before;
         }
         for &body in near.iter().rev() {
@@ -123,9 +145,9 @@ impl Reach {
     }
 
     /// How fast and how bent the way of a point is, read from a frame: see [`Bends`].
-    pub(crate) fn bends(&self, from: Option<usize>, point: (Option<usize>, f64), knots: usize) -> Bends {
+    pub(crate) fn bends(&self, from: Option<usize>, (body, reach): (Option<usize>, f64), knots: usize) -> Bends {
         let mut bends = Bends::still(knots);
-        for lever in self.outwards(from, point) {
+        for lever in self.outwards(from, End { body, reach, about: f64::INFINITY }) {
             let Some(travel) = &self.travel[lever.joint] else { continue };
             for knot in 0..bends.turn.len() {
                 let turn = travel.turn[knot + 1] - travel.turn[knot];
@@ -197,6 +219,11 @@ impl Bends {
         most(&mut self.travel, &other.travel);
         self
     }
+}
+
+/// How far a solid is from the axis of a joint that turns the solid's own body; infinite for any other joint.
+fn about(end: End, joint: usize) -> f64 {
+    if end.body == Some(joint) { end.about } else { f64::INFINITY }
 }
 
 impl Travel {
