@@ -115,12 +115,17 @@ fn legend(page: &mut String, kinds: &[String]) {
     if kinds.len() < 2 {
         return;
     }
-    page.push_str("<section aria-label=\"Colours\">\n");
-    for (kind, name) in kinds.iter().enumerate() {
-        let (colour, name) = (css_colour(kind), escaped(name));
-        let _ = writeln!(page, "<span class=\"key\"><i style=\"background:{colour}\"></i>{name}</span>");
+    let _ = writeln!(page, "<section aria-label=\"Colours\">\n{}</section>", keys(kinds));
+}
+
+/// Names beside their colours.
+fn keys(names: &[String]) -> String {
+    let mut keys = String::new();
+    for (number, name) in names.iter().enumerate() {
+        let (colour, name) = (css_colour(number), escaped(name));
+        let _ = writeln!(keys, "<span class=\"key\"><i style=\"background:{colour}\"></i>{name}</span>");
     }
-    page.push_str("</section>\n");
+    keys
 }
 
 fn summary(page: &mut String, groups: &[Group<'_>], kinds: &[String]) {
@@ -174,10 +179,10 @@ fn plots(page: &mut String, groups: &[Group<'_>], kinds: &[String]) -> Result<()
     let words =
         "Median of the estimated cost of the best path by a time of improvement. Bands: 10th to 90th percentile.";
     section(page, "Cost over time", words, of_scenes(costs::plot)?);
-    let scaling = scaling::plot(groups)?.map(|svg| (None, svg)).into_iter().collect();
+    let scaling = scaling::plot(groups)?.map(|(svg, lines)| (None, format!("<p>{}</p>\n{svg}", keys(&lines))));
     let words = "Median time with the fewest threads over the median time with more; of settings with as many threads the first counts. Grey: as \
                  many times as fast as there are threads.";
-    section(page, "Threads", words, scaling);
+    section(page, "Threads", words, scaling.into_iter().collect());
     Ok(())
 }
 

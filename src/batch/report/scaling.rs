@@ -10,7 +10,7 @@ use plotters::prelude::{ChartBuilder, Circle, Color, IntoFont, LineSeries, PathE
 #[derive(Debug)]
 struct Speedup<'a> {
     scene: &'a str,
-    kind: usize,
+    scheduler: &'a str,
     /// Threads, and how many times as fast.
     points: Vec<(f64, f64)>,
 }
@@ -23,31 +23,32 @@ fn speedups<'a>(groups: &[Group<'a>]) -> Vec<Speedup<'a>> {
         let mut schedulers: Vec<&str> = of_scene.iter().map(|group| group.scheduler).collect();
         schedulers.dedup();
         for scheduler in schedulers {
-            let mut medians: Vec<(usize, f64, usize)> = of_scene
+            let mut medians: Vec<(usize, f64)> = of_scene
                 .iter()
                 .filter(|group| group.scheduler == scheduler)
-                .filter_map(|group| Some((group.threads, quantile(&group.times(), 0.5)?, group.kind)))
+                .filter_map(|group| Some((group.threads, quantile(&group.times(), 0.5)?)))
                 .collect();
-            medians.sort_by_key(|(threads, ..)| *threads);
-            medians.dedup_by_key(|(threads, ..)| *threads);
-            let &[(_, first, kind), _, ..] = medians.as_slice() else { continue };
-            let points = medians.iter().map(|(threads, time, _)| (*threads as f64, first / time)).collect();
-            found.push(Speedup { scene, kind, points });
+            medians.sort_by_key(|(threads, _)| *threads);
+            medians.dedup_by_key(|(threads, _)| *threads);
+            let &[(_, first), _, ..] = medians.as_slice() else { continue };
+            let points = medians.iter().map(|(threads, time)| (*threads as f64, first / time)).collect();
+            found.push(Speedup { scene, scheduler, points });
         }
     }
     found
 }
 
-/// A plot of all speedups, and their scenes; none where all rows have one number of threads.
-pub(crate) fn plot(groups: &[Group<'_>]) -> Result<Option<String>, BatchError> {
+/// A plot of all speedups, and what each of its lines is, in the order of the colours; none where all rows have one number of threads.
+pub(crate) fn plot(groups: &[Group<'_>]) -> Result<Option<(String, Vec<String>)>, BatchError> {
     let speedups = speedups(groups);
     let points = || speedups.iter().flat_map(|speedup| speedup.points.iter().copied());
     let most = points().map(|(threads, _)| threads).fold(0.0, f64::max);
     if speedups.is_empty() {
         return Ok(None);
     }
-    let words: Vec<&str> = speedups.iter().map(|speedup| speedup.scene).collect();
-    let title = format!("times as fast with more threads: {}", words.join(", "));
+    let names: Vec<String> =
+        speedups.iter().map(|speedup| format!("{}, {}", speedup.scene, speedup.scheduler)).collect();
+    let title = format!("times as fast with more threads: {}", names.join("; "));
     let drawn = svg(300, &title, |plane| {
         let values = from_zero(points().map(|(_, factor)| factor).chain([most]));
         let mut chart = ChartBuilder::on(plane)
@@ -73,13 +74,13 @@ pub(crate) fn plot(groups: &[Group<'_>]) -> Result<Option<String>, BatchError> {
         // What threads would bring at best.
         let ideal = PathElement::new(vec![(1.0, 1.0), (most, most)], GRID.stroke_width(2));
         chart.draw_series([ideal]).map_err(failed)?;
-        for speedup in &speedups {
-            let colour = colour(speedup.kind);
+        for (number, speedup) in speedups.iter().enumerate() {
+            let colour = colour(number);
             chart.draw_series(LineSeries::new(speedup.points.clone(), colour.stroke_width(2))).map_err(failed)?;
             let dots = speedup.points.iter().map(|point| Circle::new(*point, 4, colour.filled()));
             chart.draw_series(dots).map_err(failed)?;
         }
         Ok(())
     });
-    drawn.map(Some)
+    drawn.map(|svg| Some((svg, names)))
 }
