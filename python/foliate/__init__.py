@@ -21,6 +21,7 @@ from foliate._foliate import (
     Segment,
     Solid,
     Solution,
+    Variations,
     __version__,
     check,
     load_path,
@@ -29,9 +30,9 @@ from foliate._foliate import (
     schedulers,
     solve,
 )
-from foliate.batch import plan_batch
+from foliate.batch import instances, plan_batch
 from foliate.building import SceneBuilder
-from foliate.errors import FoliateError, ModelError, NoSolution, PathError, SceneError
+from foliate.errors import FoliateError, ModelError, NoInstance, NoSolution, PathError, SceneError
 
 __all__ = [
     "Cancel",
@@ -41,6 +42,7 @@ __all__ = [
     "FunnelRow",
     "ModelError",
     "NewScene",
+    "NoInstance",
     "NoSolution",
     "Path",
     "PathError",
@@ -51,8 +53,10 @@ __all__ = [
     "Segment",
     "Solid",
     "Solution",
+    "Variations",
     "__version__",
     "check",
+    "instances",
     "load_path",
     "new_scene",
     "plan_batch",

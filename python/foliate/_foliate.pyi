@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from os import PathLike
 from typing import Any, Final, SupportsFloat, SupportsIndex, final
 
-__all__ = ["__version__", "Cancel", "CheckReport", "Event", "FunnelRow", "NewScene", "Path", "Report", "Scene", "Segment", "Solid", "Solution", "check", "load_path", "new_scene", "run_program", "scenes", "schedulers", "solve"]
+__all__ = ["__version__", "Cancel", "CheckReport", "Event", "FunnelRow", "NewScene", "Path", "Report", "Scene", "Segment", "Solid", "Solution", "Variations", "check", "load_path", "new_scene", "run_program", "scenes", "schedulers", "solve"]
 
 __version__: Final[str]
 """
@@ -340,7 +340,7 @@ class Report:
     @property
     def time(self, /) -> float:
         """
-        Seconds from the prepared problem to the answer, on the clock; with the graph.
+        Seconds from the prepared problem to the answer, on the clock.
         """
 
 @final
@@ -539,6 +539,29 @@ class Solution:
     def seed(self, /) -> int:
         """
         The seed.
+        """
+
+@final
+class Variations:
+    """
+    Instances of a scene that differ in what `vary` says: random starts and goals of objects on their supports, object counts, poses of parts, sizes, obstacles.
+
+    `Variations("demo", {"seed": 7, "starts": True, "goals": ["box1"]})`; `vary` has the keys of `[vary]` in a suite file (docs/batches.md). An instance follows from the scene, `vary` and its number
+    alone. All start and goal in states of the constraint graph and without collision; that there is a path is not known.
+
+    Raises `SceneError` where the scene cannot be read, or cannot vary so.
+    """
+    def __new__(cls, /, scene: str, vary: Mapping[str, Any], *, packages: SupportsGetItem[int, str | PathLike[str]] = ...) -> Variations: ...
+    @staticmethod
+    def from_suite(file: str | PathLike[str], *, packages: SupportsGetItem[int, str | PathLike[str]] = ...) -> list[tuple[Variations, int]]:
+        """
+        Those of a suite file, one for each of its scenes, with how many instances it wants; of a suite without `[vary]` none.
+        """
+    def instance(self, /, number: SupportsIndex) -> Scene:
+        """
+        The instance of a number.
+
+        Raises `NoInstance` where no draw has a start and goals that could be planned for; it says what was wrong with them.
         """
 
 def check(file: str | PathLike[str], scene: Scene | str | None = None, *, time_limit: SupportsFloat | SupportsIndex = 600.0, clearance: bool = False, packages: SupportsGetItem[int, str | PathLike[str]] = ...) -> CheckReport:

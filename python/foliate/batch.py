@@ -4,20 +4,30 @@ from __future__ import annotations
 
 import os
 from collections import deque
-from collections.abc import Generator, Iterable, Mapping
+from collections.abc import Generator, Iterable, Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
-from foliate._foliate import Cancel, Scene, Solution, solve
-from foliate.errors import NoSolution
+from foliate._foliate import Cancel, Scene, Solution, Variations, solve
+from foliate.errors import NoInstance, NoSolution
 
-__all__ = ["plan_batch"]
+__all__ = ["Answer", "Problem", "instances", "plan_batch"]
 
-Problem = Scene | tuple[Scene, Mapping[str, Any]]
+Problem = Scene | tuple[Scene, Mapping[str, Any]] | NoInstance
+Answer = Solution | NoSolution | NoInstance
 
 
-def plan_batch(problems: Iterable[Problem], *, threads: int | None = None, **settings: Any) -> Generator[Solution | NoSolution, None, None]:
-    """Plans for each problem; yields a ``Solution`` or a ``NoSolution`` for each, in the order of the problems.
+def instances(variations: Variations, count: int, *, first: int = 0) -> Iterator[tuple[Scene, dict[str, Any]] | NoInstance]:
+    """The instances ``first``, ``first + 1`` and so on of a scene that varies, as problems of ``plan_batch``; the seed of each is its number. Of a number without an instance it is the reason."""
+    for number in range(first, first + count):
+        try:
+            yield variations.instance(number), {"seed": number}
+        except NoInstance as none:
+            yield none
+
+
+def plan_batch(problems: Iterable[Problem], *, threads: int | None = None, **settings: Any) -> Generator[Answer, None, None]:
+    """Plans for each problem; yields a ``Solution`` or a ``NoSolution`` for each, in the order of the problems. A ``NoInstance`` among the problems comes out as it is.
 
     A problem is a scene, or a scene with settings of its own (``seed`` above all), which go before ``settings``; both are what ``solve`` takes. So many
     problems as there are ``threads`` (as the processor has, if not given) are planned at once, each on one thread. Problems are taken as they are needed, at
@@ -34,18 +44,23 @@ def plan_batch(problems: Iterable[Problem], *, threads: int | None = None, **set
         raise ValueError("`cancel` is for one solve; give up the iteration to end a batch")
     cancel = Cancel()
 
-    def plan(scene: Scene, own: Mapping[str, Any]) -> Solution | NoSolution:
+    def plan(scene: Scene, own: Mapping[str, Any]) -> Answer:
         try:
             return solve(scene, **{**settings, **own}, cancel=cancel)
         except NoSolution as none:
             return none
 
-    under_way: deque[Future[Solution | NoSolution]] = deque()
+    under_way: deque[Future[Answer]] = deque()
     with ThreadPoolExecutor(count, thread_name_prefix="foliate") as pool:
         try:
             for problem in problems:
-                scene, own = problem if isinstance(problem, tuple) else (problem, {})
-                under_way.append(pool.submit(plan, scene, own))
+                if isinstance(problem, NoInstance):
+                    none: Future[Answer] = Future()
+                    none.set_result(problem)
+                    under_way.append(none)
+                else:
+                    scene, own = problem if isinstance(problem, tuple) else (problem, {})
+                    under_way.append(pool.submit(plan, scene, own))
                 if len(under_way) >= 4 * count:
                     yield under_way.popleft().result()
             while under_way:

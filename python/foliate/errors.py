@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from foliate._foliate import Report
 
-__all__ = ["FoliateError", "ModelError", "NoSolution", "PathError", "SceneError"]
+__all__ = ["FoliateError", "ModelError", "NoInstance", "NoSolution", "PathError", "SceneError"]
 
 
 class FoliateError(Exception):
@@ -33,6 +33,20 @@ class SceneError(FoliateError):
 
 class ModelError(FoliateError):
     """The problem cannot be planned for, or has no coordinate of that name."""
+
+
+class NoInstance(FoliateError):
+    """A scene that varies has no instance of a number: none of the draws could be planned for."""
+
+    outcome = "no_instance"
+    """As the outcome of a problem."""
+
+    def __init__(self, text: str, number: int) -> None:
+        super().__init__(text)
+        self.number = number
+        """The number."""
+        self.detail = text
+        """What was wrong with the draws."""
 
 
 class PathError(FoliateError):

@@ -41,6 +41,8 @@ mod module {
     use crate::scene::py_scene::{PyScene, scenes};
     #[pymodule_export]
     use crate::scene::solid::PySolid;
+    #[pymodule_export]
+    use crate::scene::variations::PyVariations;
 
     /// Version of Foliate.
     #[pymodule_export]

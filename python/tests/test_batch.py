@@ -52,3 +52,39 @@ def test_wrong_settings_are_told(demo: foliate.Scene) -> None:
         next(foliate.plan_batch([demo], threads=0))
     with pytest.raises(TypeError):
         next(foliate.plan_batch([demo], no_such_setting=1))
+
+
+# Anywhere on the table some places are out of reach.
+VARY = {"seed": 3, "starts": True, "goals": ["box1"], "within": {"x": [0.42, 0.6], "y": [-0.4, 0.4]}}
+
+
+def test_scenes_vary_by_number() -> None:
+    varied = foliate.Variations("demo", VARY)
+    answers = list(foliate.plan_batch(foliate.instances(varied, 6), threads=2, first=True, time_limit=10.0))
+    assert [answer.outcome for answer in answers].count("solved") >= 5
+    starts = {tuple(scene.start("box1")) for scene in (varied.instance(number) for number in range(6))}
+    assert len(starts) == 6
+    again = foliate.Variations("demo", VARY).instance(4)
+    assert again.start("box2") == varied.instance(4).start("box2")
+    # An instance is solved as the scene that has its start and goal is, read anew.
+    shared = foliate.Scene("demo").with_goal({"box1": [0.5, -0.3, 0.741, 0, 0, 0, 1]})
+    first = foliate.solve(shared, seed=5, first=True).report.fingerprint
+    base = foliate.Scene("demo")
+    foliate.solve(base, first=True)
+    assert foliate.solve(base.with_goal({"box1": [0.5, -0.3, 0.741, 0, 0, 0, 1]}), seed=5, first=True).report.fingerprint == first
+    moved = {"box1": [0.45, 0.3, 0.741, 0, 0, 0, 1]}
+    fresh = foliate.solve(foliate.Scene("demo").with_start(moved), seed=5, first=True).report.fingerprint
+    assert foliate.solve(base.with_start(moved), seed=5, first=True).report.fingerprint == fresh
+
+
+def test_what_cannot_vary_is_told() -> None:
+    with pytest.raises(foliate.SceneError, match="box9"):
+        foliate.Variations("demo", {"starts": ["box9"]})
+    with pytest.raises(foliate.SceneError, match="sead"):
+        foliate.Variations("demo", {"sead": 1})
+    high = foliate.Variations("demo", {"starts": True, "within": {"z": [5.0, 6.0]}, "tries": 3})
+    with pytest.raises(foliate.NoInstance) as raised:
+        high.instance(7)
+    assert raised.value.number == 7 and "3 draws" in str(raised.value)
+    answers = list(foliate.plan_batch(foliate.instances(high, 2), threads=1))
+    assert [answer.outcome for answer in answers] == ["no_instance", "no_instance"]

@@ -180,5 +180,11 @@ def test_the_command_makes_a_dataset(tmp_path: Path) -> None:
     assert json.loads((out / "meta" / "info.json").read_text())["total_episodes"] == 3
     again = subprocess.run(command, capture_output=True, text=True, check=False)
     assert again.returncode == 2 and "something in it" in again.stderr
+    suite = tmp_path / "suite.toml"
+    suite.write_text('format = "foliate.suite/1"\nname = "x"\nscenes = ["demo"]\n[vary]\ninstances = 4\nseed = 3\nstarts = true\ngoals = true\nwithin = { x = [0.42, 0.6], y = [-0.4, 0.4] }\n')
+    varied = [*command[:4], "--suite", str(suite), "--out", str(tmp_path / "varied"), "--first", "--time-limit", "5"]
+    done = subprocess.run(varied, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert len(read(tmp_path / "varied", "meta/problems.parquet")) == 4
     wrong = subprocess.run([*command[:4], "no_such_scene", *command[5:]], capture_output=True, text=True, check=False)
     assert wrong.returncode == 2 and "no_such_scene" in wrong.stderr

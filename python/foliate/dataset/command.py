@@ -9,7 +9,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from foliate._foliate import Scene
+from foliate._foliate import Scene, Variations
+from foliate.batch import Problem, instances
 from foliate.dataset.make import FORMATS, Made, make
 from foliate.errors import FoliateError
 
@@ -29,10 +30,7 @@ def run(arguments: list[str]) -> int:
     elif options.improve_work is not None:
         settings["improve_work"] = options.improve_work
     try:
-        first, last = _range(options.seeds)
-        scenes = [Scene(name, packages=options.package_path) for name in options.scene]
-        problems = ((scene, {"seed": seed}) for seed in range(first, last + 1) for scene in scenes)
-        made = make(problems, options.out, format=options.format, rate=options.rate, task=options.task, threads=options.threads, progress=shown.tell, **settings)
+        made = make(_problems(options), options.out, format=options.format, rate=options.rate, task=options.task, threads=options.threads, progress=shown.tell, **settings)
     except (FoliateError, OSError, ValueError, ImportError) as why:
         print(f"error: {why}", file=sys.stderr)
         return 2
@@ -44,6 +42,22 @@ def run(arguments: list[str]) -> int:
     others = ", ".join(f"{count} {outcome}" for outcome, count in sorted(made.outcomes.items()) if outcome != "solved")
     print(f"{made.episodes} of {made.problems} solved{f' ({others})' if others else ''}: {made.frames} frames in {options.out}, {made.problems / taken:.1f} plans/s")
     return 0
+
+
+def _problems(options: argparse.Namespace) -> Iterator[Problem]:
+    """The problems that are asked for. Raises at once where a scene or a suite cannot be read."""
+    if options.suite is not None:
+        if options.scene:
+            raise ValueError("either scenes or --suite")
+        varied = Variations.from_suite(options.suite, packages=options.package_path)
+        if not varied:
+            raise ValueError(f"{options.suite}: nothing varies; a suite of a dataset has [vary]")
+        return (problem for variations, count in varied for problem in instances(variations, count))
+    if not options.scene:
+        raise ValueError("name a scene, or a suite that varies one with --suite")
+    first, last = _range(options.seeds)
+    scenes = [Scene(name, packages=options.package_path) for name in options.scene]
+    return ((scene, {"seed": seed}) for seed in range(first, last + 1) for scene in scenes)
 
 
 class _Progress:
@@ -78,7 +92,8 @@ def _range(text: str) -> tuple[int, int]:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="foliate dataset", description="Plans scenes for many seeds and writes a dataset of the paths.")
-    parser.add_argument("scene", nargs="+", help="shipped scenes' names, or scene files; all of the same robot and objects")
+    parser.add_argument("scene", nargs="*", help="shipped scenes' names, or scene files; all of the same robot and objects")
+    parser.add_argument("--suite", type=Path, metavar="FILE", help="a suite file with [vary], as `foliate bench --suite` has it: its instances, each with its number as seed")
     parser.add_argument("--out", type=Path, required=True, help="the folder, new or empty")
     parser.add_argument("--seeds", default="1..20", metavar="A..B", help="from A to B, both included (default: %(default)s)")
     parser.add_argument("--format", choices=list(FORMATS), default="lerobot", help="LeRobot v3, one Parquet table, or an NPZ file for each path (default: %(default)s)")

@@ -8,17 +8,15 @@ from dataclasses import dataclass
 from os import PathLike
 from typing import Any, Literal
 
-from foliate._foliate import Scene
-from foliate.batch import plan_batch
+from foliate.batch import Problem, plan_batch
 from foliate.dataset.answers import NpzWriter, ParquetWriter
 from foliate.dataset.lerobot import LeRobotWriter
 from foliate.dataset.writer import Task, Writer
+from foliate.errors import NoInstance
 
 __all__ = ["FORMATS", "Made", "make"]
 
 FORMATS: dict[str, type[Writer]] = {"lerobot": LeRobotWriter, "parquet": ParquetWriter, "npz": NpzWriter}
-
-Problem = Scene | tuple[Scene, Mapping[str, Any]]
 
 
 @dataclass(frozen=True)
@@ -48,7 +46,7 @@ def make(
 ) -> Made:
     """Plans for each problem and writes frames of the paths, ``rate`` a second, into the folder ``out``; problems without a path become rows with their reason.
 
-    ``problems``, ``threads`` and ``settings`` are those of ``plan_batch``: a scene, or a scene with settings such as ``seed``. ``task`` says what is done, in words, or is a function of a
+    ``problems``, ``threads`` and ``settings`` are those of ``plan_batch``: a scene, or a scene with settings such as ``seed``; ``instances`` gives those of a scene that varies. ``task`` says what is done, in words, or is a function of a
     path. ``progress`` is told after each answer what has been made so far. The files depend on problems and settings alone where these count work (``improve_work``), not time.
 
     Where something raises, Ctrl-C included, what was written is a whole dataset.
@@ -62,7 +60,8 @@ def make(
     def noted() -> Iterator[Problem]:
         for problem in problems:
             own: Mapping[str, Any] = problem[1] if isinstance(problem, tuple) else {}
-            seeds.append(own.get("seed", settings.get("seed", 1)))
+            seed = problem.number if isinstance(problem, NoInstance) else own.get("seed", settings.get("seed", 1))
+            seeds.append(seed)
             yield problem
 
     outcomes: Counter[str] = Counter()

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 from foliate.dataset.frames import Frames, Layout, frames
 
 if TYPE_CHECKING:
-    from foliate._foliate import Path, Solution
-    from foliate.errors import NoSolution
+    from foliate._foliate import Path
+    from foliate.batch import Answer
 
 __all__ = ["Writer", "task_of"]
 
@@ -47,7 +47,7 @@ class Writer(ABC):
         self.frames = 0
         self._closed = False
 
-    def add(self, answer: Solution | NoSolution, seed: int | None = None) -> None:
+    def add(self, answer: Answer, seed: int | None = None) -> None:
         """Writes an answer. ``seed`` is told of an answer without a path, which does not know its own."""
         row: dict[str, Any] = {"problem": self.problems, "seed": seed, "outcome": answer.outcome, "detail": None, "episode_index": None}
         if answer.outcome == "solved":

@@ -24,11 +24,13 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Document<'py> {
 }
 
 /// The text of a scene file that says what a dictionary says.
-///
-/// Its values are those of a scene file: strings, numbers, truth values, lists, and dictionaries with names; arrays of numpy count as lists.
-pub(crate) fn text_of(Document(document): &Document<'_>) -> PyResult<String> {
+pub(crate) fn text_of(document: &Document<'_>) -> PyResult<String> {
+    toml::to_string(&table_of(document)?).map_err(|why| PyValueError::new_err(why.to_string()))
+}
+
+/// What a dictionary says, as TOML. Its values are strings, numbers, truth values, lists, and dictionaries with names; arrays of numpy count as lists.
+pub(crate) fn table_of(Document(document): &Document<'_>) -> PyResult<toml::Table> {
     let py = document.py();
     let json = py.import("foliate.document")?.getattr("json_of")?.call1((document,))?.extract::<String>()?;
-    let table: toml::Table = serde_json::from_str(&json).map_err(|why| PyValueError::new_err(why.to_string()))?;
-    toml::to_string(&table).map_err(|why| PyValueError::new_err(why.to_string()))
+    serde_json::from_str(&json).map_err(|why| PyValueError::new_err(why.to_string()))
 }

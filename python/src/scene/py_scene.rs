@@ -8,8 +8,8 @@ use crate::scene::solid::PySolid;
 use foliate::components::robot::{PartKind, Source};
 use foliate::kernels::kinematics::{Kinematics, Placement};
 use foliate::prelude::{CoordinateValue, Goal, PackagePath, Pose, Problem};
-use foliate::scene::{Scene, shipped_scenes};
-use foliate::systems::planning_model::{Model, ModelError, PlanningModel};
+use foliate::scene::{Scene, coordinate_names, shipped_scenes};
+use foliate::systems::planning_model::{Model, ModelError, PlanningModel, ProblemTables};
 use foliate::view::{ViewOptions, Visuals, model_of_scene, page_of_scene};
 use pyo3::exceptions::PyValueError;
 use pyo3::inspect::PyStaticExpr;
@@ -32,6 +32,8 @@ pub struct PyScene {
     pub(crate) scene: Scene,
     pub(crate) packages: PackagePath,
     model: OnceLock<PlanningModel>,
+    /// Tables of a scene that differs in its goals and in where objects start at most: what takes long is shared.
+    tables: Arc<OnceLock<Arc<ProblemTables>>>,
 }
 
 /// A number, three (x, y, angle) or seven (x, y, z, and the quaternion x, y, z, w).
@@ -61,7 +63,17 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Values {
 
 impl PyScene {
     fn of(scene: Scene, packages: PackagePath) -> Self {
-        Self { scene, packages, model: OnceLock::new() }
+        Self { scene, packages, model: OnceLock::new(), tables: Arc::default() }
+    }
+
+    /// One whose tables are there already.
+    pub(crate) fn on_tables(
+        scene: Scene,
+        packages: PackagePath,
+        tables: Arc<ProblemTables>,
+    ) -> Result<Self, ModelError> {
+        let model = PlanningModel(Arc::new(Model::of(tables)?));
+        Ok(Self { model: OnceLock::from(model), ..Self::of(scene, packages) })
     }
 
     /// The constraint graph and the tables, made once.
@@ -69,7 +81,17 @@ impl PyScene {
         match self.model.get() {
             Some(model) => Ok(model.clone()),
             None => {
-                let made = PlanningModel(Arc::new(Model::new(self.scene.problem.clone())?));
+                let problem = &self.scene.problem;
+                let mut is_own = false;
+                let tables = self.tables.get_or_init(|| {
+                    is_own = true;
+                    Arc::new(ProblemTables::new(problem.clone()))
+                });
+                let tables = match is_own {
+                    true => Arc::clone(tables),
+                    false => Arc::new(tables.with_ends(problem.start.clone(), problem.goals.clone())),
+                };
+                let made = PlanningModel(Arc::new(Model::of(tables)?));
                 Ok(self.model.get_or_init(|| made).clone())
             }
         }
@@ -80,7 +102,21 @@ impl PyScene {
         let mut scene = self.scene.clone();
         change(&mut scene.problem)?;
         (scene.file, scene.start) = (None, None);
-        Ok(Self::of(scene, self.packages.clone()))
+        let made = Self::of(scene, self.packages.clone());
+        // Hands take some of their numbers from where the robot starts.
+        let robot = |scene: &Scene| {
+            let robot = &scene.problem.robot;
+            let names = coordinate_names(robot).into_iter().zip(&scene.problem.start);
+            let of_robots = names.filter(|(name, _)| {
+                let part = name.split('/').next().unwrap_or_default();
+                robot.parts.iter().any(|other| other.name == part && other.kind != PartKind::Object)
+            });
+            of_robots.map(|(_, number)| *number).collect::<Vec<_>>()
+        };
+        match robot(&made.scene) == robot(&self.scene) {
+            true => Ok(Self { tables: Arc::clone(&self.tables), ..made }),
+            false => Ok(made),
+        }
     }
 
     fn names(&self, kind: PartKind) -> Vec<String> {
