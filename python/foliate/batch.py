@@ -6,14 +6,15 @@ import os
 from collections import deque
 from collections.abc import Generator, Iterable, Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
-from typing import Any
+from typing import Any, overload
 
 from foliate._foliate import Cancel, Scene, Solution, Variations, solve
 from foliate.errors import NoInstance, NoSolution
 
 __all__ = ["Answer", "Problem", "instances", "plan_batch"]
 
-Problem = Scene | tuple[Scene, Mapping[str, Any]] | NoInstance
+Planned = Scene | tuple[Scene, Mapping[str, Any]]
+Problem = Planned | NoInstance
 Answer = Solution | NoSolution | NoInstance
 
 
@@ -24,6 +25,14 @@ def instances(variations: Variations, count: int, *, first: int = 0) -> Iterator
             yield variations.instance(number), {"seed": number}
         except NoInstance as none:
             yield none
+
+
+@overload
+def plan_batch(problems: Iterable[Planned], *, threads: int | None = None, **settings: Any) -> Generator[Solution | NoSolution, None, None]: ...
+
+
+@overload
+def plan_batch(problems: Iterable[Problem], *, threads: int | None = None, **settings: Any) -> Generator[Answer, None, None]: ...
 
 
 def plan_batch(problems: Iterable[Problem], *, threads: int | None = None, **settings: Any) -> Generator[Answer, None, None]:
