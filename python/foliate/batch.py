@@ -6,25 +6,33 @@ import os
 from collections import deque
 from collections.abc import Generator, Iterable, Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
 from typing import Any, overload
 
 from foliate._foliate import Cancel, Scene, Solution, Variations, solve
 from foliate.errors import NoInstance, NoSolution
 
-__all__ = ["Answer", "Problem", "instances", "plan_batch"]
+__all__ = ["Answer", "Instance", "Problem", "instances", "plan_batch"]
+
+
+@dataclass(frozen=True)
+class Instance:
+    """An instance of a scene that varies, as a problem; it is drawn where it is planned for. Its seed is its number."""
+
+    variations: Variations
+    """What varies."""
+    number: int
+    """Which instance."""
+
 
 Planned = Scene | tuple[Scene, Mapping[str, Any]]
-Problem = Planned | NoInstance
+Problem = Planned | Instance
 Answer = Solution | NoSolution | NoInstance
 
 
-def instances(variations: Variations, count: int, *, first: int = 0) -> Iterator[tuple[Scene, dict[str, Any]] | NoInstance]:
-    """The instances ``first``, ``first + 1`` and so on of a scene that varies, as problems of ``plan_batch``; the seed of each is its number. Of a number without an instance it is the reason."""
-    for number in range(first, first + count):
-        try:
-            yield variations.instance(number), {"seed": number}
-        except NoInstance as none:
-            yield none
+def instances(variations: Variations, count: int, *, first: int = 0) -> Iterator[Instance]:
+    """The instances ``first``, ``first + 1`` and so on of a scene that varies, as problems of ``plan_batch``; the seed of each is its number."""
+    return (Instance(variations, number) for number in range(first, first + count))
 
 
 @overload
@@ -36,7 +44,7 @@ def plan_batch(problems: Iterable[Problem], *, threads: int | None = None, **set
 
 
 def plan_batch(problems: Iterable[Problem], *, threads: int | None = None, **settings: Any) -> Generator[Answer, None, None]:
-    """Plans for each problem; yields a ``Solution`` or a ``NoSolution`` for each, in the order of the problems. A ``NoInstance`` among the problems comes out as it is.
+    """Plans for each problem; yields a ``Solution`` or a ``NoSolution`` for each, in the order of the problems. An ``Instance`` is drawn first, which may end as a ``NoInstance``.
 
     A problem is a scene, or a scene with settings of its own (``seed`` above all), which go before ``settings``; both are what ``solve`` takes. So many
     problems as there are ``threads`` (as the processor has, if not given) are planned at once, each on one thread. Problems are taken as they are needed, at
@@ -53,23 +61,18 @@ def plan_batch(problems: Iterable[Problem], *, threads: int | None = None, **set
         raise ValueError("`cancel` is for one solve; give up the iteration to end a batch")
     cancel = Cancel()
 
-    def plan(scene: Scene, own: Mapping[str, Any]) -> Answer:
+    def plan(problem: Problem) -> Answer:
         try:
+            scene, own = _resolved(problem)
             return solve(scene, **{**settings, **own}, cancel=cancel)
-        except NoSolution as none:
+        except (NoInstance, NoSolution) as none:
             return none
 
     under_way: deque[Future[Answer]] = deque()
     with ThreadPoolExecutor(count, thread_name_prefix="foliate") as pool:
         try:
             for problem in problems:
-                if isinstance(problem, NoInstance):
-                    none: Future[Answer] = Future()
-                    none.set_result(problem)
-                    under_way.append(none)
-                else:
-                    scene, own = problem if isinstance(problem, tuple) else (problem, {})
-                    under_way.append(pool.submit(plan, scene, own))
+                under_way.append(pool.submit(plan, problem))
                 if len(under_way) >= 4 * count:
                     yield under_way.popleft().result()
             while under_way:
@@ -78,3 +81,9 @@ def plan_batch(problems: Iterable[Problem], *, threads: int | None = None, **set
             cancel.cancel()
             for waiting in under_way:
                 waiting.cancel()
+
+
+def _resolved(problem: Problem) -> tuple[Scene, Mapping[str, Any]]:
+    if isinstance(problem, Instance):
+        return problem.variations.instance(problem.number), {"seed": problem.number}
+    return problem if isinstance(problem, tuple) else (problem, {})

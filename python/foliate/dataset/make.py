@@ -8,11 +8,10 @@ from dataclasses import dataclass
 from os import PathLike
 from typing import Any, Literal
 
-from foliate.batch import Problem, plan_batch
+from foliate.batch import Instance, Problem, plan_batch
 from foliate.dataset.answers import NpzWriter, ParquetWriter
 from foliate.dataset.lerobot import LeRobotWriter
 from foliate.dataset.writer import Task, Writer
-from foliate.errors import NoInstance
 
 __all__ = ["FORMATS", "Made", "make"]
 
@@ -60,7 +59,7 @@ def make(
     def noted() -> Iterator[Problem]:
         for problem in problems:
             own: Mapping[str, Any] = problem[1] if isinstance(problem, tuple) else {}
-            seed = problem.number if isinstance(problem, NoInstance) else own.get("seed", settings.get("seed", 1))
+            seed = problem.number if isinstance(problem, Instance) else own.get("seed", settings.get("seed", 1))
             seeds.append(seed)
             yield problem
 
