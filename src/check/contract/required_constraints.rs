@@ -203,7 +203,7 @@ fn hold(
 }
 
 /// A constraint as entries of a path file.
-pub(super) fn told(
+pub(in crate::check::contract) fn told(
     robot: &Robot,
     name: &str,
     constraint: Constraint,
