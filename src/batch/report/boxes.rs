@@ -2,9 +2,9 @@
 
 use crate::batch::error::BatchError;
 use crate::batch::improvement::quantile::quantile;
-use crate::batch::report::canvas::{GRID, INK, TEXT, colour, decades, failed, left_text, right_text, svg, time_text};
+use crate::batch::report::canvas::{axes, colour, decades, failed, left_text, right_text, svg, time_text};
 use crate::batch::report::groups::Group;
-use plotters::prelude::{ChartBuilder, Circle, Color, IntoFont, IntoLogRange, PathElement, RGBColor, Rectangle, Text};
+use plotters::prelude::{ChartBuilder, Circle, Color, IntoLogRange, PathElement, RGBColor, Rectangle, Text};
 
 /// Pixels of one box.
 const ROW: u32 = 30;
@@ -37,15 +37,9 @@ pub(crate) fn plot(groups: &[Group<'_>], names: &[String]) -> Result<Option<Stri
             .y_label_area_size(left)
             .build_cartesian_2d(axis.clone().log_scale(), 0.0..groups.len() as f64)
             .map_err(failed)?;
-        chart
-            .configure_mesh()
+        axes(&mut chart)
             .disable_y_mesh()
             .disable_y_axis()
-            .bold_line_style(GRID)
-            .light_line_style(GRID.mix(0.4))
-            .axis_style(INK)
-            .label_style(("sans-serif", TEXT).into_font().color(&INK))
-            .axis_desc_style(("sans-serif", TEXT).into_font().color(&INK))
             .x_desc("time to the first path (logarithmic)")
             .x_label_formatter(&|seconds| time_text(*seconds))
             .draw()

@@ -2,8 +2,12 @@
 
 use crate::batch::error::BatchError;
 use crate::batch::improvement::chart::escaped;
+use plotters::chart::{ChartBuilder, ChartContext, MeshStyle};
 use plotters::coord::Shift;
-use plotters::prelude::{DrawingArea, IntoDrawingArea, RGBColor, SVGBackend, TextStyle, WHITE};
+use plotters::coord::ranged1d::{Ranged, ValueFormatter};
+use plotters::prelude::{
+    Cartesian2d, Color, DrawingArea, IntoDrawingArea, IntoFont, RGBColor, SVGBackend, TextStyle, WHITE,
+};
 use plotters::style::IntoTextStyle;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::ops::Range;
@@ -57,6 +61,31 @@ pub(crate) fn svg(
     // Pages scale it to the width of the screen. A name makes it readable to those who hear the page.
     let label = format!("<svg role=\"img\" aria-label=\"{}\" ", escaped(title));
     Ok(text.replacen("<svg ", &label, 1))
+}
+
+/// A chart with margins for the labels of its axes.
+pub(crate) fn chart<'a, 'b>(plane: &'a Plane<'b>) -> ChartBuilder<'a, 'b, SVGBackend<'b>> {
+    let mut chart = ChartBuilder::on(plane);
+    chart.margin(14).margin_right(34).x_label_area_size(52).y_label_area_size(72);
+    chart
+}
+
+/// The axes of a chart in the style of the page.
+pub(crate) fn axes<'a, 'b, X, Y>(
+    chart: &'b mut ChartContext<'a, SVGBackend<'a>, Cartesian2d<X, Y>>,
+) -> MeshStyle<'a, 'b, X, Y, SVGBackend<'a>>
+where
+    X: Ranged + ValueFormatter<X::ValueType>,
+    Y: Ranged + ValueFormatter<Y::ValueType>,
+{
+    let text = || ("sans-serif", TEXT).into_font().color(&INK);
+    let mut axes = chart.configure_mesh();
+    axes.bold_line_style(GRID)
+        .light_line_style(GRID.mix(0.4))
+        .axis_style(INK)
+        .label_style(text())
+        .axis_desc_style(text());
+    axes
 }
 
 /// An error of the library that draws.

@@ -2,10 +2,10 @@
 
 use crate::batch::error::BatchError;
 use crate::batch::improvement::curve::{CurvePoint, curve};
-use crate::batch::report::canvas::{GRID, INK, TEXT, colour, decades, failed, from_zero, svg, time_text};
+use crate::batch::report::canvas::{axes, chart, colour, decades, failed, from_zero, svg, time_text};
 use crate::batch::report::groups::Group;
 use crate::planner::refinement::CostRow;
-use plotters::prelude::{ChartBuilder, Color, IntoFont, IntoLogRange, LineSeries, Polygon};
+use plotters::prelude::{Color, IntoLogRange, LineSeries, Polygon};
 
 /// Times at which a curve is drawn.
 const SAMPLES: usize = 200;
@@ -36,20 +36,8 @@ pub(crate) fn plot(scene: &str, groups: &[&Group<'_>]) -> Result<Option<String>,
     let axis = decades([EARLIEST, last]).unwrap_or(EARLIEST..1.0);
     let title = format!("{scene}: cost over the time of improvement");
     let drawn = svg(300, &title, |plane| {
-        let mut chart = ChartBuilder::on(plane)
-            .margin(14)
-            .margin_right(34)
-            .x_label_area_size(52)
-            .y_label_area_size(72)
-            .build_cartesian_2d(axis.log_scale(), values)
-            .map_err(failed)?;
-        chart
-            .configure_mesh()
-            .bold_line_style(GRID)
-            .light_line_style(GRID.mix(0.4))
-            .axis_style(INK)
-            .label_style(("sans-serif", TEXT).into_font().color(&INK))
-            .axis_desc_style(("sans-serif", TEXT).into_font().color(&INK))
+        let mut chart = chart(plane).build_cartesian_2d(axis.log_scale(), values).map_err(failed)?;
+        axes(&mut chart)
             .x_desc("time of improvement after the first path (logarithmic)")
             .y_desc("estimated cost")
             .x_label_formatter(&|seconds| time_text(*seconds))

@@ -2,9 +2,9 @@
 
 use crate::batch::error::BatchError;
 use crate::batch::improvement::quantile::quantile;
-use crate::batch::report::canvas::{GRID, INK, TEXT, colour, failed, from_zero, svg};
+use crate::batch::report::canvas::{GRID, axes, chart, colour, failed, from_zero, svg};
 use crate::batch::report::groups::{Group, scenes};
-use plotters::prelude::{ChartBuilder, Circle, Color, IntoFont, LineSeries, PathElement};
+use plotters::prelude::{Circle, Color, LineSeries, PathElement};
 
 /// Median times of one scheduler on one scene, over those with the fewest threads.
 #[derive(Debug)]
@@ -51,20 +51,8 @@ pub(crate) fn plot(groups: &[Group<'_>]) -> Result<Option<(String, Vec<String>)>
     let title = format!("times as fast with more threads: {}", names.join("; "));
     let drawn = svg(300, &title, |plane| {
         let values = from_zero(points().map(|(_, factor)| factor).chain([most]));
-        let mut chart = ChartBuilder::on(plane)
-            .margin(14)
-            .margin_right(34)
-            .x_label_area_size(52)
-            .y_label_area_size(72)
-            .build_cartesian_2d(0.8..most + 0.2, values)
-            .map_err(failed)?;
-        chart
-            .configure_mesh()
-            .bold_line_style(GRID)
-            .light_line_style(GRID.mix(0.4))
-            .axis_style(INK)
-            .label_style(("sans-serif", TEXT).into_font().color(&INK))
-            .axis_desc_style(("sans-serif", TEXT).into_font().color(&INK))
+        let mut chart = chart(plane).build_cartesian_2d(0.8..most + 0.2, values).map_err(failed)?;
+        axes(&mut chart)
             .x_desc("threads of a solve")
             .y_desc("times as fast (median)")
             .x_labels(most.min(16.0) as usize + 1)

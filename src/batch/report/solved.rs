@@ -1,10 +1,10 @@
 //! Which share of the problems is solved after how much time.
 
 use crate::batch::error::BatchError;
-use crate::batch::report::canvas::{GRID, INK, TEXT, colour, decades, failed, svg, time_text};
+use crate::batch::report::canvas::{axes, chart, colour, decades, failed, svg, time_text};
 use crate::batch::report::groups::Group;
 use crate::batch::report::statistics::clopper_pearson;
-use plotters::prelude::{ChartBuilder, Color, IntoFont, IntoLogRange, LineSeries, Polygon};
+use plotters::prelude::{Color, IntoLogRange, LineSeries, Polygon};
 
 /// Confidence of the bands.
 pub(crate) const CONFIDENCE: f64 = 0.95;
@@ -20,20 +20,8 @@ pub(crate) fn plot(scene: &str, groups: &[&Group<'_>]) -> Result<Option<String>,
     let Some(axis) = decades(groups.iter().flat_map(|group| group.times())) else { return Ok(None) };
     let title = format!("{scene}: solved over time");
     let drawn = svg(300, &title, |plane| {
-        let mut chart = ChartBuilder::on(plane)
-            .margin(14)
-            .margin_right(34)
-            .x_label_area_size(52)
-            .y_label_area_size(72)
-            .build_cartesian_2d(axis.clone().log_scale(), 0.0..1.0)
-            .map_err(failed)?;
-        chart
-            .configure_mesh()
-            .bold_line_style(GRID)
-            .light_line_style(GRID.mix(0.4))
-            .axis_style(INK)
-            .label_style(("sans-serif", TEXT).into_font().color(&INK))
-            .axis_desc_style(("sans-serif", TEXT).into_font().color(&INK))
+        let mut chart = chart(plane).build_cartesian_2d(axis.clone().log_scale(), 0.0..1.0).map_err(failed)?;
+        axes(&mut chart)
             .x_desc("time (logarithmic)")
             .y_desc("share that is solved")
             .y_labels(6)
