@@ -39,8 +39,8 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     print(&format!(
         "{}.\n\n\
          Each \"gripper A holds handle B, object C lies on surface D\" is a state; here there are {} of them, joined by {}\n\
-         transitions. Every place where a box may lie is a leaf of its own: a motion stays on one leaf, so the two boxes can\n\
-         only change places if the search finds a third place for one of them, and meets the goal's leaves again.\n\n",
+         transitions. Every place where a box may lie is a leaf of its own, and so is every way to hold it. A motion stays on one\n\
+         leaf, so the boxes change places by way of others: held in both hands, or with one of them at a third place.\n\n",
         scene.description,
         model.graph.states_of_nodes().count(),
         model.graph.transitions.len()
@@ -76,7 +76,7 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
         certificate.max_residual,
     ));
     if let Some(out) = &arguments.out {
-        run::write(out, &scene, &planner, solution, &arguments.search)?;
+        run::write(out, &scene, solution, &arguments.search)?;
         print(&format!("The path is in {}; prove it again: foliate check {}\n", out.display(), out.display()));
     }
     arguments.view.write(&scene, &answer, (packages, print));
