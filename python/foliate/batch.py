@@ -29,6 +29,9 @@ Planned = Scene | tuple[Scene, Mapping[str, Any]]
 Problem = Planned | Instance
 Answer = Solution | NoSolution | NoInstance
 
+# Problems that are planned ahead of the answers, per thread. One that takes long holds the others up only once they are so far ahead.
+_AHEAD = 32
+
 
 def instances(variations: Variations, count: int, *, first: int = 0) -> Iterator[Instance]:
     """The instances ``first``, ``first + 1`` and so on of a scene that varies, as problems of ``plan_batch``; the seed of each is its number."""
@@ -48,7 +51,7 @@ def plan_batch(problems: Iterable[Problem], *, threads: int | None = None, **set
 
     A problem is a scene, or a scene with settings of its own (``seed`` above all), which go before ``settings``; both are what ``solve`` takes. So many
     problems as there are ``threads`` (as the processor has, if not given) are planned at once, each on one thread. Problems are taken as they are needed, at
-    most four for each thread ahead of what has been yielded: any number of them takes the same memory. The answers do not depend on ``threads``.
+    most 32 for each thread ahead of what has been yielded: any number of them takes the same memory. The answers do not depend on ``threads``.
 
     When the iteration is given up, or Ctrl-C is pressed, searches that are under way end.
 
@@ -73,7 +76,7 @@ def plan_batch(problems: Iterable[Problem], *, threads: int | None = None, **set
         try:
             for problem in problems:
                 under_way.append(pool.submit(plan, problem))
-                if len(under_way) >= 4 * count:
+                if len(under_way) >= _AHEAD * count:
                     yield under_way.popleft().result()
             while under_way:
                 yield under_way.popleft().result()

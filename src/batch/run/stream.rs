@@ -7,8 +7,8 @@ use foliate_systems::events::CancelToken;
 use std::collections::VecDeque;
 use std::io;
 
-/// Planners that are taken ahead of the answers, per thread.
-const AHEAD: usize = 4;
+/// Planners that are taken ahead of the answers, per thread. One that takes long holds the others up only once they are so far ahead.
+const AHEAD: usize = 32;
 
 /// The answers to many problems, in their order.
 ///
@@ -22,7 +22,7 @@ pub struct PlanBatch<I> {
 }
 
 /// Plans for each problem, so many side by side, each on one thread, and gives the answers in the order of the problems. Planners are taken
-/// as they are needed, at most four for each thread ahead of the answers: any number of them takes the same memory. Answers do not depend
+/// as they are needed, at most 32 for each thread ahead of the answers: any number of them takes the same memory. Answers do not depend
 /// on `threads`.
 ///
 /// ```
