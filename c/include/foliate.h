@@ -137,7 +137,7 @@ void foliate_scene_free(struct FoliateScene *scene);
 // in the world.
 //
 // # Safety
-// `scene` came from this interface and is used by nobody else during the call; `name` is a text; `values` has `count` numbers.
+// `scene` came from this interface and is not used elsewhere during the call; `name` is a text; `values` has `count` numbers.
 enum FoliateStatus foliate_scene_set_start(struct FoliateScene *scene,
                                            const char *name,
                                            const double *values,
@@ -180,7 +180,7 @@ void foliate_cancel_free(struct FoliateCancel *cancel);
 // Plans a path. `options` may be null (the default ones), `cancel` too (nothing ends it but its limit). `out` becomes a path with times; `foliate_path_free` frees it.
 //
 // # Safety
-// `scene` came from this interface and nobody changes it meanwhile; `options` and `cancel` are null or can be read; `out` can be written.
+// `scene` came from this interface and does not change meanwhile; `options` and `cancel` are null or can be read; `out` can be written.
 enum FoliateStatus foliate_solve(const struct FoliateScene *scene,
                                  const struct FoliateOptions *options,
                                  const struct FoliateCancel *cancel,

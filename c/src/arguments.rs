@@ -7,7 +7,7 @@ use std::path::PathBuf;
 /// A text.
 ///
 /// # Safety
-/// It is null or ends with a zero, and nobody changes it during the call.
+/// It is null or ends with a zero, and it does not change during the call.
 pub(crate) unsafe fn text<'a>(pointer: *const c_char, what: &str) -> Result<&'a str, Failure> {
     if pointer.is_null() {
         return Err(Failure::argument(format!("`{what}` is null")));
@@ -20,7 +20,7 @@ pub(crate) unsafe fn text<'a>(pointer: *const c_char, what: &str) -> Result<&'a 
 /// What a pointer points to.
 ///
 /// # Safety
-/// It is null or points to a value that nobody changes during the call.
+/// It is null or points to a value that does not change during the call.
 pub(crate) unsafe fn reference<'a, T>(pointer: *const T, what: &str) -> Result<&'a T, Failure> {
     // SAFETY: the caller's promise.
     unsafe { pointer.as_ref() }.ok_or_else(|| Failure::argument(format!("`{what}` is null")))
@@ -29,7 +29,7 @@ pub(crate) unsafe fn reference<'a, T>(pointer: *const T, what: &str) -> Result<&
 /// What a pointer points to, to be changed.
 ///
 /// # Safety
-/// It is null or points to a value that nobody else uses during the call.
+/// It is null or points to a value that is not used elsewhere during the call.
 pub(crate) unsafe fn target<'a, T>(pointer: *mut T, what: &str) -> Result<&'a mut T, Failure> {
     // SAFETY: the caller's promise.
     unsafe { pointer.as_mut() }.ok_or_else(|| Failure::argument(format!("`{what}` is null")))
@@ -38,7 +38,7 @@ pub(crate) unsafe fn target<'a, T>(pointer: *mut T, what: &str) -> Result<&'a mu
 /// An array.
 ///
 /// # Safety
-/// It is null or has so many values, and nobody changes them during the call.
+/// It is null or has so many values, and they do not change during the call.
 pub(crate) unsafe fn array<'a, T>(pointer: *const T, count: usize, what: &str) -> Result<&'a [T], Failure> {
     if count == 0 {
         return Ok(&[]);

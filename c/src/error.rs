@@ -1,5 +1,6 @@
 //! What a call ends with.
 
+use foliate::planner::panic_message;
 use std::cell::RefCell;
 use std::ffi::{CString, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -54,11 +55,7 @@ pub(crate) fn status_of(work: impl FnOnce() -> Result<(), Failure>) -> FoliateSt
             return FoliateStatus::Ok;
         }
         Ok(Err(failure)) => failure,
-        Err(payload) => {
-            let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());
-            let text = text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_else(|| "a panic".into());
-            Failure::new(FoliateStatus::Bug, format!("a bug of foliate: {text}"))
-        }
+        Err(payload) => Failure::new(FoliateStatus::Bug, format!("a bug of foliate: {}", panic_message(&*payload))),
     };
     remember(&failure.message);
     failure.status

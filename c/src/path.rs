@@ -2,11 +2,10 @@
 
 use crate::arguments::{array, reference, target, text};
 use crate::error::{Failure, FoliateStatus, status_of};
-use crate::scene::pose_numbers;
 use foliate::Solution;
 use foliate::components::path::EventKind;
+use foliate::components::pose::pose_to_array;
 use foliate::kernels::lanes::Level;
-use foliate::path_file::{PathContext, save, write_path};
 use foliate::prelude::{Scene, Trajectory};
 use std::ffi::{CString, c_char};
 use std::path::Path;
@@ -192,7 +191,7 @@ pub unsafe extern "C" fn foliate_path_pose(
         if !time.is_finite() {
             return Err(Failure::argument(format!("`time`: {time} is no time")));
         }
-        *out = pose_numbers(&path.trajectory()?.pose(name, time).map_err(Failure::argument)?);
+        *out = pose_to_array(&path.trajectory()?.pose(name, time).map_err(Failure::argument)?);
         Ok(())
     })
 }
@@ -280,17 +279,8 @@ pub unsafe extern "C" fn foliate_path_save(path: *const FoliatePath, file: *cons
     status_of(|| {
         // SAFETY: the caller's promise.
         let (path, file) = unsafe { (reference(path, "path")?, text(file, "file")?) };
-        let file = Path::new(file);
-        let failed = |why: foliate::path_file::PathFileError| Failure::new(FoliateStatus::Unwritable, why);
-        let models = save::model_names(&path.scene, file).map_err(failed)?;
-        let context = PathContext {
-            problem: &path.solution.model.problem,
-            graph: &path.solution.model.graph,
-            models: &models,
-            seed: path.seed,
-            scheduler: &path.scheduler,
-            simd: Level::default().name(),
-        };
-        save::save(&write_path(&context, &path.solution.path), file).map_err(failed)
+        let search = (path.seed, path.scheduler.as_str(), Level::default());
+        let saved = path.solution.save(&path.scene, search, Path::new(file));
+        saved.map_err(|why| Failure::new(FoliateStatus::Unwritable, why))
     })
 }

@@ -2,8 +2,7 @@
 
 use crate::arguments::{array, folders, reference, target, text};
 use crate::error::{Failure, FoliateStatus, status_of};
-use foliate::glam::{DQuat, DVec3};
-use foliate::prelude::{CoordinateValue, PackagePath, Pose, Scene};
+use foliate::prelude::{CoordinateValue, PackagePath, Scene};
 use foliate::systems::planning_model::{Model, PlanningModel};
 use std::ffi::c_char;
 use std::path::Path;
@@ -100,7 +99,7 @@ pub unsafe extern "C" fn foliate_scene_free(scene: *mut FoliateScene) {
 /// in the world.
 ///
 /// # Safety
-/// `scene` came from this interface and is used by nobody else during the call; `name` is a text; `values` has `count` numbers.
+/// `scene` came from this interface and is not used elsewhere during the call; `name` is a text; `values` has `count` numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn foliate_scene_set_start(
     scene: *mut FoliateScene,
@@ -165,11 +164,7 @@ pub unsafe extern "C" fn foliate_scene_start(
         let (scene, name, count) =
             unsafe { (reference(scene, "scene")?, text(name, "name")?, target(count, "count")?) };
         let problem = &scene.scene.problem;
-        let numbers = match problem.robot.get(&problem.start, name).map_err(Failure::argument)? {
-            CoordinateValue::Number(number) => vec![number],
-            CoordinateValue::Planar(numbers) => numbers.to_vec(),
-            CoordinateValue::Pose(pose) => pose_numbers(&pose).to_vec(),
-        };
+        let numbers = problem.robot.get(&problem.start, name).map_err(Failure::argument)?.numbers();
         *count = numbers.len();
         if numbers.len() > capacity || values.is_null() {
             return Err(Failure::argument(format!(
@@ -183,26 +178,11 @@ pub unsafe extern "C" fn foliate_scene_start(
     })
 }
 
-/// A pose as seven numbers.
-pub(crate) fn pose_numbers(pose: &Pose) -> [f64; 7] {
-    let (t, r) = (pose.translation, pose.rotation);
-    [t.x, t.y, t.z, r.x, r.y, r.z, r.w]
-}
-
 fn value(name: &str, numbers: &[f64]) -> Result<CoordinateValue, Failure> {
-    match *numbers {
-        [number] => Ok(CoordinateValue::Number(number)),
-        [x, y, angle] => Ok(CoordinateValue::Planar([x, y, angle])),
-        [x, y, z, qx, qy, qz, qw] => {
-            let rotation = DQuat::from_xyzw(qx, qy, qz, qw);
-            // Of numbers that are no rotation the problem says so.
-            let is_unit = (rotation.length() - 1.0).abs() < 1e-6;
-            let rotation = if is_unit { rotation.normalize() } else { rotation };
-            Ok(CoordinateValue::Pose(Pose::from_parts(DVec3::new(x, y, z), rotation)))
-        }
-        _ => Err(Failure::argument(format!(
+    CoordinateValue::from_numbers(numbers).ok_or_else(|| {
+        Failure::argument(format!(
             "`{name}` has {} numbers; a joint has one, a base on the floor three (x, y, angle), a part seven (x, y, z, and the quaternion x, y, z, w)",
             numbers.len()
-        ))),
-    }
+        ))
+    })
 }

@@ -77,7 +77,7 @@ pub unsafe extern "C" fn foliate_cancel_free(cancel: *mut FoliateCancel) {
 /// Plans a path. `options` may be null (the default ones), `cancel` too (nothing ends it but its limit). `out` becomes a path with times; `foliate_path_free` frees it.
 ///
 /// # Safety
-/// `scene` came from this interface and nobody changes it meanwhile; `options` and `cancel` are null or can be read; `out` can be written.
+/// `scene` came from this interface and does not change meanwhile; `options` and `cancel` are null or can be read; `out` can be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn foliate_solve(
     scene: *const FoliateScene,

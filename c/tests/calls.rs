@@ -55,8 +55,8 @@ fn null_and_nonsense_are_arguments() {
         assert_eq!(foliate_solve(scene, &threads, null(), &mut path), FoliateStatus::Argument);
         let late = FoliateOptions { time_limit: f64::NAN, ..foliate_options_default() };
         assert_eq!(foliate_solve(scene, &late, null(), &mut path), FoliateStatus::Argument);
-        let nobody = c("nobody");
-        let other = FoliateOptions { scheduler: nobody.as_ptr(), ..foliate_options_default() };
+        let unknown = c("unknown");
+        let other = FoliateOptions { scheduler: unknown.as_ptr(), ..foliate_options_default() };
         assert_eq!(foliate_solve(scene, &other, null(), &mut path), FoliateStatus::Argument);
         assert_eq!(foliate_path_sample(null(), null(), 0, null_mut(), null_mut(), null_mut()), FoliateStatus::Argument);
         let mut verdict = FoliateVerdict::Proved;

@@ -1,12 +1,13 @@
 //! The Python package `foliate`: scenes, plans, and paths as numpy arrays.
 //!
 //! `scene` is what is planned for, `planning` plans, `path` answers what a robot program or a notebook asks of a path, `checking` proves a path file,
-//! `command` is the program `foliate`. `calls` runs what takes long, `arrays` fills numpy arrays, `page` shows.
+//! `command` is the program `foliate`. `calls` runs what takes long, `arrays` fills numpy arrays, `names` lists what a model has, `page` shows.
 
 mod arrays;
 mod calls;
 mod checking;
 mod command;
+mod names;
 mod page;
 mod path;
 mod planning;

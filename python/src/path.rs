@@ -1,14 +1,15 @@
 //! Paths: what a robot program or a notebook asks of them, as numpy arrays.
 
-use crate::arrays::{Array, Numbers, blocks, matrix, pose_row, row};
+use crate::arrays::{Array, Numbers, blocks, matrix, row};
 use crate::calls::errors;
-use crate::page;
 use crate::scene::py_scene::PyScene;
+use crate::{names, page};
 use foliate::Solution;
 use foliate::components::path::{Attachment, EventKind, ManipulationPath, Segment};
+use foliate::components::pose::pose_to_array;
 use foliate::components::robot::{PartKind, Robot};
 use foliate::kernels::lanes::Level;
-use foliate::path_file::{LoadedPath, PathContext, save, write_path};
+use foliate::path_file::{LoadedPath, save};
 use foliate::prelude::{PackagePath, Trajectory, TrajectoryError};
 use foliate::scene::{SceneError, coordinate_names};
 use foliate::trajectory::TrajectoryEvent;
@@ -87,10 +88,6 @@ impl PyPath {
             Source::Solved { solution, .. } => &solution.path,
             Source::Loaded { path, .. } => &path.path,
         }
-    }
-
-    fn parts(&self, kind: PartKind) -> Vec<String> {
-        self.robot().parts.iter().filter(|part| part.kind == kind).map(|part| part.name.clone()).collect()
     }
 
     fn robot(&self) -> &Robot {
@@ -199,22 +196,18 @@ impl PyPath {
     /// Names of the robots.
     #[getter]
     fn robots(&self) -> Vec<String> {
-        self.parts(PartKind::Robot)
+        names::of_parts(self.robot(), PartKind::Robot)
     }
 
     /// Names of the objects.
     #[getter]
     fn objects(&self) -> Vec<String> {
-        self.parts(PartKind::Object)
+        names::of_parts(self.robot(), PartKind::Object)
     }
 
     /// Names of a robot's joints of one coordinate, `part/joint`, those that follow others included, depth first (pinocchio's order).
     fn joint_names(&self, py: Python<'_>, robot: &str) -> PyResult<Vec<String>> {
-        let model = self.robot();
-        let part = model.parts.iter().find(|part| part.name == robot && part.kind == PartKind::Robot);
-        let joints = part.ok_or_else(|| errors::unknown(py, "robot", robot))?.joints.clone();
-        let joints = joints.map(|index| &model.joints[index]).filter(|joint| joint.motion.configuration_size() == 1);
-        Ok(joints.map(|joint| joint.name.clone()).collect())
+        names::of_joints(py, self.robot(), robot, |_| true)
     }
 
     /// Times at a rate (per second), the last one exactly at the end: an array of shape (times,), seconds.
@@ -280,7 +273,7 @@ impl PyPath {
             let mut numbers = Vec::with_capacity(times.0.len() * links.len() * 7);
             for &time in &times.0 {
                 poses.place(time);
-                links.iter().for_each(|&link| numbers.extend_from_slice(&pose_row(&poses.link(link))));
+                links.iter().for_each(|&link| numbers.extend_from_slice(&pose_to_array(&poses.link(link))));
             }
             numbers
         });
@@ -298,17 +291,8 @@ impl PyPath {
         let error = |why: foliate::path_file::PathFileError| errors::of_path(py, &why);
         match &self.source {
             Source::Solved { solution, scene, seed, scheduler } => {
-                let scene = scene.get();
-                let models = save::model_names(&scene.scene, &out).map_err(error)?;
-                let context = PathContext {
-                    problem: &solution.model.problem,
-                    graph: &solution.model.graph,
-                    models: &models,
-                    seed: *seed,
-                    scheduler,
-                    simd: Level::default().name(),
-                };
-                save::save(&write_path(&context, &solution.path), &out).map_err(error)
+                let search = (*seed, scheduler.as_str(), Level::default());
+                solution.save(&scene.get().scene, search, &out).map_err(error)
             }
             Source::Loaded { file, .. } => save::save(&save::read(file).map_err(error)?, &out).map_err(error),
         }

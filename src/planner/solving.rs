@@ -366,12 +366,17 @@ impl Planner {
         NoSolution { reason, report: Box::new(report), model: self.model.clone(), record: None }
     }
 
-    /// Solves on `threads` threads of its own; the answer is the same for any number.
+    /// Solves on `threads` threads of its own; the answer is the same for any number. One thread is the caller's, if that is a rayon pool of
+    /// one.
     ///
     /// # Errors
     /// As [`Self::solve`], or the operating system refuses the threads.
     pub fn solve_on(&self, threads: usize) -> Result<Solution, NoSolution> {
         let wanted = threads.max(1);
+        // A thread that is a pool of one already needs no other: a new one asks the system for its memory again.
+        if wanted == 1 && rayon::current_thread_index().is_some() && rayon::current_num_threads() == 1 {
+            return self.solve();
+        }
         let pool = rayon::ThreadPoolBuilder::new().num_threads(wanted).build().map_err(|error| {
             let reason = NoSolutionReason::Threads { wanted, error: Arc::new(error) };
             self.without_search(self.next_solve(), reason, Duration::ZERO)
@@ -380,8 +385,9 @@ impl Planner {
     }
 }
 
-/// What a panic says.
-pub(crate) fn panic_message(panic: &(dyn Any + Send)) -> String {
+/// What a panic says, by what `catch_unwind` gives.
+#[must_use]
+pub fn panic_message(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().copied().or_else(|| panic.downcast_ref::<String>().map(String::as_str));
     text.unwrap_or("a panic without a message").to_owned()
 }

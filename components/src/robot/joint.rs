@@ -1,9 +1,9 @@
 //! Joints: how each moves its body, where its numbers come from; and how parts are placed in the world.
 
-use crate::pose::Pose;
+use crate::pose::{Pose, pose_to_array};
 use crate::robot::error::CoordinateError;
 use crate::robot::indices::{JointIndex, PartIndex};
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
 /// How a joint moves its body, in the joint frame at zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,6 +71,34 @@ pub enum CoordinateValue {
 }
 
 impl CoordinateValue {
+    /// What numbers mean: one of a revolute or prismatic joint, three (x, y, θ) of a planar root, seven (x, y, z, and the quaternion
+    /// x, y, z, w) of a free-flyer. `None` for other counts. A quaternion whose length is off 1 by less than 1e-6 is normalised;
+    /// what is no value of a joint is refused where it is set.
+    #[must_use]
+    pub fn from_numbers(numbers: &[f64]) -> Option<Self> {
+        match *numbers {
+            [number] => Some(Self::Number(number)),
+            [x, y, angle] => Some(Self::Planar([x, y, angle])),
+            [x, y, z, qx, qy, qz, qw] => {
+                let rotation = DQuat::from_xyzw(qx, qy, qz, qw);
+                let is_unit = (rotation.length() - 1.0).abs() < UNIT;
+                let rotation = if is_unit { rotation.normalize() } else { rotation };
+                Some(Self::Pose(Pose::from_parts(DVec3::new(x, y, z), rotation)))
+            }
+            _ => None,
+        }
+    }
+
+    /// The numbers, as [`Self::from_numbers`] reads them.
+    #[must_use]
+    pub fn numbers(&self) -> Vec<f64> {
+        match self {
+            Self::Number(number) => vec![*number],
+            Self::Planar(numbers) => numbers.to_vec(),
+            Self::Pose(pose) => pose_to_array(pose).to_vec(),
+        }
+    }
+
     /// Whether its numbers are finite and its quaternion is a rotation.
     pub(crate) fn check(&self, name: &str) -> Result<(), CoordinateError> {
         let is_finite = match self {

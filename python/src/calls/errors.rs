@@ -1,5 +1,6 @@
 //! Exceptions: `foliate/errors.py` has their classes, with an attribute for each thing that an error says.
 
+use foliate::planner::panic_message;
 use foliate::scene::SceneError;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -34,7 +35,5 @@ pub(crate) fn of_path(py: Python<'_>, error: &impl std::fmt::Display) -> PyErr {
 
 /// What a panic of the kernel becomes: the process lives on.
 pub(crate) fn of_panic(payload: &(dyn std::any::Any + Send)) -> PyErr {
-    let text = payload.downcast_ref::<&str>().copied().map(str::to_owned);
-    let text = text.or_else(|| payload.downcast_ref::<String>().cloned());
-    PyRuntimeError::new_err(format!("a bug of foliate: {}", text.unwrap_or_else(|| String::from("a panic"))))
+    PyRuntimeError::new_err(format!("a bug of foliate: {}", panic_message(payload)))
 }

@@ -25,12 +25,18 @@ pub(crate) fn run(work: Work) {
         None => work,
     };
     std::thread::spawn(move || {
+        // A search on one thread uses this one.
+        let alone = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
+        let do_here = |work: Work| match &alone {
+            Ok(pool) => pool.install(work),
+            Err(_) => work(),
+        };
         let (sender, more) = bounded::<Work>(1);
-        work();
+        do_here(work);
         loop {
             waiting(|threads| threads.push(sender.clone()));
             match more.recv() {
-                Ok(work) => work(),
+                Ok(work) => do_here(work),
                 Err(_) => return,
             }
         }

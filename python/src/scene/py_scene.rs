@@ -1,13 +1,14 @@
 //! Scenes: what is planned for.
 
-use crate::arrays::{Array, matrix, pose_row};
+use crate::arrays::{Array, matrix};
 use crate::calls::errors;
-use crate::page;
 use crate::scene::document::{self, Document};
 use crate::scene::solid::PySolid;
-use foliate::components::robot::{PartKind, Source};
+use crate::{names, page};
+use foliate::components::pose::pose_to_array;
+use foliate::components::robot::{Joint, PartKind, Source};
 use foliate::kernels::kinematics::{Kinematics, Placement};
-use foliate::prelude::{CoordinateValue, Goal, PackagePath, Pose, Problem};
+use foliate::prelude::{CoordinateValue, Goal, PackagePath, Problem};
 use foliate::scene::{Scene, coordinate_names, shipped_scenes};
 use foliate::systems::planning_model::{Model, ModelError, PlanningModel, ProblemTables};
 use foliate::view::{ViewOptions, Visuals, model_of_scene, page_of_scene};
@@ -118,11 +119,6 @@ impl PyScene {
             false => Ok(made),
         }
     }
-
-    fn names(&self, kind: PartKind) -> Vec<String> {
-        let parts = self.scene.problem.robot.parts.iter();
-        parts.filter(|part| part.kind == kind).map(|part| part.name.clone()).collect()
-    }
 }
 
 #[pymethods]
@@ -175,30 +171,25 @@ impl PyScene {
     /// Names of the robots.
     #[getter]
     fn robots(&self) -> Vec<String> {
-        self.names(PartKind::Robot)
+        names::of_parts(&self.scene.problem.robot, PartKind::Robot)
     }
 
     /// Names of the objects.
     #[getter]
     fn objects(&self) -> Vec<String> {
-        self.names(PartKind::Object)
+        names::of_parts(&self.scene.problem.robot, PartKind::Object)
     }
 
     /// Names of a robot's joints of one coordinate, `part/joint`, depth first (pinocchio's order), without those that follow others.
     fn joint_names(&self, py: Python<'_>, robot: &str) -> PyResult<Vec<String>> {
-        let model = &self.scene.problem.robot;
-        let part = model.parts.iter().find(|part| part.name == robot && part.kind == PartKind::Robot);
-        let joints = part.ok_or_else(|| errors::unknown(py, "robot", robot))?.joints.clone();
-        let own = joints.map(|index| &model.joints[index]).filter(|joint| {
-            joint.motion.configuration_size() == 1 && matches!(joint.source, Source::Coordinates { .. })
-        });
-        Ok(own.map(|joint| joint.name.clone()).collect())
+        let own = |joint: &Joint| matches!(joint.source, Source::Coordinates { .. });
+        names::of_joints(py, &self.scene.problem.robot, robot, own)
     }
 
     /// Names of what never moves.
     #[getter]
     fn environments(&self) -> Vec<String> {
-        self.names(PartKind::Environment)
+        names::of_parts(&self.scene.problem.robot, PartKind::Environment)
     }
 
     /// What reading it has to remark.
@@ -229,11 +220,7 @@ impl PyScene {
     fn start(&self, py: Python<'_>, name: &str) -> PyResult<Vec<f64>> {
         let problem = &self.scene.problem;
         let value = problem.robot.get(&problem.start, name).map_err(|why| errors::of_model(py, &why))?;
-        Ok(match value {
-            CoordinateValue::Number(number) => vec![number],
-            CoordinateValue::Planar(numbers) => numbers.to_vec(),
-            CoordinateValue::Pose(pose) => crate::arrays::pose_row(&pose).to_vec(),
-        })
+        Ok(value.numbers())
     }
 
     /// Poses in the world of links (`part/link`) or parts (`part`: its root link) at the start: an array of shape (names, 7), x, y, z in metres and the
@@ -248,7 +235,7 @@ impl PyScene {
             let link = robot.link(name).or_else(part);
             let link = &robot.links[link.ok_or_else(|| errors::unknown(py, "part or link", name))?.at()];
             let placement = Placement { joint: link.joint, X_JF: link.joint_from_link };
-            numbers.extend_from_slice(&pose_row(&placement.in_world(&at_start)));
+            numbers.extend_from_slice(&pose_to_array(&placement.in_world(&at_start)));
         }
         matrix(py, numbers, 7)
     }
@@ -305,25 +292,16 @@ impl PyScene {
 
 impl Value {
     fn read(&self, name: &str) -> PyResult<CoordinateValue> {
-        match self {
-            Self::Number(number) => Ok(CoordinateValue::Number(*number)),
-            Self::Numbers(numbers) => match numbers.as_slice() {
-                &[number] => Ok(CoordinateValue::Number(number)),
-                &[x, y, angle] => Ok(CoordinateValue::Planar([x, y, angle])),
-                &[x, y, z, qx, qy, qz, qw] => {
-                    let rotation = foliate::glam::DQuat::from_xyzw(qx, qy, qz, qw);
-                    // Of numbers that are no rotation `set_start` says so.
-                    let length = rotation.length();
-                    let is_unit = (length - 1.0).abs() < 1e-6;
-                    let rotation = if is_unit { rotation.normalize() } else { rotation };
-                    Ok(CoordinateValue::Pose(Pose::from_parts(foliate::glam::DVec3::new(x, y, z), rotation)))
-                }
-                other => Err(PyValueError::new_err(format!(
-                    "`{name}` has {} numbers; a joint has one, a base on the floor three (x, y, angle), a part seven (x, y, z, and the quaternion x, y, z, w)",
-                    other.len()
-                ))),
-            },
-        }
+        let numbers = match self {
+            Self::Number(number) => std::slice::from_ref(number),
+            Self::Numbers(numbers) => numbers.as_slice(),
+        };
+        CoordinateValue::from_numbers(numbers).ok_or_else(|| {
+            PyValueError::new_err(format!(
+                "`{name}` has {} numbers; a joint has one, a base on the floor three (x, y, angle), a part seven (x, y, z, and the quaternion x, y, z, w)",
+                numbers.len()
+            ))
+        })
     }
 }
 

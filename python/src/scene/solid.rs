@@ -1,6 +1,7 @@
 //! Solids of links: what collides, or what is seen.
 
-use crate::arrays::{Array, Corners, pose_row, triangles};
+use crate::arrays::{Array, matrix};
+use foliate::components::pose::pose_to_array;
 use foliate::components::robot::shape::Geometry;
 use foliate::scene::{Surface, Visual};
 use pyo3::prelude::*;
@@ -59,7 +60,7 @@ impl PySolid {
     /// Its pose in the link: x, y, z in metres and the quaternion x, y, z, w.
     #[getter]
     fn pose(&self) -> [f64; 7] {
-        pose_row(&self.visual.link_from_visual)
+        pose_to_array(&self.visual.link_from_visual)
     }
 
     /// Red, green, blue and opacity from 0 to 1; `None` where the model says nothing.
@@ -72,13 +73,13 @@ impl PySolid {
     #[getter]
     fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
         let numbers = self.surface().vertices.iter().flatten().map(|x| f64::from(*x)).collect();
-        crate::arrays::matrix(py, numbers, 3)
+        matrix(py, numbers, 3)
     }
 
     /// Triangles of its surface as indices of vertices, counter-clockwise seen from outside: an array of shape (triangles, 3).
     #[getter]
-    fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Corners<'py>> {
-        triangles(py, self.surface().triangles)
+    fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Array<'py, u32>> {
+        matrix(py, self.surface().triangles.into_iter().flatten().collect(), 3)
     }
 
     fn __repr__(&self) -> String {

@@ -11,13 +11,12 @@ use crate::batch::vary::variations::Variations;
 use crate::os::memory::MemoryLimit;
 use crate::path_file::error::PathFileError;
 use crate::path_file::save;
-use crate::path_file::write::{FileNames, PathContext, write_path};
+use crate::path_file::write::{FileNames, PathContext};
 use crate::planner::answer::{NoSolution, NoSolutionReason, Solution};
 use crate::planner::recording::{Recording, RecordingError};
 use crate::planner::report::Report;
 use crate::planner::solving::{Planner, panic_message};
 use crate::scene::assemble::scene::Scene;
-use foliate_components::graph::ConstraintGraph;
 use foliate_schedulers::Scheduler;
 use foliate_systems::events::CancelToken;
 use foliate_systems::planning_model::ProblemTables;
@@ -152,18 +151,18 @@ impl Solve<'_> {
         let Some(file) = failures.next(&self.stem) else { return };
         let written = save::model_names(scene, &file)
             .map_err(RecordingError::from)
-            .and_then(|models| Recording::of(&self.context(posed, &models, &none.model.graph), answer).save(&file));
+            .and_then(|models| Recording::of(&self.context(posed, &models, none), answer).save(&file));
         if let Err(error) = written {
             let told = if row.message.is_empty() { String::new() } else { format!("{}; ", row.message) };
             row.message = format!("{told}recording not written: {error}");
         }
     }
 
-    /// What files say besides a path.
-    fn context<'b>(&'b self, posed: &'b Posed, models: &'b FileNames, graph: &'b ConstraintGraph) -> PathContext<'b> {
+    /// What a recording says besides the search.
+    fn context<'b>(&'b self, posed: &'b Posed, models: &'b FileNames, none: &'b NoSolution) -> PathContext<'b> {
         PathContext {
             problem: &posed.tables.problem,
-            graph,
+            graph: &none.model.graph,
             models,
             seed: self.label.seed,
             scheduler: self.scheduler.name(),
@@ -181,9 +180,8 @@ impl Solve<'_> {
     /// Writes `paths/STEM.json`, where the models have names.
     fn try_to_write(&self, posed: &Posed, solution: &Solution) -> Result<(), PathFileError> {
         let Some(scene) = &posed.scene else { return Ok(()) };
-        let file = record::path_file(self.out, &self.stem);
-        let models = save::model_names(scene, &file)?;
-        save::save(&write_path(&self.context(posed, &models, &solution.model.graph), &solution.path), &file)
+        let search = (self.label.seed, self.scheduler.name(), self.variant.search.level);
+        solution.save(scene, search, &record::path_file(self.out, &self.stem))
     }
 }
 

@@ -10,7 +10,6 @@ use crate::cli::commands::view::answered::ViewArguments;
 use crate::cli::console::loading;
 use crate::cli::console::outputs;
 use crate::cli::console::print::{Ending, Refusal, print, print_json, say};
-use crate::path_file::{PathContext, save, write_path};
 use crate::scene::{PackagePath, Scene, StartFile};
 use crate::systems::events::{SearchEvent, SolveEvent};
 use crate::{NoSolution, NoSolutionReason, ObjectTries, Planner, Solution};
@@ -80,7 +79,7 @@ pub(crate) fn run(arguments: &Arguments, packages: &PackagePath) -> Result<Endin
     // Once, for the reader of the answer: no part of the cost of a solve.
     let clearance = answer.measure_clearance().filter(|_| arguments.clearance);
     if let (Some(out), Ok(solution)) = (&arguments.out, &answer.0) {
-        write(out, &scene, &planner, solution, &arguments.search)?;
+        write(out, &scene, solution, &arguments.search)?;
     }
     arguments.record.write(&scene, &planner, &answer, &arguments.search)?;
     let left_out = arguments.pairs.then_some(&left_out);
@@ -178,18 +177,9 @@ fn watch(events: &crate::crossbeam_channel::Receiver<SolveEvent>, bar: &Progress
 pub(crate) fn write(
     out: &Path,
     scene: &Scene,
-    planner: &Planner,
     solution: &Solution,
     arguments: &SearchArguments,
 ) -> Result<(), Refusal> {
-    let models = save::model_names(scene, out).map_err(|e| Refusal(e.to_string()))?;
-    let context = PathContext {
-        problem: &planner.model().problem,
-        graph: &solution.model.graph,
-        models: &models,
-        seed: arguments.seed,
-        scheduler: &arguments.scheduler,
-        simd: arguments.tuning.level.name(),
-    };
-    save::save(&write_path(&context, &solution.path), out).map_err(|e| Refusal(e.to_string()))
+    let search = (arguments.seed, arguments.scheduler.as_str(), arguments.tuning.level);
+    solution.save(scene, search, out).map_err(|e| Refusal(e.to_string()))
 }
