@@ -13,7 +13,7 @@ from foliate._foliate import solve
 from foliate.cluster.problem import Problem
 from foliate.errors import FoliateError, NoSolution
 
-__all__ = ["Row", "done", "in_shard", "lost", "planned", "rows", "write"]
+__all__ = ["Row", "chunks", "done", "in_shard", "planned", "row_of", "rows", "write"]
 
 Row = dict[str, Any]
 
@@ -23,9 +23,7 @@ def planned(problem: Problem, paths: FilePath | None = None) -> Row:
 
     Rows hold nothing that depends on the machine: a row is the same wherever it was made.
     """
-    identity = problem.identity
-    row: Row = {"identity": identity, "seed": problem.settings.get("seed", 1), "outcome": "solved", "detail": None}
-    row |= {"duration": None, "min_clearance": None, "segments": None, "steps": None, "fingerprint": None}
+    row = row_of(problem, "solved", None)
     try:
         answer = solve(problem.load(), **problem.settings)
     except NoSolution as none:
@@ -38,14 +36,14 @@ def planned(problem: Problem, paths: FilePath | None = None) -> Row:
     path = answer.path
     if paths is not None:
         paths.mkdir(parents=True, exist_ok=True)
-        path.save(paths / f"{identity}.json")
+        path.save(paths / f"{row['identity']}.json")
     numbers = {"duration": path.duration, "min_clearance": path.min_clearance, "segments": len(path)}
     return row | numbers | {"steps": answer.report.steps, "fingerprint": f"{answer.report.fingerprint:016x}"}
 
 
-def lost(problem: Problem, outcome: str, detail: str) -> Row:
-    """The row of a problem whose process ended, or was ended."""
-    row = {"identity": problem.identity, "seed": problem.settings.get("seed", 1), "outcome": outcome, "detail": detail}
+def row_of(problem: Problem, outcome: str, detail: str | None) -> Row:
+    """The row of a problem of which no more is known."""
+    row: Row = {"identity": problem.identity, "seed": problem.settings.get("seed", 1), "outcome": outcome, "detail": detail}
     return row | {"duration": None, "min_clearance": None, "segments": None, "steps": None, "fingerprint": None}
 
 

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path as FilePath
 from typing import Any
 
-from foliate.cluster.parts import Row, chunks, done, lost, planned, write
+from foliate.cluster.parts import Row, chunks, done, planned, row_of, write
 from foliate.cluster.problem import Problem
 
 __all__ = ["run"]
@@ -57,7 +57,7 @@ def run(
         elif outcome == "crashed" and tries < retries:
             again.append((mine, tries + 1))
         else:
-            finish([lost(mine[0], outcome, detail)])
+            finish([row_of(mine[0], outcome, detail)])
 
     try:
         while True:

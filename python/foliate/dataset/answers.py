@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from foliate.dataset.frames import Frames, Layout
-from foliate.dataset.writer import Task, Writer
+from foliate.dataset.writer import Task, Writer, problem_table
 
 __all__ = ["NpzWriter", "ParquetWriter"]
 
@@ -80,8 +80,7 @@ class ParquetWriter(Writer):
         pa = self._pa
         if self._tables:
             self._write("frames", pa.concat_tables(self._tables))
-        kinds = [("problem", pa.int64()), ("seed", pa.uint64()), ("outcome", pa.string()), ("detail", pa.string()), ("episode_index", pa.int64())]
-        self._write("problems", pa.Table.from_pylist(self._rows, pa.schema(kinds)))
+        self._write("problems", problem_table(self._rows))
         self._tables, self._rows, self._held = [], [], 0
 
     def _write(self, name: str, table: Any) -> None:

@@ -30,10 +30,10 @@ class Layout:
     @classmethod
     def of(cls, path: Path) -> Layout:
         """The layout of a path's frames."""
-        names = tuple(path.coordinates)
-        robots = tuple(name for name in names if name.partition("/")[0] in path.robots)
-        objects = tuple(name for name in names if name.partition("/")[0] not in path.robots)
-        return cls(robots, objects, tuple(path.grippers), names)
+        names, robots = tuple(path.coordinates), set(path.robots)
+        of_robots = tuple(name for name in names if name.partition("/")[0] in robots)
+        others = tuple(name for name in names if name.partition("/")[0] not in robots)
+        return cls(of_robots, others, tuple(path.grippers), names)
 
 
 @dataclass(frozen=True)
@@ -68,9 +68,9 @@ def frames(path: Path, rate: float, layout: Layout | None = None) -> Frames:
 
     Raises ``ValueError`` where the path has other coordinates or grippers than ``layout``.
     """
-    own = Layout.of(path)
-    layout = layout if layout is not None else own
-    if own != layout:
+    if layout is None:
+        layout = Layout.of(path)
+    elif tuple(path.coordinates) != layout.coordinates or tuple(path.grippers) != layout.grippers:
         raise ValueError("the path is of another robot or of other objects than the dataset")
     segments = path.segments
     if path.duration is None:

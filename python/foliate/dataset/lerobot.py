@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from foliate.dataset.frames import Frames, Layout
 from foliate.dataset.statistics import NUMBERS, Statistics, of_episodes
-from foliate.dataset.writer import Task, Writer
+from foliate.dataset.writer import Task, Writer, problem_table
 
 __all__ = ["LeRobotWriter"]
 
@@ -120,9 +120,7 @@ class LeRobotWriter(Writer):
     def _flush_problems(self) -> None:
         import pyarrow.parquet as parquet
 
-        pa = self._pa
-        kinds = [("problem", pa.int64()), ("seed", pa.uint64()), ("outcome", pa.string()), ("detail", pa.string()), ("episode_index", pa.int64())]
-        table = pa.Table.from_pylist(self._rows, pa.schema(kinds))
+        table = problem_table(self._rows)
         if self._problem_file is None:
             (self.out / "meta").mkdir(exist_ok=True)
             self._problem_file = parquet.ParquetWriter(self.out / "meta" / "problems.parquet", table.schema, compression="zstd")

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from foliate._foliate import Path
     from foliate.batch import Answer
 
-__all__ = ["Writer", "task_of"]
+__all__ = ["Writer", "problem_table", "task_of"]
 
 Task = str | Callable[["Path"], str]
 
@@ -90,6 +90,14 @@ class Writer(ABC):
         file = self.out / name
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(json.dumps(document, indent=4) + "\n", encoding="utf-8")
+
+
+def problem_table(rows: list[dict[str, Any]]) -> Any:
+    """Rows of problems as a table of Arrow. Needs pyarrow."""
+    import pyarrow as pa
+
+    kinds = [("problem", pa.int64()), ("seed", pa.uint64()), ("outcome", pa.string()), ("detail", pa.string()), ("episode_index", pa.int64())]
+    return pa.Table.from_pylist(rows, pa.schema(kinds))
 
 
 def task_of(task: Task | None, path: Path) -> str:

@@ -82,15 +82,15 @@ def _add_shape(builder: SceneBuilder, part: str, shape: Mapping[str, Any], place
         builder.add_mesh(part, file.name, pose=placed, kind=kind)
         return
     sizes = [float(x) for x in shape["dimensions"]]
-    match int(shape["type"]):
-        case 1:
-            builder.add_box(part, sizes, pose=placed, kind=kind)
-        case 2:
-            builder.add_sphere(part, sizes[0], pose=placed, kind=kind)
-        case 3:
-            builder.add_cylinder(part, sizes[1], sizes[0], pose=placed, kind=kind)
-        case other:
-            raise ValueError(f"the collision object {part!r} has a primitive of type {other}; known are boxes (1), spheres (2), cylinders (3)")
+    form = int(shape["type"])
+    if form == BOX:
+        builder.add_box(part, sizes, pose=placed, kind=kind)
+    elif form == SPHERE:
+        builder.add_sphere(part, sizes[0], pose=placed, kind=kind)
+    elif form == CYLINDER:
+        builder.add_cylinder(part, sizes[1], sizes[0], pose=placed, kind=kind)
+    else:
+        raise ValueError(f"the collision object {part!r} has a primitive of type {form}; known are boxes (1), spheres (2), cylinders (3)")
 
 
 def _collision_object(scene: Scene, part: str, solids: list[Solid]) -> dict[str, Any]:

@@ -72,9 +72,10 @@ def replay(path: Path, robot: str, model: Any, data: Any = None, *, settle: floa
     times = start + model.opt.timestep * np.arange(steps + 1)
     targets = controls(path, robot, model, times)
     planned = path.joints([f"{robot}/{name}" for name in names], times)[0]
+    known = set(path.joint_names(robot))
     for joint in range(model.njnt):
         full = f"{robot}/{model.joint(joint).name}"
-        if full in path.joint_names(robot):
+        if full in known:
             data.qpos[model.joint(joint).qposadr[0]] = path.joints([full], [start])[0][0, 0]
     mujoco.mj_forward(model, data)
     reached = np.empty_like(planned)
