@@ -1,12 +1,12 @@
 //! Threads that work for a caller who takes what they have made in the order in which it was asked for.
 
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded, unbounded};
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::collections::VecDeque;
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread::{Builder, JoinHandle};
 use std::time::Duration;
 
 /// Work that one of the threads does.
@@ -25,7 +25,10 @@ pub struct Pool<T> {
     waiting: VecDeque<Receiver<Made<T>>>,
     /// Nothing more is to be begun.
     has_ended: Arc<AtomicBool>,
-    threads: Vec<JoinHandle<()>>,
+    /// Rayon pools of one thread, which works until the pool ends.
+    threads: Vec<ThreadPool>,
+    /// Disconnected once no thread works any more.
+    working: Receiver<()>,
 }
 
 impl<T: Send + 'static> Pool<T> {
@@ -35,12 +38,16 @@ impl<T: Send + 'static> Pool<T> {
     /// The operating system refuses them.
     pub fn new(threads: usize) -> io::Result<Self> {
         let (sender, receiver) = unbounded::<Work>();
+        let (works, working) = bounded(0);
         let start = |number: usize| {
-            let receiver = receiver.clone();
-            Builder::new().name(format!("plan {number}")).spawn(move || work_on(&receiver))
+            let name = move |_| format!("plan {number}");
+            let thread = ThreadPoolBuilder::new().num_threads(1).thread_name(name).build().map_err(io::Error::other)?;
+            let (receiver, works) = (receiver.clone(), works.clone());
+            thread.spawn(move || work_on(&receiver, works));
+            Ok(thread)
         };
         let threads = (0..threads.max(1)).map(start).collect::<io::Result<_>>()?;
-        Ok(Self { work: Some(sender), waiting: VecDeque::new(), has_ended: Arc::default(), threads })
+        Ok(Self { work: Some(sender), waiting: VecDeque::new(), has_ended: Arc::default(), threads, working })
     }
 
     /// How many threads there are.
@@ -67,7 +74,7 @@ impl<T: Send + 'static> Pool<T> {
         let has_ended = Arc::clone(&self.has_ended);
         let piece: Work = Box::new(move || {
             if !has_ended.load(Ordering::Relaxed) {
-                let _nobody_waits = made.send(catch_unwind(AssertUnwindSafe(work)));
+                let _is_taken = made.send(catch_unwind(AssertUnwindSafe(work)));
             }
         });
         let sent = self.work.as_ref().map(|sender| sender.send(piece));
@@ -104,15 +111,8 @@ impl<T: Send + 'static> Pool<T> {
 }
 
 /// Works until no more comes.
-fn work_on(receiver: &Receiver<Work>) {
-    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
-    while let Ok(work) = receiver.recv() {
-        match &alone {
-            Ok(alone) => alone.install(work),
-            // Without a pool of its own it uses rayon's threads: slower with others, as right.
-            Err(_) => work(),
-        }
-    }
+fn work_on(receiver: &Receiver<Work>, _works: Sender<()>) {
+    receiver.iter().for_each(|work| work());
 }
 
 impl<T> Drop for Pool<T> {
@@ -120,9 +120,8 @@ impl<T> Drop for Pool<T> {
         self.has_ended.store(true, Ordering::Relaxed);
         self.work = None;
         self.waiting.clear();
-        for thread in self.threads.drain(..) {
-            let _panics_are_caught = thread.join();
-        }
+        // Nothing is ever sent: this waits for the threads.
+        let _disconnected = self.working.recv();
     }
 }
 
