@@ -21,12 +21,15 @@
 //! ```
 //!
 //! `curve` evaluates one piece between two knots, `trajectory` finds the piece of a time. `joints` answers for joints by name, `poses` places
-//! links and objects, `segments` and `events` tell what is held, `sample_times` cuts the duration into steps.
+//! links and objects, `nearest_pairs` says how close things come, `segments` and `events` tell what is held, `sample_times` cuts the duration into
+//! steps, `own_times` makes up times for a path without.
 
 pub(crate) mod curve;
 pub(crate) mod error;
 pub(crate) mod events;
 pub(crate) mod joints;
+pub(crate) mod nearest_pairs;
+pub(crate) mod own_times;
 pub(crate) mod poses;
 pub(crate) mod sample_times;
 pub(crate) mod segments;
@@ -37,6 +40,8 @@ pub use crate::planner::trajectory::curve::Interpolation;
 pub use crate::planner::trajectory::error::TrajectoryError;
 pub use crate::planner::trajectory::events::TrajectoryEvent;
 pub use crate::planner::trajectory::joints::{JointSample, JointSelection};
+pub use crate::planner::trajectory::nearest_pairs::{NearestPair, NearestPairs};
+pub use crate::planner::trajectory::own_times::TimedMotion;
 pub use crate::planner::trajectory::poses::Poses;
 pub use crate::planner::trajectory::sample_times::SampleTimes;
 pub use crate::planner::trajectory::segments::{Carry, Held, TrajectorySegment};

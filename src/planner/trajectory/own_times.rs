@@ -7,8 +7,10 @@ use foliate_components::robot::configuration::{ConfigurationSpace, Group};
 
 /// A path with times, its own or made up.
 #[derive(Clone, Debug)]
-pub(crate) struct TimedMotion {
+pub struct TimedMotion {
+    /// The path, with times.
     pub path: ManipulationPath,
+    /// Between its knots.
     pub interpolation: Interpolation,
     /// Whether the times are the path's own.
     pub is_own: bool,
@@ -17,6 +19,7 @@ pub(crate) struct TimedMotion {
 impl TimedMotion {
     /// The path as it is where it has times. Without them it is straight from knot to knot, and the length of the way in the joints' space
     /// (radians and metres alike) is its time.
+    #[must_use]
     pub fn new(robot: &Robot, path: &ManipulationPath, interpolation: Interpolation) -> Self {
         let mut path = path.clone();
         if path.segments.iter().all(|segment| segment.timing.is_some()) {

@@ -212,7 +212,6 @@ impl<'a> Trajectory<'a> {
     }
 
     /// By body the one that it is rigidly one with along a segment, itself where it moves on its own; none where that is the world.
-    #[cfg(feature = "view")]
     pub(crate) fn rigid_bodies(&self, segment: usize) -> Vec<Option<JointIndex>> {
         let robot = self.robot;
         let own = |index: usize| {

@@ -1,10 +1,9 @@
 //! A path over time.
 //!
-//! `own_times` gives a path times that has none. `sampling` cuts it into samples that may be joined by straight lines, `segments` says in
+//! `sampling` cuts it into samples that may be joined by straight lines, `segments` says in
 //! words what happens on each leaf and when hands take and let go, `clearance` how close things come, `refusals` what a check refuses.
 
 pub(crate) mod clearance;
-pub(crate) mod own_times;
 pub(crate) mod refusals;
 pub(crate) mod sampling;
 pub(crate) mod segments;
