@@ -9,12 +9,42 @@ from numpy.typing import ArrayLike, NDArray
 from os import PathLike
 from typing import Any, Final, SupportsFloat, SupportsIndex, final
 
-__all__ = ["__version__", "Cancel", "CheckReport", "Event", "FunnelRow", "NewScene", "Path", "Report", "Scene", "Segment", "Solid", "Solution", "Variations", "check", "load_path", "new_scene", "run_program", "scenes", "schedulers", "solve"]
+__all__ = ["__version__", "Batch", "Cancel", "CheckReport", "Event", "FunnelRow", "NewScene", "Path", "Report", "Scene", "Segment", "Solid", "Solution", "Variations", "check", "load_path", "new_scene", "run_program", "scenes", "schedulers", "solve"]
 
 __version__: Final[str]
 """
 Version of Foliate.
 """
+
+@final
+class Batch:
+    """
+    Threads that plan for one problem each, and give the answers in the order of the problems. `plan_batch` is what programs use.
+    """
+    def __len__(self, /) -> int:
+        """
+        How many problems were added and not taken.
+        """
+    def __new__(cls, /, threads: SupportsIndex) -> Batch:
+        """
+        So many threads, each of which plans for one problem at a time.
+        """
+    def add(self, /, problem: Scene | tuple[Variations, SupportsIndex], *, seed: SupportsIndex = 1, time_limit: SupportsFloat | SupportsIndex = 60.0, scheduler: str = "sequence", first: bool = False, improve_work: SupportsIndex | None = None, improve_time: SupportsFloat | SupportsIndex | None = None, candidates: SupportsIndex = 16, memory_limit: str | None = None) -> None:
+        """
+        Adds a problem: a scene, or what varies and the number of an instance, which is drawn by the thread that plans for it. The settings are those of `solve`.
+
+        Raises `ValueError` for a value that no option has, and once the batch was closed.
+        """
+    def close(self, /) -> None:
+        """
+        Ends: problems that were not begun never are, searches that are under way end soon.
+        """
+    def take(self, /) -> Solution:
+        """
+        The answer to the problem that was added first, once it is there; what `solve` raises is raised.
+
+        Raises `IndexError` where no problem is left.
+        """
 
 @final
 class Cancel:
@@ -213,6 +243,11 @@ class Path:
     def __len__(self, /) -> int: ...
     def __repr__(self, /) -> str: ...
     def _repr_html_(self, /) -> str: ...
+    def clearances(self, /, times: ArrayLike | None = None) -> NDArray[float64]:
+        """
+        How close any two tested shapes that move against each other are at times (seconds; clamped to the path), without `times` at the knots: an array of
+        shape (times,), metres, 0 where they meet. In a path without times a unit of length takes a second. Measured there; `min_clearance` is proved for what lies between too.
+        """
     def configurations(self, /, times: ArrayLike) -> NDArray[float64]:
         """
         Whole configurations at times (seconds; clamped to the path): an array of shape (times, numbers of a configuration). Objects are where they are

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections import deque
 from collections.abc import Generator, Iterable, Iterator, Mapping
-from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any, overload
 
-from foliate._foliate import Cancel, Scene, Solution, Variations, solve
+from foliate._foliate import Batch, Scene, Solution, Variations
 from foliate.errors import NoInstance, NoSolution
 
 __all__ = ["Answer", "Instance", "Problem", "instances", "plan_batch"]
@@ -49,7 +47,8 @@ def plan_batch(problems: Iterable[Problem], *, threads: int | None = None, **set
 def plan_batch(problems: Iterable[Problem], *, threads: int | None = None, **settings: Any) -> Generator[Answer, None, None]:
     """Plans for each problem; yields a ``Solution`` or a ``NoSolution`` for each, in the order of the problems. An ``Instance`` is drawn first, which may end as a ``NoInstance``.
 
-    A problem is a scene, or a scene with settings of its own (``seed`` above all), which go before ``settings``; both are what ``solve`` takes. So many
+    A problem is a scene, or a scene with settings of its own (``seed`` above all), which go before ``settings``; both are what ``solve`` takes but for ``threads``,
+    ``progress`` and ``cancel``. So many
     problems as there are ``threads`` (as the processor has, if not given) are planned at once, each on one thread. Problems are taken as they are needed, at
     most 32 for each thread ahead of what has been yielded: any number of them takes the same memory. The answers do not depend on ``threads``.
 
@@ -58,35 +57,30 @@ def plan_batch(problems: Iterable[Problem], *, threads: int | None = None, **set
     Raises what ``solve`` raises but for ``NoSolution``.
     """
     count = threads if threads is not None else os.cpu_count() or 1
-    if count < 1:
-        raise ValueError("`threads` is at least 1")
-    if "cancel" in settings:
-        raise ValueError("`cancel` is for one solve; give up the iteration to end a batch")
-    cancel = Cancel()
-
-    def plan(problem: Problem) -> Answer:
-        try:
-            scene, own = _resolved(problem)
-            return solve(scene, **{**settings, **own}, cancel=cancel)
-        except (NoInstance, NoSolution) as none:
-            return none
-
-    under_way: deque[Future[Answer]] = deque()
-    with ThreadPoolExecutor(count, thread_name_prefix="foliate") as pool:
-        try:
-            for problem in problems:
-                under_way.append(pool.submit(plan, problem))
-                if len(under_way) >= _AHEAD * count:
-                    yield under_way.popleft().result()
-            while under_way:
-                yield under_way.popleft().result()
-        finally:
-            cancel.cancel()
-            for waiting in under_way:
-                waiting.cancel()
+    batch = Batch(count)
+    try:
+        for problem in problems:
+            _add(batch, problem, settings)
+            if len(batch) >= _AHEAD * count:
+                yield _next_answer(batch)
+        while len(batch):
+            yield _next_answer(batch)
+    finally:
+        batch.close()
 
 
-def _resolved(problem: Problem) -> tuple[Scene, Mapping[str, Any]]:
+def _add(batch: Batch, problem: Problem, settings: Mapping[str, Any]) -> None:
     if isinstance(problem, Instance):
-        return problem.variations.instance(problem.number), {"seed": problem.number}
-    return problem if isinstance(problem, tuple) else (problem, {})
+        batch.add((problem.variations, problem.number), **{**settings, "seed": problem.number})
+    elif isinstance(problem, tuple):
+        scene, own = problem
+        batch.add(scene, **{**settings, **own})
+    else:
+        batch.add(problem, **settings)
+
+
+def _next_answer(batch: Batch) -> Answer:
+    try:
+        return batch.take()
+    except (NoInstance, NoSolution) as none:
+        return none

@@ -29,13 +29,21 @@ mod module {
     #[pymodule_export]
     use crate::command::run_program;
     #[pymodule_export]
-    use crate::path::{PyEvent, PyPath, PySegment, load_path};
+    use crate::path::event::PyEvent;
+    #[pymodule_export]
+    use crate::path::py_path::{PyPath, load_path};
+    #[pymodule_export]
+    use crate::path::segment::PySegment;
+    #[pymodule_export]
+    use crate::planning::batch::PyBatch;
     #[pymodule_export]
     use crate::planning::report::{PyFunnelRow, PyReport};
     #[pymodule_export]
+    use crate::planning::request::schedulers;
+    #[pymodule_export]
     use crate::planning::solution::PySolution;
     #[pymodule_export]
-    use crate::planning::solve::{schedulers, solve};
+    use crate::planning::solve::solve;
     #[pymodule_export]
     use crate::scene::new_scene::{PyNewScene, new_scene};
     #[pymodule_export]

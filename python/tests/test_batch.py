@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import pytest
 
 import foliate
+from foliate._foliate import Batch
 from foliate.batch import Problem
 
 
@@ -52,6 +53,17 @@ def test_wrong_settings_are_told(demo: foliate.Scene) -> None:
         next(foliate.plan_batch([demo], threads=0))
     with pytest.raises(TypeError):
         next(foliate.plan_batch([demo], no_such_setting=1))
+    with pytest.raises(ValueError, match="known: sequence"):
+        next(foliate.plan_batch([demo], scheduler="no_such"))
+    with pytest.raises(ValueError, match="time_limit"):
+        next(foliate.plan_batch([(demo, {"time_limit": -1.0})]))
+    batch = Batch(1)
+    with pytest.raises(IndexError):
+        batch.take()
+    batch.add(demo, first=True)
+    batch.close()
+    with pytest.raises(ValueError, match="closed"):
+        batch.take()
 
 
 # Anywhere on the table some places are out of reach.

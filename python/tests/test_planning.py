@@ -155,8 +155,20 @@ except KeyboardInterrupt:
 """
 
 
+LONG_BATCH = """
+import foliate, signal, time
+signal.signal(signal.SIGINT, signal.default_int_handler)
+scene = foliate.Scene("demo")
+print("begun", flush=True)
+try:
+    list(foliate.plan_batch((scene for _ in range(1000)), threads=2, improve_time=60.0, time_limit=60.0))
+except KeyboardInterrupt:
+    print(time.time(), flush=True)
+"""
+
+
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
-@pytest.mark.parametrize("text", [LONG, LONG_CHECK])
+@pytest.mark.parametrize("text", [LONG, LONG_CHECK, LONG_BATCH])
 def test_interrupts_end_what_takes_long_at_once(text: str, solution: foliate.Solution, tmp_path: Path) -> None:
     file = tmp_path / "path.json"
     solution.path.save(file)

@@ -2,20 +2,22 @@
 
 use crate::arrays::{Array, Numbers, blocks, matrix, row};
 use crate::calls::errors;
+use crate::path::event::PyEvent;
+use crate::path::segment::PySegment;
 use crate::scene::py_scene::PyScene;
 use crate::{names, page};
 use foliate::Solution;
-use foliate::components::path::{Attachment, EventKind, ManipulationPath, Segment};
+use foliate::components::path::{Attachment, ManipulationPath, Segment};
 use foliate::components::pose::pose_to_array;
 use foliate::components::robot::{PartKind, Robot};
+use foliate::kernels::collision::{CollisionScene, PairRule};
 use foliate::kernels::lanes::Level;
 use foliate::path_file::{LoadedPath, save};
 use foliate::prelude::{PackagePath, Trajectory, TrajectoryError};
 use foliate::scene::{SceneError, coordinate_names};
-use foliate::trajectory::TrajectoryEvent;
+use foliate::trajectory::{Interpolation, TimedMotion};
 use foliate::view::{Page, ViewOptions, Visuals, page_of_path, page_of_solution};
 use pyo3::prelude::*;
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -34,52 +36,6 @@ pub(crate) enum Source {
 #[pyclass(frozen, name = "Path", module = "foliate")]
 pub struct PyPath {
     pub(crate) source: Source,
-}
-
-/// A motion on one leaf.
-#[pyclass(frozen, name = "Segment", module = "foliate")]
-pub struct PySegment {
-    segment: Segment,
-    state: String,
-    transition: String,
-    holding: Vec<(String, String)>,
-}
-
-#[pymethods]
-impl PySegment {
-    /// Name of the state in which the motion lies.
-    #[getter]
-    fn state(&self) -> &str {
-        &self.state
-    }
-
-    /// Name of the transition that is travelled.
-    #[getter]
-    fn transition(&self) -> &str {
-        &self.transition
-    }
-
-    /// Who holds what during the motion: grippers (`part/gripper`) and handles (`part/handle`).
-    #[getter]
-    fn holding(&self) -> Vec<(String, String)> {
-        self.holding.clone()
-    }
-
-    /// Configurations: an array of shape (knots, numbers of a configuration).
-    #[getter]
-    fn knots<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        matrix(py, self.segment.knots.concat(), self.segment.knots.first().map_or(0, Vec::len))
-    }
-
-    /// When the knots are passed, seconds: an array of shape (knots,). `None` in a path without times.
-    #[getter]
-    fn times<'py>(&self, py: Python<'py>) -> Option<Array<'py>> {
-        self.segment.timing.as_ref().map(|timing| row(py, timing.times.clone()))
-    }
-
-    fn __repr__(&self) -> String {
-        format!("Segment({:?}, {} knots)", self.state, self.segment.knots.len())
-    }
 }
 
 impl PyPath {
@@ -280,6 +236,35 @@ impl PyPath {
         blocks(py, numbers, [times.0.len(), names.len(), 7])
     }
 
+    /// How close any two tested shapes that move against each other are at times (seconds; clamped to the path), without `times` at the knots: an array of
+    /// shape (times,), metres, 0 where they meet. In a path without times a unit of length takes a second. Measured there; `min_clearance` is proved for what lies between too.
+    #[pyo3(signature = (times = None))]
+    fn clearances<'py>(&self, py: Python<'py>, times: Option<Numbers>) -> PyResult<Array<'py>> {
+        let (robot, path) = (self.robot(), self.path());
+        let measured = py.detach(|| {
+            let interpolation = match &self.source {
+                Source::Solved { .. } => Interpolation::Hermite,
+                Source::Loaded { path, .. } => path.interpolation(),
+            };
+            let timed = TimedMotion::new(robot, path, interpolation);
+            let names = vec![""; path.segments.len()];
+            let trajectory = Trajectory::new(robot, &timed.path, names, timed.interpolation)?;
+            let times = times.map_or_else(|| knot_times(&timed.path), |times| times.0);
+            let own;
+            let scene = match &self.source {
+                Source::Solved { solution, .. } => &solution.model.collision,
+                Source::Loaded { path, .. } => {
+                    own = CollisionScene::new(robot, &PairRule { ignored: &path.ignored_pairs, ..PairRule::default() });
+                    &own
+                }
+            };
+            let mut nearest = trajectory.nearest_pairs(scene);
+            let distance = |&time: &f64| nearest.at(time).map_or(f64::INFINITY, |nearest| nearest.distance);
+            Ok(times.iter().map(distance).collect::<Vec<_>>())
+        });
+        measured.map(|measured| row(py, measured)).map_err(|why: TrajectoryError| errors::of_path(py, &why))
+    }
+
     /// When hands take and let go, in the order of time.
     #[getter]
     fn events(&self, py: Python<'_>) -> PyResult<Vec<PyEvent>> {
@@ -320,51 +305,13 @@ impl PyPath {
     }
 }
 
-/// A hand takes or lets go of an object.
-#[pyclass(frozen, get_all, name = "Event", module = "foliate")]
-pub struct PyEvent {
-    /// Seconds, as the path counts them.
-    time: f64,
-    /// How long the robot stands still then, seconds.
-    dwell: f64,
-    /// `"grasp"` or `"release"`.
-    kind: &'static str,
-    /// The part that is taken or let go.
-    object: String,
-    /// `part/gripper`.
-    gripper: String,
-    /// `part/handle`.
-    handle: String,
-    /// Number of the segment that begins with it.
-    segment: usize,
-    /// Joints of the gripper and where they are when the hand has closed or opened, radians or metres.
-    fingers: BTreeMap<String, f64>,
-}
-
-impl PyEvent {
-    fn of(event: TrajectoryEvent<'_>) -> Self {
-        Self {
-            time: event.time,
-            dwell: event.dwell,
-            kind: match event.kind {
-                EventKind::Grasp => "grasp",
-                EventKind::Release => "release",
-            },
-            object: event.object.to_owned(),
-            gripper: event.gripper.to_owned(),
-            handle: event.handle.to_owned(),
-            segment: event.segment,
-            fingers: event.fingers.iter().map(|&(name, value)| (name.to_owned(), value)).collect(),
-        }
-    }
-}
-
-#[pymethods]
-impl PyEvent {
-    fn __repr__(&self) -> String {
-        let Self { time, kind, object, gripper, .. } = self;
-        format!("Event({time:.3} s: {kind} {object:?} by {gripper:?})")
-    }
+/// When the knots are passed. The last knot of a segment is the first of the next one, and is there once.
+fn knot_times(path: &ManipulationPath) -> Vec<f64> {
+    let of_segment = |(number, segment): (usize, &Segment)| {
+        let times = segment.timing.as_ref().map_or(&[][..], |timing| &timing.times);
+        times[usize::from(number > 0).min(times.len())..].to_vec()
+    };
+    path.segments.iter().enumerate().flat_map(of_segment).collect()
 }
 
 /// One name, or several.

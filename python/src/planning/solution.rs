@@ -1,6 +1,6 @@
 //! What a solve answers.
 
-use crate::path::{PyPath, Source};
+use crate::path::py_path::{PyPath, Source};
 use crate::planning::report::PyReport;
 use crate::scene::py_scene::PyScene;
 use foliate::Solution;

@@ -3,14 +3,12 @@
 use crate::calls::errors;
 use crate::calls::interruption::{PyCancel, watched};
 use crate::planning::report::PyReport;
+use crate::planning::request::Request;
 use crate::planning::solution::PySolution;
 use crate::scene::py_scene::PyScene;
 use foliate::NoSolution;
 use foliate::crossbeam_channel::Receiver;
-use foliate::memory::MemoryLimit;
-use foliate::prelude::{CancelToken, Planner, SearchEvent, SolveEvent};
-use foliate::systems::settings::SearchSettings;
-use pyo3::exceptions::PyValueError;
+use foliate::prelude::{CancelToken, SearchEvent, SolveEvent};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::time::{Duration, Instant};
@@ -46,40 +44,16 @@ pub fn solve(
     progress: Option<Py<PyAny>>,
     cancel: Option<&PyCancel>,
 ) -> PyResult<PySolution> {
-    if threads == 0 || candidates == 0 {
-        return Err(PyValueError::new_err("`threads` and `candidates` are at least 1"));
-    }
-    let limit = seconds("time_limit", time_limit)?;
-    let memory: Option<MemoryLimit> = memory_limit
-        .map(|text| text.parse().map_err(|why| PyValueError::new_err(format!("memory_limit: {why}"))))
-        .transpose()?;
-    let improve_time = improve_time.map(|time| seconds("improve_time", time)).transpose()?;
+    let request = Request::of(
+        (seed, time_limit, threads, scheduler),
+        (first, improve_work, improve_time),
+        (candidates, memory_limit),
+    )?;
     let token = cancel.map_or_else(CancelToken::default, |cancel| cancel.token.clone());
     let begun = Instant::now();
     let shared = scene.get();
     let model = py.detach(|| shared.model()).map_err(|why| errors::of_model(py, &why))?;
-    let planner = Planner::from_model(model);
-    let settings = SearchSettings::default().with(|s| {
-        s.seed = seed;
-        s.candidates = usize::from(candidates);
-    });
-    let planner = planner.settings(settings).cancelled_by(token.clone());
-    let planner = planner.time_limit(limit.saturating_sub(begun.elapsed()));
-    let planner = if first { planner.first_path() } else { planner };
-    let planner = match (improve_work, improve_time) {
-        (Some(_), Some(_)) => return Err(PyValueError::new_err("either `improve_work` or `improve_time`")),
-        (Some(work), None) => planner.improve_work(work),
-        (None, Some(time)) => planner.improve_time(time),
-        (None, None) => planner,
-    };
-    let planner = match memory {
-        Some(limit) => planner.memory_limit(limit),
-        None => planner,
-    };
-    let Some(planner) = planner.scheduler_named(scheduler) else {
-        let known = schedulers().join(", ");
-        return Err(PyValueError::new_err(format!("there is no scheduler `{scheduler}`; known: {known}")));
-    };
+    let planner = request.planner(model, begun, &token);
     let (planner, mut told) = match progress {
         Some(function) => {
             let (planner, events) = planner.events();
@@ -88,31 +62,21 @@ pub fn solve(
         None => (planner, None),
     };
     let tick = |py: Python<'_>| told.as_mut().map_or(Ok(()), |told| told.tell(py));
-    let answer = watched(py, || token.cancel(), move || planner.solve_on(usize::from(threads)), tick)?;
+    let threads = request.threads();
+    let answer = watched(py, || token.cancel(), move || planner.solve_on(threads), tick)?;
     match answer {
-        Ok(solution) => Ok(PySolution::new(solution, scene, (seed, scheduler.to_owned()))),
+        Ok(solution) => Ok(PySolution::new(solution, scene, request.label())),
         Err(none) => Err(without_path(py, &none)),
     }
 }
 
 /// What a search without a path raises.
-fn without_path(py: Python<'_>, none: &NoSolution) -> PyErr {
+pub(crate) fn without_path(py: Python<'_>, none: &NoSolution) -> PyErr {
     let report = match Py::new(py, PyReport::of(&none.report)) {
         Ok(report) => report,
         Err(why) => return why,
     };
     errors::raised(py, "NoSolution", (none.reason.to_string(), none.reason.name(), none.reason.detail(), report))
-}
-
-/// The schedulers that are shipped.
-#[pyfunction]
-pub fn schedulers() -> Vec<&'static str> {
-    foliate::schedulers::shipped().iter().map(|scheduler| scheduler.name()).collect()
-}
-
-fn seconds(what: &str, value: f64) -> PyResult<Duration> {
-    Duration::try_from_secs_f64(value)
-        .map_err(|_| PyValueError::new_err(format!("{what}: {value} is not a number of seconds")))
 }
 
 /// What is told of progress, and when it was last.

@@ -6,6 +6,7 @@ use crate::scene::py_scene::PyScene;
 use foliate::batch::vary::{Instance, NoInstance, Variations};
 use foliate::batch::{Entry, Suite};
 use foliate::prelude::{PackagePath, SceneError};
+use foliate::systems::planning_model::ModelError;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
@@ -62,14 +63,18 @@ impl PyVariations {
     ///
     /// Raises `NoInstance` where no draw has a start and goals that could be planned for; it says what was wrong with them.
     fn instance(&self, py: Python<'_>, number: u64) -> PyResult<PyScene> {
-        let drawn = py.detach(|| self.variations.instance(number));
-        let Instance { scene, tables, .. } = drawn.map_err(|none| no_instance(py, &none))?;
-        let Some(scene) = scene else { return Err(PyValueError::new_err("the scene has no text")) };
-        PyScene::on_tables(scene, self.packages.clone(), tables).map_err(|why| errors::of_model(py, &why))
+        py.detach(|| self.draw(number)).map_err(|not_drawn| not_drawn.told(py))
     }
 }
 
 impl PyVariations {
+    /// The instance of a number.
+    pub(crate) fn draw(&self, number: u64) -> Result<PyScene, NotDrawn> {
+        let Instance { scene, tables, .. } = self.variations.instance(number).map_err(NotDrawn::NoInstance)?;
+        let scene = scene.ok_or(NotDrawn::NoScene)?;
+        PyScene::on_tables(scene, self.packages.clone(), tables).map_err(NotDrawn::NoModel)
+    }
+
     fn of_suite(suite: &Suite, packages: &PackagePath) -> Result<Vec<Self>, SceneError> {
         let Some(vary) = &suite.vary else { return Ok(Vec::new()) };
         let of = |scene: &String| {
@@ -80,6 +85,20 @@ impl PyVariations {
     }
 }
 
-fn no_instance(py: Python<'_>, none: &NoInstance) -> PyErr {
-    errors::raised(py, "NoInstance", (none.to_string(), none.number))
+/// Why there is no scene.
+pub(crate) enum NotDrawn {
+    NoInstance(NoInstance),
+    NoModel(ModelError),
+    NoScene,
+}
+
+impl NotDrawn {
+    /// As an exception.
+    pub(crate) fn told(&self, py: Python<'_>) -> PyErr {
+        match self {
+            Self::NoInstance(none) => errors::raised(py, "NoInstance", (none.to_string(), none.number)),
+            Self::NoModel(why) => errors::of_model(py, why),
+            Self::NoScene => PyValueError::new_err("the scene has no text"),
+        }
+    }
 }
