@@ -16,7 +16,7 @@ import pytest
 
 import foliate
 from foliate.cluster import Problem, rows, run
-from foliate.cluster.parts import in_shard
+from foliate.cluster.parts import chunks, in_shard
 
 
 def problems(count: int) -> list[Problem]:
@@ -46,6 +46,11 @@ def test_problems_are_plain_data_with_an_identity() -> None:
     assert again.identity == one.identity and again.load().start("box")[1] == 0.1
     assert Problem("demo").identity != Problem("demo", settings={"seed": 2}).identity
     assert Problem("demo", goal={"box1": [0.5, 0, 0.741, 0, 0, 0, 1]}).identity != Problem("demo").identity
+
+
+def test_what_takes_longest_is_begun_first() -> None:
+    begun = [int(problem.settings["seed"]) for part in chunks(problems(7), 3, set(), (0, 1), lambda problem: float(problem.settings["seed"]) % 4) for problem in part]
+    assert begun == [3, 7, 2, 6, 1, 5, 4]
 
 
 def test_rows_say_how_each_ended(whole: Path, tmp_path: Path) -> None:

@@ -5,15 +5,15 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path as FilePath
 from typing import Any
 
-from foliate._foliate import solve
+from foliate._foliate import Solution, solve
 from foliate.cluster.problem import Problem
 from foliate.errors import FoliateError, NoSolution
 
-__all__ = ["Row", "chunks", "done", "in_shard", "planned", "row_of", "rows", "write"]
+__all__ = ["Row", "answered", "chunks", "done", "in_shard", "planned", "row_of", "rows", "write"]
 
 Row = dict[str, Any]
 
@@ -23,9 +23,14 @@ def planned(problem: Problem, paths: FilePath | None = None) -> Row:
 
     Rows hold nothing that depends on the machine: a row is the same wherever it was made.
     """
+    return answered(problem, lambda: solve(problem.load(), **problem.settings), paths)
+
+
+def answered(problem: Problem, answer: Callable[[], Solution], paths: FilePath | None) -> Row:
+    """The row of a problem by what ``answer`` returns or raises."""
     row = row_of(problem, "solved", None)
     try:
-        answer = solve(problem.load(), **problem.settings)
+        solution = answer()
     except NoSolution as none:
         known = {"outcome": none.outcome, "detail": none.detail}
         # What a limit of time cuts off depends on the machine.
@@ -33,12 +38,12 @@ def planned(problem: Problem, paths: FilePath | None = None) -> Row:
         return row | known | counted
     except (FoliateError, ValueError, TypeError) as why:
         return row | {"outcome": "unreadable", "detail": str(why)}
-    path = answer.path
+    path = solution.path
     if paths is not None:
         paths.mkdir(parents=True, exist_ok=True)
         path.save(paths / f"{row['identity']}.json")
     numbers = {"duration": path.duration, "min_clearance": path.min_clearance, "segments": len(path)}
-    return row | numbers | {"steps": answer.report.steps, "fingerprint": f"{answer.report.fingerprint:016x}"}
+    return row | numbers | {"steps": solution.report.steps, "fingerprint": f"{solution.report.fingerprint:016x}"}
 
 
 def row_of(problem: Problem, outcome: str, detail: str | None) -> Row:
@@ -81,10 +86,10 @@ def in_shard(identity: str, shard: tuple[int, int]) -> bool:
     return int(identity[:16], 16) % count == number
 
 
-def chunks(problems: Iterable[Problem], size: int, finished: set[str], shard: tuple[int, int]) -> Iterator[list[Problem]]:
-    """Problems that are left to do, in chunks; each once."""
+def chunks(problems: Iterable[Problem], size: int, finished: set[str], shard: tuple[int, int], expected: Callable[[Problem], float] | None) -> Iterator[list[Problem]]:
+    """Problems that are left to do, in chunks; each once. Those that are ``expected`` to take the longest come first."""
     chunk: list[Problem] = []
-    for problem in problems:
+    for problem in problems if expected is None else sorted(problems, key=expected, reverse=True):
         identity = problem.identity
         if identity in finished or not in_shard(identity, shard):
             continue

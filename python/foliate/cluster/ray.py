@@ -24,13 +24,14 @@ def run(
     timeout_s: float = 600.0,
     chunk: int = 20,
     paths: bool = False,
+    expected: Callable[[Problem], float] | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> dict[str, int]:
     """Plans for problems on the cluster that ``ray.init`` has joined, and writes rows into ``out``, a folder that the driver and, for ``paths``, all workers reach.
 
     As ``foliate.cluster.run``: a part for each chunk, finished rows are skipped. So many chunks as the cluster has processors for are under way. A chunk that ends without an answer is cut
     into single problems; one of these that ends its worker ``retries`` + 1 times is a row with the outcome ``crashed``, and one that takes more than ``timeout_s`` seconds is a row with the outcome
-    ``timeout``. A chunk may take ``timeout_s`` for each of its problems; the time that a worker takes to start counts. Returns how many ended how.
+    ``timeout``. A chunk may take ``timeout_s`` for each of its problems; the time that a worker takes to start counts. ``expected`` as ``foliate.cluster.run``. Returns how many ended how.
     """
     import ray as imported
 
@@ -41,7 +42,7 @@ def run(
     # No more: a task that waits for a processor would be late without having begun.
     room = max(1, int(ray.cluster_resources().get("CPU", 1) / cpus_per_task))
     outcomes: Counter[str] = Counter()
-    waiting = chunks(problems, chunk, done(folder), (0, 1))
+    waiting = chunks(problems, chunk, done(folder), (0, 1), expected)
     again: deque[tuple[list[Problem], int]] = deque()
     running: dict[Any, tuple[list[Problem], int, float]] = {}  # The problems, how often they were tried before, since when.
 
