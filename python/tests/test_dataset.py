@@ -34,7 +34,7 @@ def problems() -> Iterator[tuple[foliate.Scene, dict[str, Any]]]:
 def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("set") / "boxes"
     told: list[int] = []
-    result = dataset.make(problems(), out, improve_work=0, threads=2, progress=lambda made: told.append(made.problems))
+    result = dataset.make(problems(), out, improve_work=0, threads=2, clearance=True, progress=lambda made: told.append(made.problems))
     assert (result.problems, result.episodes, result.outcomes) == (6, 5, {"solved": 5, "infeasible_goal": 1})
     assert told == [1, 2, 3, 4, 5, 6]
     return out
@@ -56,6 +56,7 @@ def test_frames_are_those_of_the_paths(made: Path) -> None:
     for episode, seed in enumerate(SEEDS):
         path = foliate.solve(foliate.Scene("demo"), seed=seed, improve_work=0).path
         rows = [row for row in frames if row["episode_index"] == episode]
+        assert np.allclose([row["observation.clearance"] for row in rows], path.clearances(path.times(30)[0] + np.arange(len(rows)) / 30), atol=1e-6)
         times = np.array([row["timestamp"] for row in rows])
         assert np.allclose(times, np.arange(len(rows)) / 30, atol=1e-5) and path.duration is not None
         assert path.duration <= times[-1] + 1e-5 < path.duration + 1 / 30 + 1e-4
@@ -112,7 +113,7 @@ def test_the_same_problems_make_the_same_bytes(made: Path, tmp_path: Path) -> No
         files = (file for file in folder.rglob("*") if file.is_file())
         return {str(file.relative_to(folder)): hashlib.sha256(file.read_bytes()).hexdigest() for file in files}
 
-    dataset.make(problems(), tmp_path / "again", improve_work=0, threads=1)
+    dataset.make(problems(), tmp_path / "again", improve_work=0, threads=1, clearance=True)
     assert hashes(tmp_path / "again") == hashes(made)
 
 
@@ -148,14 +149,16 @@ def test_plain_forms_have_the_same_numbers(first: bool, tmp_path: Path) -> None:
     settings: dict[str, Any] = {"first": True} if first else {"improve_work": 0}
     scene = foliate.Scene("demo")
     for form in ("npz", "parquet"):
-        dataset.make([(scene, {"seed": 2})], tmp_path / form, format=form, rate=20, **settings)
+        dataset.make([(scene, {"seed": 2})], tmp_path / form, format=form, rate=20, clearance=True, **settings)
     path = foliate.solve(scene, seed=2, **settings).path
-    wanted = dataset.frames(path, 20)
+    wanted = dataset.frames(path, 20, clearance=True)
     npz = np.load(tmp_path / "npz" / "episodes" / "000000.npz")
     assert np.array_equal(npz["state"], wanted.state) and list(npz["transitions"]) == wanted.transitions
     if first:
         assert np.array_equal(wanted.state[-1], path.knots[-1][: wanted.state.shape[1]]) and len(wanted) == len(path.knots)
     rows = read(tmp_path / "parquet", "frames.parquet")
+    assert wanted.clearance is not None
+    assert np.array_equal(npz["clearance"], wanted.clearance) and [row["clearance"] for row in rows] == list(npz["clearance"])
     layout = json.loads((tmp_path / "parquet" / "layout.json").read_text())
     assert np.array_equal([[row[name] for name in layout["robot"]] for row in rows], wanted.state)
     assert [row["contact"] for row in rows] == [wanted.contacts[segment] for segment in wanted.segment]

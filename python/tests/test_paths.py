@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -57,6 +59,19 @@ def test_poses_of_objects_are_their_numbers(path: foliate.Path) -> None:
     for number in range(len(path.objects)):
         starts = [at for at in range(rows.shape[1] - 6) if np.allclose(rows[:, at : at + 7], poses[:, number], atol=1e-9)]
         assert len(starts) == 1
+
+
+def test_clearances_are_over_the_proven_bound(path: foliate.Path, tmp_path: Path) -> None:
+    times = path.times(200)
+    measured = path.clearances(times)
+    assert path.min_clearance is not None and measured.shape == times.shape
+    assert measured.min() >= path.min_clearance and measured.max() > 0.01
+    path.save(tmp_path / "path.json")
+    assert np.array_equal(foliate.load_path(tmp_path / "path.json").clearances(times), measured)
+    knots = path.clearances()
+    assert len(knots) == len(path.knots) and knots[0] == pytest.approx(measured[0], abs=1e-12) and knots[-1] == pytest.approx(measured[-1], abs=1e-12)
+    without_times = foliate.solve(foliate.Scene("demo"), first=True).path
+    assert len(without_times.clearances()) == len(without_times.knots)
 
 
 def test_events_alternate(path: foliate.Path) -> None:

@@ -16,19 +16,19 @@ __all__ = ["NpzWriter", "ParquetWriter"]
 class NpzWriter(Writer):
     """Writes ``episodes/000000.npz`` and so on, ``layout.json`` (what the columns mean) and ``problems.jsonl``.
 
-    A file has ``times``, ``state``, ``action``, ``objects``, ``closed`` and ``segment`` as ``foliate.dataset.Frames``, the names ``states``, ``transitions`` and ``contacts`` by segment, and
-    ``task``.
+    A file has ``times``, ``state``, ``action``, ``objects``, ``closed`` and ``segment`` as ``foliate.dataset.Frames``, the names ``states``, ``transitions`` and ``contacts`` by segment,
+    ``task``, and ``clearance`` where it is measured.
     """
 
-    def __init__(self, out: str | PathLike[str], *, rate: float = 30.0, task: Task | None = None) -> None:
-        super().__init__(out, rate=rate, task=task)
+    def __init__(self, out: str | PathLike[str], *, rate: float = 30.0, task: Task | None = None, clearance: bool = False) -> None:
+        super().__init__(out, rate=rate, task=task, clearance=clearance)
         (self.out / "episodes").mkdir()
         self._problems = (self.out / "problems.jsonl").open("w", encoding="utf-8")
 
     def _episode(self, made: Frames, task: str, extra: dict[str, Any]) -> None:
         arrays: dict[str, Any] = {name: getattr(made, name) for name in ("times", "state", "action", "objects", "closed", "segment")}
         arrays |= {name: np.array(getattr(made, name), dtype=str) for name in ("states", "transitions", "contacts")}
-        arrays |= {key: value for key, value in extra.items() if value is not None}
+        arrays |= {key: value for key, value in {**extra, "clearance": made.clearance}.items() if value is not None}
         np.savez_compressed(self.out / "episodes" / f"{self.episodes:06d}.npz", task=task, **arrays)
 
     def _problem(self, row: dict[str, Any]) -> None:
@@ -47,10 +47,10 @@ class ParquetWriter(Writer):
     BLOCK = 50_000
     """Frames that are kept before they are written."""
 
-    def __init__(self, out: str | PathLike[str], *, rate: float = 30.0, task: Task | None = None) -> None:
+    def __init__(self, out: str | PathLike[str], *, rate: float = 30.0, task: Task | None = None, clearance: bool = False) -> None:
         import pyarrow
 
-        super().__init__(out, rate=rate, task=task)
+        super().__init__(out, rate=rate, task=task, clearance=clearance)
         self._pa = pyarrow
         self._tables: list[Any] = []
         self._rows: list[dict[str, Any]] = []
@@ -66,6 +66,8 @@ class ParquetWriter(Writer):
         columns |= {f"{name}/closed": made.closed[:, number] for number, name in enumerate(self.layout.grippers)}
         for key, of_segments in (("state", made.states), ("transition", made.transitions), ("contact", made.contacts)):
             columns[key] = pa.array(np.asarray(of_segments, dtype=object)[made.segment], pa.string())
+        if made.clearance is not None:
+            columns["clearance"] = made.clearance
         self._tables.append(pa.table(columns))
         self._held += len(made)
         if self._held >= self.BLOCK:

@@ -30,7 +30,7 @@ def run(arguments: list[str]) -> int:
     elif options.improve_work is not None:
         settings["improve_work"] = options.improve_work
     try:
-        made = make(_problems(options), options.out, format=options.format, rate=options.rate, task=options.task, threads=options.threads, progress=shown.tell, **settings)
+        made = make(_problems(options), options.out, format=options.format, rate=options.rate, task=options.task, clearance=options.clearance, threads=options.threads, progress=shown.tell, **settings)
     except (FoliateError, OSError, ValueError, ImportError) as why:
         print(f"error: {why}", file=sys.stderr)
         return 2
@@ -99,6 +99,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--format", choices=list(FORMATS), default="lerobot", help="LeRobot v3, one Parquet table, or an NPZ file for each path (default: %(default)s)")
     parser.add_argument("--rate", type=float, default=30.0, help="frames a second (default: %(default)s)")
     parser.add_argument("--task", help="what is done, in words (default: which objects are moved)")
+    parser.add_argument("--clearance", action="store_true", help="measure in each frame how close things are")
     parser.add_argument("--threads", type=int, help="problems that are planned at once (default: as many as the processor has threads)")
     parser.add_argument("--time-limit", type=float, default=60.0, metavar="S", help="of one problem (default: %(default)s)")
     parser.add_argument("--scheduler", default="sequence")

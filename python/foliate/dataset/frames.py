@@ -58,13 +58,16 @@ class Frames:
     """By segment, the name of its transition."""
     contacts: list[str]
     """By segment, who holds what: ``robot/left_hand box1/top``, several with ``; `` between."""
+    clearance: NDArray[np.float64] | None = None
+    """How close any two shapes that move against each other are, m, 0 where they meet: shape (frames,). ``None`` where it is not measured."""
 
     def __len__(self) -> int:
         return int(self.times.size)
 
 
-def frames(path: Path, rate: float, layout: Layout | None = None) -> Frames:
-    """The frames of a path, ``rate`` a second; the last one is at its end or less than a step after it. Of a path without times they are its knots.
+def frames(path: Path, rate: float, layout: Layout | None = None, *, clearance: bool = False) -> Frames:
+    """The frames of a path, ``rate`` a second; the last one is at its end or less than a step after it. Of a path without times they are its knots. ``clearance`` measures how close
+    things come.
 
     Raises ``ValueError`` where the path has other coordinates or grippers than ``layout``.
     """
@@ -78,10 +81,12 @@ def frames(path: Path, rate: float, layout: Layout | None = None) -> Frames:
         owner = np.repeat(np.arange(len(segments)), [len(segment.knots) - 1 for segment in segments])
         owner = np.append(owner, len(segments) - 1)
         times = np.arange(len(rows)) / rate
+        near = path.clearances() if clearance else None
     else:
         start = float(path.times(1.0)[0])
         times = start + np.arange(int(np.ceil(path.duration * rate - 1e-9)) + 1) / rate
         rows = path.configurations(times)
+        near = path.clearances(times) if clearance else None
         ends = [segment.times[-1] for segment in segments if segment.times is not None]
         owner = np.minimum(np.searchsorted(ends, times, side="right"), len(segments) - 1)
         times = times - times[0]
@@ -99,4 +104,5 @@ def frames(path: Path, rate: float, layout: Layout | None = None) -> Frames:
         states=[segment.state for segment in segments],
         transitions=[segment.transition for segment in segments],
         contacts=["; ".join(f"{gripper} {handle}" for gripper, handle in sorted(held.items())) for held in holding],
+        clearance=near,
     )

@@ -23,7 +23,7 @@ BLOCK = 50_000
 """Frames that are kept before they are written."""
 DATA = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 EPISODES = "meta/episodes/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
-STATE, ENVIRONMENT, ACTION = "observation.state", "observation.environment_state", "action"
+STATE, ENVIRONMENT, CLEARANCE, ACTION = "observation.state", "observation.environment_state", "observation.clearance", "action"
 NAMES = ("annotation.state_index", "annotation.transition_index", "annotation.contact_index")
 
 
@@ -38,14 +38,14 @@ class LeRobotWriter(Writer):
     """Writes a LeRobot v3.0 dataset without videos. Needs pyarrow.
 
     ``observation.state`` has the coordinates of the robots and, for each gripper, 1 where it holds something; ``action`` is the state of the next frame;
-    ``observation.environment_state`` has the coordinates of the objects. ``annotation.state_index``, ``annotation.transition_index`` and ``annotation.contact_index`` are numbers of names in
+    ``observation.environment_state`` has the coordinates of the objects, ``observation.clearance``, where it is measured, how close things are (m). ``annotation.state_index``, ``annotation.transition_index`` and ``annotation.contact_index`` are numbers of names in
     ``meta/annotations.json``: of the state and the transition of the constraint graph, and who holds what. ``meta/problems.parquet`` has a row for every problem, also those without a path. The same answers make the same bytes.
     """
 
-    def __init__(self, out: str | PathLike[str], *, rate: float = 30.0, task: Task | None = None, robot_type: str | None = None) -> None:
+    def __init__(self, out: str | PathLike[str], *, rate: float = 30.0, task: Task | None = None, clearance: bool = False, robot_type: str | None = None) -> None:
         import pyarrow
 
-        super().__init__(out, rate=rate, task=task)
+        super().__init__(out, rate=rate, task=task, clearance=clearance)
         if rate != int(rate):
             raise ValueError(f"LeRobot has whole numbers of frames a second, not {rate}")
         self.robot_type = robot_type
@@ -178,6 +178,8 @@ class LeRobotWriter(Writer):
         features = {STATE: of("float32", state), ACTION: of("float32", state)}
         if layout.objects:
             features[ENVIRONMENT] = of("float32", list(layout.objects))
+        if self.clearance:
+            features[CLEARANCE] = of("float32")
         features |= {key: of("int64") for key in NAMES}
         features |= {"next.done": of("bool"), "timestamp": of("float32")}
         return features | {key: of("int64") for key in ("frame_index", "episode_index", "index", "task_index")}
@@ -197,6 +199,9 @@ def _numbers(block: list[_Episode], lengths: NDArray[np.int64]) -> dict[str, NDA
     objects = np.concatenate([made.objects for made in every]).astype(np.float32)
     if objects.shape[1]:
         columns[ENVIRONMENT] = objects
+    near = [made.clearance for made in every if made.clearance is not None]
+    if near:
+        columns[CLEARANCE] = np.concatenate(near).astype(np.float32)
     return columns | {
         "next.done": last,
         "timestamp": np.concatenate([made.times for made in every]).astype(np.float32),

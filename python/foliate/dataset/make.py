@@ -39,6 +39,7 @@ def make(
     format: Literal["lerobot", "parquet", "npz"] = "lerobot",
     rate: float = 30.0,
     task: Task | None = None,
+    clearance: bool = False,
     threads: int | None = None,
     progress: Callable[[Made], None] | None = None,
     **settings: Any,
@@ -46,7 +47,7 @@ def make(
     """Plans for each problem and writes frames of the paths, ``rate`` a second, into the folder ``out``; problems without a path become rows with their reason.
 
     ``problems``, ``threads`` and ``settings`` are those of ``plan_batch``: a scene, or a scene with settings such as ``seed``; ``instances`` gives those of a scene that varies. ``task`` says what is done, in words, or is a function of a
-    path. ``progress`` is told after each answer what has been made so far. The files depend on problems and settings alone where these count work (``improve_work``), not time.
+    path. ``clearance`` measures in each frame how close things are. ``progress`` is told after each answer what has been made so far. The files depend on problems and settings alone where these count work (``improve_work``), not time.
 
     Where something raises, Ctrl-C included, what was written is a whole dataset.
 
@@ -64,7 +65,7 @@ def make(
             yield problem
 
     outcomes: Counter[str] = Counter()
-    with FORMATS[format](out, rate=rate, task=task) as writer:
+    with FORMATS[format](out, rate=rate, task=task, clearance=clearance) as writer:
         for answer in plan_batch(noted(), threads=threads, **settings):
             writer.add(answer, seeds[0])
             del seeds[0]

@@ -28,8 +28,9 @@ class Writer(ABC):
     the number of answers.
     """
 
-    def __init__(self, out: str | PathLike[str], *, rate: float = 30.0, task: Task | None = None) -> None:
-        """``out``: a folder that is new or empty. ``rate``: frames a second. ``task``: what is done, in words, or a function of the path that says it.
+    def __init__(self, out: str | PathLike[str], *, rate: float = 30.0, task: Task | None = None, clearance: bool = False) -> None:
+        """``out``: a folder that is new or empty. ``rate``: frames a second. ``task``: what is done, in words, or a function of the path that says it. ``clearance``: whether the clearance
+        of each frame is measured.
 
         Raises ``FileExistsError`` where the folder has something in it.
         """
@@ -41,6 +42,7 @@ class Writer(ABC):
         self.out.mkdir(parents=True, exist_ok=True)
         self.rate = rate
         self.task = task
+        self.clearance = clearance
         self.layout: Layout | None = None
         self.problems = 0
         self.episodes = 0
@@ -54,7 +56,7 @@ class Writer(ABC):
             path: Path = answer.path  # type: ignore[union-attr]
             row["seed"] = answer.seed  # type: ignore[union-attr]
             self.layout = self.layout if self.layout is not None else Layout.of(path)
-            made = frames(path, self.rate, self.layout)
+            made = frames(path, self.rate, self.layout, clearance=self.clearance)
             row["episode_index"] = self.episodes
             extra = {"problem": self.problems, "seed": row["seed"], "duration": path.duration, "min_clearance": path.min_clearance}
             self._episode(made, task_of(self.task, path), extra)
