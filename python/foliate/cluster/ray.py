@@ -60,19 +60,24 @@ def run(
         else:
             finish([row_of(mine[0], outcome, detail)])
 
+    def begin() -> None:
+        while len(running) < room:
+            following = again.popleft() if again else next(((mine, 0) for mine in waiting), None)
+            if following is None:
+                return
+            mine, tries = following
+            running[task.remote(mine, saved)] = (mine, tries, time.monotonic())
+
     try:
         while True:
-            while len(running) < room:
-                following = again.popleft() if again else next(((mine, 0) for mine in waiting), None)
-                if following is None:
-                    break
-                mine, tries = following
-                running[task.remote(mine, saved)] = (mine, tries, time.monotonic())
+            begin()
             if not running:
                 return dict(outcomes)
             ready, others = ray.wait(list(running), num_returns=1, timeout=0.2)
-            for reference in ready:
-                mine, tries, _ = running.pop(reference)
+            ended = [(reference, *running.pop(reference)) for reference in ready]
+            # Before rows are written: a processor does not wait for that.
+            begin()
+            for reference, mine, tries, _ in ended:
                 try:
                     finish(ray.get(reference))
                 except ray.exceptions.RayError as why:
