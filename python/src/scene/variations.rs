@@ -70,9 +70,9 @@ impl PyVariations {
 impl PyVariations {
     /// The instance of a number.
     pub(crate) fn draw(&self, number: u64) -> Result<PyScene, NotDrawn> {
-        let Instance { scene, tables, .. } = self.variations.instance(number).map_err(NotDrawn::NoInstance)?;
-        let scene = scene.ok_or(NotDrawn::NoScene)?;
-        PyScene::on_tables(scene, self.packages.clone(), tables).map_err(NotDrawn::NoModel)
+        let Instance { scene, tables, .. } = self.variations.instance(number).map_err(NotDrawn::Instance)?;
+        let scene = scene.ok_or(NotDrawn::Scene)?;
+        PyScene::on_tables(scene, self.packages.clone(), tables).map_err(NotDrawn::Model)
     }
 
     fn of_suite(suite: &Suite, packages: &PackagePath) -> Result<Vec<Self>, SceneError> {
@@ -85,20 +85,20 @@ impl PyVariations {
     }
 }
 
-/// Why there is no scene.
+/// What there is not, so that there is no scene of an instance.
 pub(crate) enum NotDrawn {
-    NoInstance(NoInstance),
-    NoModel(ModelError),
-    NoScene,
+    Instance(NoInstance),
+    Model(ModelError),
+    Scene,
 }
 
 impl NotDrawn {
     /// As an exception.
     pub(crate) fn told(&self, py: Python<'_>) -> PyErr {
         match self {
-            Self::NoInstance(none) => errors::raised(py, "NoInstance", (none.to_string(), none.number)),
-            Self::NoModel(why) => errors::of_model(py, why),
-            Self::NoScene => PyValueError::new_err("the scene has no text"),
+            Self::Instance(none) => errors::raised(py, "NoInstance", (none.to_string(), none.number)),
+            Self::Model(why) => errors::of_model(py, why),
+            Self::Scene => PyValueError::new_err("the scene has no text"),
         }
     }
 }
