@@ -4,6 +4,7 @@
 
 pub mod feasibility;
 pub mod humanoid;
+pub mod motionbenchmaker;
 
 use bevy_ecs::prelude::{Schedule, World};
 use bevy_ecs::schedule::ScheduleCleanupPolicy;
