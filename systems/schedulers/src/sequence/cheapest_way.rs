@@ -5,16 +5,43 @@
 //! can make its tree cheaper to reach. The answer stays that of a search that looks at all pairs, ties included.
 
 use crate::sequence::leaf_graph::{Join, LeafGraph};
-use foliate_components::roadmap::TreeId;
+use foliate_components::graph::leaf::LeafId;
+use foliate_components::roadmap::{NodeId, Roadmap, TreeId};
+use foliate_systems::exploration::roots::Roots;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// A bound on a product is taken a little lower than it is: its factors may be multiplied in another order.
 const ROUNDING: f64 = 1.0 - 1e-12;
 
+impl LeafGraph {
+    /// The joins on the cheapest way from the start's tree to a goal's, the start's first; `None` where there is no way yet,
+    /// nothing where start and goal are connected. Ties go to the older tree.
+    #[must_use]
+    pub fn cheapest(&self, roadmap: Roadmap<'_>, roots: &Roots) -> Option<Vec<Join>> {
+        let goals: Vec<_> = roots.goals.iter().map(|&goal| roadmap.tree_of(goal)).collect();
+        self.cheapest_between(roadmap, roadmap.tree_of(roots.start?), &goals)
+    }
+
+    /// Likewise from the tree of a root to any that has reached a leaf on the root's side.
+    #[must_use]
+    pub fn cheapest_to_leaf(&self, roadmap: Roadmap<'_>, root: NodeId, leaf: LeafId) -> Option<Vec<Join>> {
+        let here = self.anchors_at(leaf)?.iter().map(|&anchor| self.node_of(anchor));
+        let own = here.filter(|&node| roadmap.side_of(node) == roadmap.side_of(root));
+        let goals: Vec<_> = own.map(|node| roadmap.tree_of(node)).collect();
+        self.cheapest_between(roadmap, roadmap.tree_of(root), &goals)
+    }
+
+    /// Likewise from a tree to any of some others.
+    fn cheapest_between(&self, roadmap: Roadmap<'_>, start: TreeId, goals: &[TreeId]) -> Option<Vec<Join>> {
+        let (trees, members) = self.by_tree(roadmap);
+        cheapest_way(self, &trees, &members, start, goals)
+    }
+}
+
 /// The joins on the cheapest way from one tree to any of some others, the first one's first. `trees` has the tree of each anchor, `members` the anchors of
 /// each tree. Ties go to the older tree, then to the older anchor.
-pub(super) fn cheapest_way(
+fn cheapest_way(
     graph: &LeafGraph,
     trees: &[TreeId],
     members: &[Vec<u32>],
@@ -118,8 +145,6 @@ impl Search<'_> {
 mod tests {
     use super::*;
     use foliate_components::graph::StateId;
-    use foliate_components::graph::leaf::LeafId;
-    use foliate_components::roadmap::NodeId;
 
     /// Numbers that look random, the same each time.
     struct Draw(u64);

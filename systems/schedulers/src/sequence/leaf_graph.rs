@@ -4,7 +4,6 @@
 //! join them there is an estimate that rises with each failed effort; or where an unvalidated edge leads from one to the other. The
 //! cheapest way from the start's tree to a goal's is the sequence of transitions to work on.
 
-use crate::sequence::cheapest_way::cheapest_way;
 use foliate_components::graph::StateId;
 use foliate_components::graph::leaf::LeafId;
 use foliate_components::roadmap::{NodeId, Roadmap, TreeId};
@@ -253,6 +252,16 @@ impl LeafGraph {
         self.anchors[anchor as usize].leaf
     }
 
+    /// The anchors of a leaf that may not be reached yet, the oldest first.
+    pub(super) fn anchors_at(&self, leaf: LeafId) -> Option<&[u32]> {
+        self.by_leaf.get(leaf.at()).map(Vec::as_slice)
+    }
+
+    /// The node of an anchor.
+    pub(super) fn node_of(&self, anchor: u32) -> NodeId {
+        self.anchors[anchor as usize].node
+    }
+
     pub(super) fn leaf_count(&self) -> usize {
         self.by_leaf.len()
     }
@@ -291,7 +300,7 @@ impl LeafGraph {
     }
 
     /// The tree of each anchor, and the anchors of each tree.
-    fn by_tree(&self, roadmap: Roadmap<'_>) -> (Vec<TreeId>, Vec<Vec<u32>>) {
+    pub(super) fn by_tree(&self, roadmap: Roadmap<'_>) -> (Vec<TreeId>, Vec<Vec<u32>>) {
         let trees: Vec<TreeId> = self.anchors.iter().map(|anchor| roadmap.tree_of(anchor.node)).collect();
         let mut members: Vec<Vec<u32>> = vec![Vec::new(); roadmap.tree_count()];
         (0u32..).zip(&trees).for_each(|(anchor, tree)| members[tree.at()].push(anchor));
@@ -306,29 +315,6 @@ impl LeafGraph {
     /// Remembers which leaves no joins lead to any more, by side.
     pub fn lose(&mut self, lost: HashSet<(TreeId, LeafId)>) {
         self.lost = lost;
-    }
-
-    /// The joins on the cheapest way from the start's tree to a goal's, the start's first; `None` where there is no way yet,
-    /// nothing where start and goal are connected. Ties go to the older tree.
-    #[must_use]
-    pub fn cheapest(&self, roadmap: Roadmap<'_>, roots: &Roots) -> Option<Vec<Join>> {
-        let goals: Vec<_> = roots.goals.iter().map(|&goal| roadmap.tree_of(goal)).collect();
-        self.cheapest_between(roadmap, roadmap.tree_of(roots.start?), &goals)
-    }
-
-    /// Likewise from the tree of a root to any that has reached a leaf on the root's side.
-    #[must_use]
-    pub fn cheapest_to_leaf(&self, roadmap: Roadmap<'_>, root: NodeId, leaf: LeafId) -> Option<Vec<Join>> {
-        let here = self.by_leaf.get(leaf.at())?.iter().map(|&anchor| self.anchors[anchor as usize].node);
-        let own = here.filter(|&node| roadmap.side_of(node) == roadmap.side_of(root));
-        let goals: Vec<_> = own.map(|node| roadmap.tree_of(node)).collect();
-        self.cheapest_between(roadmap, roadmap.tree_of(root), &goals)
-    }
-
-    /// Likewise from a tree to any of some others.
-    fn cheapest_between(&self, roadmap: Roadmap<'_>, start: TreeId, goals: &[TreeId]) -> Option<Vec<Join>> {
-        let (trees, members) = self.by_tree(roadmap);
-        cheapest_way(self, &trees, &members, start, goals)
     }
 }
 
