@@ -58,6 +58,7 @@ fn the_example_loads_as_the_page_says() {
         assert_eq!((limits.velocity[i], limits.acceleration[i]), (velocity, acceleration));
         assert!((limits.jerk[i] - 20.0 * acceleration).abs() < 1e-12);
     }
+    assert_eq!(problem.projection_tolerance, 2e-6);
     assert_eq!(problem.timing.dwell, 0.25);
     assert_eq!(problem.cost, CostOptions { motion: MotionCost::Duration, grasp_charge: 3.0 });
     assert_eq!(problem.start[0], 0.1);
@@ -84,7 +85,7 @@ fn every_key_that_is_read_is_in_the_example_and_described() {
                 quaternion frame to value parameter at_least at_most length parts polygon margin first second height joint \
                 everywhere while_held state constraints transition from legs within until short hands fingers open closed travel approach approach_clearance approach_line approach_lines lift resting_joints velocity_limits acceleration_limits \
                 timing velocity_scale velocity acceleration ramp jerk_ramp object_speed dwell cost motion grasp_charge suggest \
-                start_tolerance angle on near tolerance held any object x y z within";
+                start_tolerance projection_tolerance angle on near tolerance held any object x y z within";
     let kinds = "\"pose\" \"centre_of_mass\" \"centre_of_mass_between\" \"distance\" \"tilt\" \"region\" \"joint\" \"start\" \"stays\" \"auto\"";
     let keys = format!("{keys} {kinds}");
     let tables = REFERENCE.replacen(example(), "", 1);

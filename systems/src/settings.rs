@@ -1,6 +1,7 @@
 //! What a user may change about a search. Each field states its meaning and unit; defaults serve every shipped scene.
 
 use bevy_ecs::prelude::Resource;
+use foliate_components::problem::{PROJECTION_TOLERANCE, Problem};
 use foliate_kernels::lanes::Level;
 
 /// How a node to extend is chosen.
@@ -49,7 +50,8 @@ pub struct SearchSettings {
     pub still_probability: f64,
     /// A new node is tried against this many nodes of its leaf in each other tree, nearest first.
     pub connect_neighbours: usize,
-    /// Residual at which a projection has converged, metres and radians (largest row).
+    /// Residual at which a projection has converged, metres and radians (largest row); the problem may say a larger one
+    /// ([`Problem::projection_tolerance`]).
     pub projection_tolerance: f64,
     /// Newton iterations per projection.
     pub projection_iterations: u32,
@@ -93,6 +95,13 @@ impl SearchSettings {
         change(&mut self);
         self
     }
+
+    /// These settings for a problem: constraints are met no more exactly than it asks.
+    #[must_use]
+    pub fn for_problem(self, problem: &Problem) -> Self {
+        let tolerance = self.projection_tolerance.max(problem.projection_tolerance);
+        self.with(|s| s.projection_tolerance = tolerance)
+    }
 }
 
 impl Default for SearchSettings {
@@ -108,7 +117,7 @@ impl Default for SearchSettings {
             loop_weight: 1.0,
             still_probability: 0.75,
             connect_neighbours: 7,
-            projection_tolerance: 1e-6,
+            projection_tolerance: PROJECTION_TOLERANCE,
             projection_iterations: 40,
             level: Level::detected(),
             path_tolerance: 2e-4,

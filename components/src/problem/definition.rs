@@ -12,6 +12,9 @@ use crate::robot::hybrid_robot::{DisabledPair, Robot};
 use crate::robot::indices::{GripperIndex, HandleIndex, JointIndex, LinkIndex, PartIndex, SurfaceIndex};
 use crate::robot::joint::CoordinateValue;
 
+/// The usual [`Problem::projection_tolerance`], and the least.
+pub const PROJECTION_TOLERANCE: f64 = 1e-6;
+
 /// Everything that defines a problem; how it is searched is not part of it.
 #[derive(Clone, Debug)]
 pub struct Problem {
@@ -30,6 +33,9 @@ pub struct Problem {
     pub start: Vec<f64>,
     /// How far the start and the goals may be off a state: within it they are moved onto the nearest.
     pub start_tolerance: StartTolerance,
+    /// Residual at which grasps, placements and other constraints count as met where a motion begins or ends, metres and radians (largest
+    /// row). Searches use at least this. Robots whose axes are not exactly parallel or square meet some grasps no closer.
+    pub projection_tolerance: f64,
     /// At least one goal; reaching any of them solves the problem.
     pub goals: Vec<Goal>,
     /// Poses in the world of movable objects' root links that may help on the way: each is laid onto the nearest support, and
@@ -53,6 +59,7 @@ impl Problem {
             margins: Vec::new(),
             start,
             start_tolerance: StartTolerance::default(),
+            projection_tolerance: PROJECTION_TOLERANCE,
             goals,
             suggestions: Vec::new(),
             timing: TimingOptions::default(),

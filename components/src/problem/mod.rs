@@ -13,8 +13,8 @@ pub mod timing;
 
 pub use crate::problem::cost::CostOptions;
 pub use crate::problem::definition::{
-    ApproachLine, GraphOptions, JointRest, Lift, Margin, ObjectOptions, Problem, RestingJoint, RestingPlane, Rule,
-    WhileHeld, WrittenLeg, WrittenState, WrittenTransition,
+    ApproachLine, GraphOptions, JointRest, Lift, Margin, ObjectOptions, PROJECTION_TOLERANCE, Problem, RestingJoint,
+    RestingPlane, Rule, WhileHeld, WrittenLeg, WrittenState, WrittenTransition,
 };
 pub use crate::problem::goal::{Goal, Holding, NamedConstraint, OtherHands, PartialGoal};
 pub use crate::problem::hand::{Approach, Finger, Hand};

@@ -74,6 +74,7 @@ pub(crate) fn load(
     let cost = timing::cost(&mut keys)?;
     let suggestions = suggest::read(&mut keys, &robot)?;
     let start_tolerance = start_tolerance::read(&mut keys)?;
+    let projection_tolerance = start_tolerance::projection(&mut keys)?;
     keys.finish()?;
     if graph.rests != Rests::Centre {
         robot.surfaces.iter_mut().for_each(faces::join);
@@ -86,6 +87,7 @@ pub(crate) fn load(
         margins,
         start,
         start_tolerance,
+        projection_tolerance,
         goals,
         suggestions,
         timing,

@@ -1,13 +1,15 @@
-//! `start_tolerance`: how far the start and the goals may be off a state.
+//! `start_tolerance`: how far the start and the goals may be off a state. `projection_tolerance`: how exactly constraints are met.
 
 use crate::scene::reading::error::SceneError;
 use crate::scene::reading::keys::Keys;
-use foliate_components::problem::StartTolerance;
+use foliate_components::problem::{PROJECTION_TOLERANCE, StartTolerance};
 
 /// Most that may be asked, metres: what is farther off is somewhere else.
 const FARTHEST: f64 = 0.05;
 /// Most that may be asked, radians.
 const MOST_ANGLE: f64 = 0.2;
+/// Largest residual that may be asked for, metres and radians: objects that are carried are then less than 1e-5 off their carriers.
+const MOST_RESIDUAL: f64 = 5e-6;
 
 pub(super) fn read(keys: &mut Keys<'_>) -> Result<StartTolerance, SceneError> {
     let usual = StartTolerance::default();
@@ -26,4 +28,16 @@ pub(super) fn read(keys: &mut Keys<'_>) -> Result<StartTolerance, SceneError> {
     let angle = value("angle", usual.angle, MOST_ANGLE, "radians")?;
     keys.finish()?;
     Ok(StartTolerance { distance, angle })
+}
+
+pub(super) fn projection(keys: &mut Keys<'_>) -> Result<f64, SceneError> {
+    let Some(item) = keys.optional("projection_tolerance") else { return Ok(PROJECTION_TOLERANCE) };
+    match item.distance()? {
+        value if (PROJECTION_TOLERANCE..=MOST_RESIDUAL).contains(&value) => Ok(value),
+        value => Err(item
+            .error(format!(
+                "{value:e} is not between {PROJECTION_TOLERANCE:e} and {MOST_RESIDUAL:e} (metres and radians)"
+            ))
+            .hint("objects in a hand are to be within 1e-5 of where it carries them, in each direction and together")),
+    }
 }

@@ -130,7 +130,7 @@ pub(super) fn measured(robot: &Robot, jaw: &Jaw<'_>, ranges: &[FingerRange]) -> 
             tip: size.tip - size.origin,
             one_moves: jaw.is_single,
         },
-        fingers: ranges,
+        fingers: widest(robot, jaw, &ranges),
         reason: format!("{jaws} moved by {}", joints.join(", ")),
         solids: Vec::new(),
     })
@@ -159,6 +159,17 @@ fn opened(robot: &Robot, jaw: &Jaw<'_>, ranges: &[FingerRange], is_open_low: boo
         FingerRange { open: if is_wide { (open + closed) / 2.0 } else { open }, closed, ..*range }
     };
     ranges.iter().map(turn).collect()
+}
+
+/// The ranges from wide open to closed. A single jaw is measured half open, where its face looks at the other one; it leaves most room for
+/// what lies against that where it is open to the end of its range.
+fn widest(robot: &Robot, jaw: &Jaw<'_>, ranges: &[FingerRange]) -> Vec<FingerRange> {
+    let to_end = |range: &FingerRange| {
+        let record = &robot.joints[range.joint.at()];
+        let (low, high) = (record.lower[0], record.upper[0]);
+        FingerRange { open: if range.open > range.closed { high } else { low }, ..*range }
+    };
+    if jaw.is_single { ranges.iter().map(to_end).collect() } else { ranges.to_vec() }
 }
 
 /// The link of the palm that carries the first finger.

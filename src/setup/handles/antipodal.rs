@@ -2,7 +2,7 @@
 #![allow(non_snake_case, reason = "pose names carry their frames")]
 
 use crate::setup::grippers::FoundGripper;
-use crate::setup::handles::handle::{FoundHandle, HandleSettings, Jaws, ROOM, can_take, farther_out};
+use crate::setup::handles::handle::{FoundHandle, HandleSettings, Jaws, ROOM, farther_out, fitted};
 use crate::setup::objects::RigidObject;
 use crate::setup::solids::surface_points::{SurfacePoint, random, ray};
 use glam::{DQuat, DVec3};
@@ -59,12 +59,11 @@ fn thin(
             continue;
         }
         tested += 1;
-        let fits = can_take(object, gripper, &candidate.handle);
         // What turns about a line stays on it.
-        let may_move = !fits && candidate.handle.mask[4];
-        let moved = if may_move { farther_out(object, gripper, &candidate.handle) } else { None };
-        if fits || moved.is_some() {
-            candidate.handle = moved.unwrap_or(candidate.handle);
+        let may_move = candidate.handle.mask[4];
+        let farther = || if may_move { farther_out(object, gripper, &candidate.handle) } else { None };
+        if let Some(handle) = fitted(object, gripper, &candidate.handle).or_else(farther) {
+            candidate.handle = handle;
             kept.push(candidate);
         }
     }

@@ -1,7 +1,7 @@
 //! The handles of an object for a gripper.
 
 use crate::setup::grippers::{FoundGripper, GripperKind};
-use crate::setup::handles::handle::{FoundHandle, HandleSettings, TURNS, can_take, farther_out};
+use crate::setup::handles::handle::{FoundHandle, HandleSettings, TURNS, farther_out, fitted};
 use crate::setup::handles::{antipodal, primitives, tool_places};
 use crate::setup::objects::RigidObject;
 use foliate_components::Pose;
@@ -28,7 +28,7 @@ pub fn handles(object: &RigidObject, gripper: &FoundGripper, settings: HandleSet
 /// The handle, where the hand can take it; else the nearest to it that it can take, farther out of the hand, and turned each way that was
 /// left free about the object.
 fn taken(object: &RigidObject, gripper: &FoundGripper, handle: FoundHandle) -> Vec<FoundHandle> {
-    if can_take(object, gripper, &handle) {
+    if let Some(handle) = fitted(object, gripper, &handle) {
         return vec![handle];
     }
     let turned = match handle.mask {

@@ -20,6 +20,8 @@ const STEP: f64 = 0.01;
 const LEAST_OVERLAP: f64 = 0.006;
 /// How far an object stays off a jaw that does not move, metres.
 const AGAINST: f64 = 1e-3;
+/// How many times farther than [`AGAINST`] an object may stay off the middle of such a jaw, whose face bulges elsewhere.
+const OFF_JAW: u32 = 15;
 /// Turns about a free axis at which a grasp is tested.
 pub(super) const TURNS: usize = 8;
 /// Places between pregrasp and grasp at which the open hand is tested.
@@ -69,20 +71,35 @@ pub(super) fn farther_out(object: &RigidObject, gripper: &FoundGripper, handle: 
             clearance: handle.clearance - out,
             ..handle.clone()
         };
+        fitted(object, gripper, &moved)
+    })
+}
+
+/// A handle that the hand can take. Where one jaw moves alone, the object lies against the other one as near as that one's shape allows:
+/// its face need not be flat.
+pub(super) fn fitted(object: &RigidObject, gripper: &FoundGripper, handle: &FoundHandle) -> Option<FoundHandle> {
+    let GripperKind::Jaws { one_moves, .. } = gripper.kind else {
+        return can_take(object, gripper, handle).then(|| handle.clone());
+    };
+    let places = if one_moves { OFF_JAW } else { 0 };
+    (0..=places).find_map(|place| {
+        let off = Pose::from_translation(-DVec3::Y * AGAINST * f64::from(place));
+        let moved = FoundHandle { link_from_handle: handle.link_from_handle * off, ..handle.clone() };
         can_take(object, gripper, &moved).then_some(moved)
     })
 }
 
 /// Whether the open hand is clear of the object at the grasp and all the way from the pregrasp, at some turn that the mask leaves free.
-pub(super) fn can_take(object: &RigidObject, gripper: &FoundGripper, handle: &FoundHandle) -> bool {
-    let clear = |X_GH: Pose| {
-        let at = |place: usize| {
-            let ahead = Pose::from_translation(DVec3::X * handle.clearance * place as f64 / PLACES as f64);
-            gripper.is_clear(&object.solids, &(ahead * X_GH * handle.link_from_handle.inverse()), GAP)
-        };
-        (0..=PLACES).all(at)
-    };
-    free_turns(handle.mask).into_iter().any(clear)
+fn can_take(object: &RigidObject, gripper: &FoundGripper, handle: &FoundHandle) -> bool {
+    free_turns(handle.mask).into_iter().any(|X_GH| can_take_turned(object, gripper, handle, &X_GH))
+}
+
+/// Likewise where the handle is so in the gripper's frame.
+pub(crate) fn can_take_turned(object: &RigidObject, gripper: &FoundGripper, handle: &FoundHandle, X_GH: &Pose) -> bool {
+    (0..=PLACES).all(|place| {
+        let ahead = Pose::from_translation(DVec3::X * handle.clearance * place as f64 / PLACES as f64);
+        gripper.is_clear(&object.solids, &(ahead * *X_GH * handle.link_from_handle.inverse()), GAP)
+    })
 }
 
 /// Poses of a handle in a gripper that a mask allows.

@@ -11,6 +11,7 @@ mod refusal;
 mod tool_places;
 
 pub use crate::setup::handles::find::handles;
+pub(crate) use crate::setup::handles::handle::can_take_turned;
 pub use crate::setup::handles::handle::{FoundHandle, HandleSettings};
 pub(crate) use crate::setup::handles::kinds::{Kinds, distinct};
 pub(crate) use crate::setup::handles::refusal::no_grasp;

@@ -107,10 +107,11 @@ fn around_box(half: DVec3, jaws: &Jaws) -> Vec<FoundHandle> {
         let in_middle = half[a].hypot(half[b]);
         let at_end = half[short] * SQRT_2;
         let off = AXES[long].0 * (half[long] - half[short]);
-        let places = match in_middle <= jaws.depth - ROOM {
-            true => vec![("", DVec3::ZERO, in_middle)],
-            false => vec![("_far", off, at_end), ("_near", -off, at_end)],
-        };
+        let mut places = vec![("", DVec3::ZERO, in_middle)];
+        // A jaw that turns takes away room behind its tip: near the ends more is left.
+        if in_middle > jaws.depth - ROOM || (jaws.one_moves && off != DVec3::ZERO) {
+            places.extend([("_far", off, at_end), ("_near", -off, at_end)]);
+        }
         let fits = |(_, _, far): &(&str, DVec3, f64)| jaws.fits(2.0 * half[c]) && *far <= jaws.depth - ROOM;
         found.extend(places.into_iter().filter(fits).map(|(place, at, far)| FoundHandle {
             name: format!("around_{across}{place}"),
@@ -166,11 +167,11 @@ fn across_cylinder(radius: f64, half_length: f64, jaws: &Jaws) -> Vec<FoundHandl
     let in_middle = radius.hypot(half_length);
     let at_end = radius * SQRT_2;
     let off = half_length - radius;
-    let places = match in_middle <= jaws.depth - ROOM {
-        true => vec![("", 0.0, in_middle)],
-        false if off > 0.0 && at_end <= jaws.depth - ROOM => vec![("_far", off, at_end), ("_near", -off, at_end)],
-        false => Vec::new(),
-    };
+    let mut places = vec![("", 0.0, in_middle)];
+    if off > 0.0 && (in_middle > jaws.depth - ROOM || jaws.one_moves) {
+        places.extend([("_far", off, at_end), ("_near", -off, at_end)]);
+    }
+    places.retain(|(.., far)| *far <= jaws.depth - ROOM);
     let handle = |turn: usize, (place, at, far): (&str, f64, f64)| {
         let angle = TAU * turn as f64 / AROUND as f64;
         let closing = DVec3::new(angle.cos(), angle.sin(), 0.0);

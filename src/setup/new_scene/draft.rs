@@ -17,9 +17,13 @@ use crate::setup::places::table::{Standing, TOP, TableSize, table_pose, table_so
 use crate::setup::surfaces::level_faces;
 use crate::setup::writing::numbers::number;
 use crate::setup::writing::scene_text::{Draft, ObjectText, TableText};
+use foliate_components::problem::PROJECTION_TOLERANCE;
 use foliate_components::robot::model::JointKind;
 use foliate_components::robot::{JointIndex, RootJoint, Source};
 use glam::DVec3;
+
+/// Largest residual of a grasp that searches reach as they are, metres and radians.
+const EXACT: f64 = 0.5 * PROJECTION_TOLERANCE;
 
 impl Setting<'_> {
     // Long: one field after the other.
@@ -87,6 +91,7 @@ impl Setting<'_> {
             driving: of_kind(self.model, JointKind::Planar).map(str::to_owned).collect(),
             floating: of_kind(self.model, JointKind::Floating).map(str::to_owned).collect(),
             goal: layout.goal,
+            inexact: Some(layout.residual).filter(|residual| *residual > EXACT),
             grasp: format!("`{}` by `{}`", handle, self.grippers[*gripper].name),
         })
     }

@@ -12,9 +12,10 @@ use crate::setup::new_scene::own_roots;
 use crate::setup::new_scene::read_objects::Object;
 use crate::setup::new_scene::request::{DRIVES, NewScene};
 use crate::setup::places::arm::Arm;
-use crate::setup::places::layout::{Item, Maker};
+use crate::setup::places::layout::Maker;
 use crate::setup::places::reach::{Reached, reached};
 use crate::setup::places::table::{Standing, TableSize, standings, table_pose, table_solid};
+use crate::setup::places::taking::{Item, Taker};
 use crate::setup::places::world::World;
 use crate::setup::solids::surface_points::PURPOSE;
 use foliate_components::Pose;
@@ -87,9 +88,17 @@ impl Setting<'_> {
         match tried.first {
             Some(text) => Ok((text, None)),
             None => {
-                Err(SetupError::OutOfReach(tried.refused.into_iter().next().unwrap_or_else(|| {
+                let why = tried.refused.into_iter().next().unwrap_or_else(|| {
                     format!("no gripper gets above a table {} m high beside the robot", size.height)
-                })))
+                });
+                Err(SetupError::OutOfReach(match self.drives() {
+                    // A robot on the floor comes to a height with the postures that its joints allow there.
+                    true => format!(
+                        "{why} (the table is {} m high; --table \"LENGTH WIDTH HEIGHT\" sets that)",
+                        size.height
+                    ),
+                    false => why,
+                }))
             }
         }
     }
@@ -110,13 +119,16 @@ impl Setting<'_> {
         let arms = self.arms(&world.robot);
         let reached = self.reached(&world, &arms, &q);
         let maker = Maker {
-            world: &world,
-            arms: &arms,
-            reached: &reached,
+            taker: Taker {
+                world: &world,
+                arms: &arms,
+                grippers: self.grippers,
+                reached: &reached,
+                stops: RefCell::default(),
+            },
             X_WT: standing.X_WT,
             size: *size,
             q: q.clone(),
-            stops: RefCell::default(),
         };
         let items = objects.iter().enumerate();
         let items: Vec<Item<'_>> = items

@@ -12,10 +12,14 @@ use glam::{DQuat, DVec3};
 const ITERATIONS: usize = 60;
 /// Residual at which a pose is reached, metres and radians.
 const REACHED: f64 = 1e-5;
+/// Residual that is as good as none.
+const EXACT: f64 = 1e-9;
 /// Longest step of a joint, radians or metres.
 const STEP: f64 = 0.4;
 /// Damping, squared.
 const DAMPING: f64 = 1e-5;
+/// A floor is level where its normal has at least this height.
+const LEVEL: f64 = 0.9999;
 
 /// A gripper and the joints that move it.
 pub(crate) struct Arm {
@@ -52,21 +56,71 @@ impl Arm {
         self.chain.iter().any(|(own, ..)| *own == joint)
     }
 
+    /// The joint by which what carries the arm drives on a level floor, and the number of its first coordinate.
+    pub(crate) fn base(&self, robot: &Robot) -> Option<(JointIndex, usize)> {
+        let &(joint, at, _) = self.chain.last()?;
+        let record = &robot.joints[joint.at()];
+        let is_level = (record.parent_from_joint.rotation * DVec3::Z).z > LEVEL;
+        (record.motion == JointType::Planar && record.parent.is_none() && is_level).then_some((joint, at))
+    }
+
+    /// Whether a coordinate is one of the base.
+    pub(crate) fn drives_by(&self, robot: &Robot, at: usize) -> bool {
+        self.base(robot).is_some_and(|(_, first)| (first..first + 3).contains(&at))
+    }
+
+    /// How many coordinates move it.
+    pub(crate) fn coordinates(&self, robot: &Robot) -> usize {
+        let mut sizes: Vec<(usize, usize)> = Vec::new();
+        for &(joint, at, _) in &self.chain {
+            if sizes.iter().all(|(known, _)| *known != at) {
+                sizes.push((at, robot.joints[joint.at()].motion.velocity_size()));
+            }
+        }
+        sizes.iter().map(|(_, size)| size).sum()
+    }
+
     /// The gripper in the world.
     pub(crate) fn gripper(&self, X_WJ: &[Pose]) -> Pose {
         self.body.map_or(Pose::IDENTITY, |body| X_WJ[body.at()]) * self.X_BG
     }
 
-    /// A configuration, from `q` on, at which the gripper is at the target; its poses are in `X_WJ` then.
+    /// A configuration, from `q` on, at which the gripper is at the target; its poses are in `X_WJ` then. Coordinates that are held stay.
     pub(crate) fn reach(
         &self,
         robot: &Robot,
         kinematics: &Kinematics,
         target: &Target,
-        q: &mut [f64],
+        (q, held): (&mut [f64], &[usize]),
         X_WJ: &mut [Pose],
     ) -> bool {
-        for _ in 0..ITERATIONS {
+        self.approach(robot, kinematics, target, (q, held), X_WJ, (REACHED, ITERATIONS)) < REACHED
+    }
+
+    /// How closely the gripper gets to a target from where it has reached it: the largest row that is left, metres and radians.
+    pub(crate) fn residual(
+        &self,
+        robot: &Robot,
+        kinematics: &Kinematics,
+        target: &Target,
+        (q, held): (&mut [f64], &[usize]),
+        X_WJ: &mut [Pose],
+    ) -> f64 {
+        self.approach(robot, kinematics, target, (q, held), X_WJ, (EXACT, ITERATIONS))
+    }
+
+    /// Steps towards a target until no row is larger than `until`. The largest row at the end.
+    fn approach(
+        &self,
+        robot: &Robot,
+        kinematics: &Kinematics,
+        target: &Target,
+        (q, held): (&mut [f64], &[usize]),
+        X_WJ: &mut [Pose],
+        (until, iterations): (f64, usize),
+    ) -> f64 {
+        let mut largest = f64::INFINITY;
+        for _ in 0..iterations {
             kinematics.forward(q, X_WJ);
             let X_WG = self.gripper(X_WJ);
             let X_GH = X_WG.inverse() * target.X_WH;
@@ -76,20 +130,25 @@ impl Arm {
             error[3..].copy_from_slice(&turn.to_array());
             error.iter_mut().zip(target.mask).filter(|(_, counts)| !counts).for_each(|(row, _)| *row = 0.0);
             let mut columns = self.columns(robot, X_WJ, &X_WG, if target.is_level { [true; 6] } else { target.mask });
+            columns.retain(|(at, _)| !held.contains(at));
             if target.is_level {
                 error[3..].copy_from_slice(&level(&X_WG, &mut columns));
             }
-            if error.iter().all(|row| row.abs() < REACHED) {
-                return true;
+            largest = error.iter().fold(0.0, |most: f64, row| most.max(row.abs()));
+            if largest < until {
+                return largest;
             }
-            let step = damped(&columns, &error);
+            let step = inside(robot, &mut columns, &error, q);
+            if step.is_empty() {
+                return largest;
+            }
             let longest = step.iter().fold(0.0_f64, |most, (_, x)| most.max(x.abs()));
             let scale = if longest > STEP { STEP / longest } else { 1.0 };
             for (at, x) in step {
                 q[at] = (q[at] + x * scale).max(robot.space.lower[at]).min(robot.space.upper[at]);
             }
         }
-        false
+        largest
     }
 
     /// By coordinate: how it moves the gripper, in the gripper's axes.
@@ -161,6 +220,21 @@ fn column(into: DQuat, linear: DVec3, angular: DVec3, mask: [bool; 6]) -> [f64; 
     column
 }
 
+/// The step of the joints that are not at a bound beyond which the step would lead: what such a joint cannot give the others have to.
+fn inside(robot: &Robot, columns: &mut Vec<(usize, [f64; 6])>, error: &[f64; 6], q: &[f64]) -> Vec<(usize, f64)> {
+    loop {
+        let step = damped(columns, error);
+        let is_beyond = |&(at, x): &(usize, f64)| {
+            (x > 0.0 && q[at] >= robot.space.upper[at]) || (x < 0.0 && q[at] <= robot.space.lower[at])
+        };
+        let stuck: Vec<usize> = step.iter().filter(|entry| is_beyond(entry)).map(|(at, _)| *at).collect();
+        if stuck.is_empty() {
+            return step;
+        }
+        columns.retain(|(at, _)| !stuck.contains(at));
+    }
+}
+
 /// Jᵀ(JJᵀ + λ)⁻¹e.
 fn damped(columns: &[(usize, [f64; 6])], error: &[f64; 6]) -> Vec<(usize, f64)> {
     let mut matrix = [[0.0; 7]; 6];
@@ -185,4 +259,43 @@ fn damped(columns: &[(usize, [f64; 6])], error: &[f64; 6]) -> Vec<(usize, f64)> 
         y[i] = (matrix[i][6] - known) / matrix[i][i];
     }
     columns.iter().map(|(at, column)| (*at, column.iter().zip(y).map(|(c, y)| c * y).sum())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use foliate_components::robot::model::{JointKind, JointModel, LinkModel, Model};
+    use foliate_components::samples::models::fixed_robot;
+
+    #[test]
+    fn joints_at_their_bounds_leave_the_way_to_the_others() {
+        // Eight sliders in a row, all but the last at the end of their ranges.
+        let link = |number: usize| LinkModel { name: format!("l{number}"), shapes: Vec::new(), inertial: None };
+        let slider = |parent: usize| JointModel {
+            name: format!("j{parent}"),
+            kind: JointKind::Prismatic,
+            parent,
+            child: parent + 1,
+            parent_from_joint: Pose::identity(),
+            axis: DVec3::X,
+            limits: (0.0, 0.1),
+            velocity_limit: None,
+            mimic: None,
+        };
+        let model =
+            Model { links: (0..9).map(link).collect(), joints: (0..8).map(slider).collect(), ..Model::default() };
+        let robot = Robot::compose(&[(&model, fixed_robot("arm", Pose::identity()))]).unwrap();
+        let kinematics = Kinematics::new(&robot);
+        let arm = Arm::new(&robot, Some(JointIndex(7)), Pose::identity());
+        let target = |x: f64| Target { X_WH: Pose::from_translation(DVec3::X * x), mask: [true; 6], is_level: false };
+        let mut q = [0.1; 8];
+        q[7] = 0.0;
+        let mut X_WJ = vec![Pose::identity(); kinematics.bodies()];
+        assert!(arm.reach(&robot, &kinematics, &target(0.75), (&mut q, &[]), &mut X_WJ));
+        assert!((q[7] - 0.05).abs() < 1e-4 && q[..7].iter().all(|x| (x - 0.1).abs() < 1e-12), "{q:?}");
+        assert!(!arm.reach(&robot, &kinematics, &target(0.85), (&mut q, &[]), &mut X_WJ));
+        // What is held stays.
+        assert!(arm.reach(&robot, &kinematics, &target(0.7), (&mut q, &[7]), &mut X_WJ));
+        assert!((q[7] - 0.1).abs() < 1e-12, "{q:?}");
+    }
 }

@@ -2,18 +2,14 @@
 #![allow(non_snake_case, reason = "pose names carry their frames")]
 
 use crate::setup::handles::FoundHandle;
-use crate::setup::objects::RigidObject;
-use crate::setup::places::arm::{Arm, Target};
+use crate::setup::places::arm::Target;
 use crate::setup::places::reach::{Reached, seeds};
 use crate::setup::places::table::TableSize;
-use crate::setup::places::world::World;
+use crate::setup::places::taking::{Item, Taken, Taker};
 use crate::setup::surfaces::{FoundSurface, lying_on};
 use foliate_components::Pose;
-use foliate_components::robot::LinkIndex;
 use glam::{DQuat, DVec3};
-use std::cell::RefCell;
-use std::collections::BTreeMap;
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::FRAC_PI_2;
 
 /// Gap between an object and what it lies on, metres: the default of scenes.
 pub(crate) const GAP: f64 = 1e-3;
@@ -25,32 +21,14 @@ const FROM_EDGE: f64 = 0.03;
 const GRID: f64 = 0.05;
 /// Most places that are tried for an object.
 const PLACES: usize = 20;
-/// Seeds for each grasp.
-const SEEDS: usize = 3;
-/// Sides from which a grasp is tried whose turn is free.
-const SIDES: usize = 6;
 /// How often an object is turned to a hand: where it turns about a place beside the jaws, the hand comes otherwise each time.
 const TURNED: usize = 10;
 /// Pairs of places that are compared by the turns of their grasps.
 const COMPARED: usize = 40;
 /// Turns of a grasp that are compared.
 const TURNS: usize = 4;
-/// The first part that is an object, after robot and table.
-const FIRST_OBJECT: usize = 2;
-/// How far an object is lifted before it is carried away, metres.
-const LIFT: f64 = 0.05;
 /// Least and best distance of start and goal, metres.
 const WAY: (f64, f64) = (0.1, 0.35);
-
-/// An object that is to be laid down.
-pub(crate) struct Item<'a> {
-    pub object: &'a RigidObject,
-    pub faces: &'a [FoundSurface],
-    /// Grippers by number, with their handles of the object.
-    pub handles: &'a [(usize, FoundHandle)],
-    /// Its part in the world.
-    pub part: usize,
-}
 
 /// Where an object lies.
 #[derive(Clone, Copy, Debug)]
@@ -69,32 +47,35 @@ pub(crate) struct Layout {
     pub goal: Pose,
     /// The gripper and the handle that take it there.
     pub grasp: (usize, String),
+    /// How closely the gripper meets that grasp at both places: the largest residual, metres and radians.
+    pub residual: f64,
+}
+
+/// Two places of an object with one grasp for both.
+struct Way {
+    start: Lying,
+    goal: Lying,
+    grasp: (usize, String),
+    residual: f64,
 }
 
 /// What a layout is made with.
 pub(crate) struct Maker<'a> {
-    pub world: &'a World,
-    pub arms: &'a [Arm],
-    pub reached: &'a [Vec<Reached>],
+    pub taker: Taker<'a>,
     pub X_WT: Pose,
     pub size: TableSize,
     /// The configuration with the fingers open and all objects away.
     pub q: Vec<f64>,
-    /// What stopped tries to take an object, and how often: where, and which links met where it was not the reach.
-    pub stops: RefCell<BTreeMap<Stop, usize>>,
 }
-
-/// Where a try to take an object ended, and the links that met there.
-pub(crate) type Stop = (&'static str, Option<[LinkIndex; 2]>);
 
 impl Maker<'_> {
     /// A layout; `skip` says how many that would do are left out first. The error says which object cannot be taken anywhere.
     pub(crate) fn layout(&self, items: &[Item<'_>], skip: usize) -> Result<Layout, String> {
         let Some((first, others)) = items.split_first() else { return Err("there is no object".into()) };
-        let (start, goal, grasp) = self.way(first, skip)?;
+        let Way { start, goal, grasp, residual } = self.way(first, skip)?;
         let mut starts = vec![start];
         let mut q = self.q.clone();
-        self.world.put(&mut q, first.part, &start.X_WO);
+        self.taker.world.put(&mut q, first.part, &start.X_WO);
         for item in others {
             let taken: Vec<(DVec3, f64)> = starts.iter().map(|lying| lying.circle).chain([goal.circle]).collect();
             let place = self.spots(item).find(|lying| {
@@ -104,14 +85,14 @@ impl Maker<'_> {
             let place = place.ok_or_else(|| {
                 format!("`{}` can be taken at no place on the table that is left beside the others", item.object.name)
             })?;
-            self.world.put(&mut q, item.part, &place.X_WO);
+            self.taker.world.put(&mut q, item.part, &place.X_WO);
             starts.push(place);
         }
-        Ok(Layout { starts, goal: goal.X_WO, grasp })
+        Ok(Layout { starts, goal: goal.X_WO, grasp, residual })
     }
 
-    /// Two places of an object with one grasp for both.
-    fn way(&self, item: &Item<'_>, skip: usize) -> Result<(Lying, Lying, (usize, String)), String> {
+    /// The way of an object; `skip` says how many better ones are left out.
+    fn way(&self, item: &Item<'_>, skip: usize) -> Result<Way, String> {
         let mut known: Vec<(Lying, Vec<usize>)> = Vec::new();
         let mut found = Vec::new();
         for lying in self.spots(item) {
@@ -130,28 +111,32 @@ impl Maker<'_> {
         }
         found.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mut alike = found.iter().take(COMPARED).filter_map(|(_, start, goal, shared)| {
-            let common = shared.iter().copied().find(|&at| self.is_same(item, at, [&start.X_WO, &goal.X_WO]))?;
+            let same = |&at: &usize| Some((at, self.same(item, at, [&start.X_WO, &goal.X_WO])?));
+            let (common, residual) = shared.iter().find_map(same)?;
             let (gripper, handle) = &item.handles[common];
-            Some((*start, *goal, (*gripper, handle.name.clone())))
+            Some(Way { start: *start, goal: *goal, grasp: (*gripper, handle.name.clone()), residual })
         });
         alike.nth(skip).ok_or_else(|| self.why_not(item, &known))
     }
 
-    /// Whether an object can be taken at both places by a handle in the same way: where its turn is free, by the same turn.
-    fn is_same(&self, item: &Item<'_>, at: usize, [from, to]: [&Pose; 2]) -> bool {
+    /// How closely an object is taken at both places by a handle in the same way: where its turn is free, by the same turn. None where it
+    /// cannot be.
+    fn same(&self, item: &Item<'_>, at: usize, [from, to]: [&Pose; 2]) -> Option<f64> {
         let (gripper, handle) = &item.handles[at];
-        if handle.mask == [true; 6] {
-            return true;
-        }
-        let mut q = self.q.clone();
-        self.world.put(&mut q, item.part, from);
-        let turns = self.turns(item, (*gripper, handle), from, &q).step_by(2).take(TURNS);
-        let turns: Vec<Pose> = turns.collect();
-        self.world.put(&mut q, item.part, to);
-        turns.into_iter().any(|X_HG| {
-            let link_from_handle = handle.link_from_handle * X_HG;
+        let [mut q_from, mut q_to] = [self.q.clone(), self.q.clone()];
+        self.taker.world.put(&mut q_from, item.part, from);
+        self.taker.world.put(&mut q_to, item.part, to);
+        let (every, most) = if handle.mask == [true; 6] { (1, 1) } else { (2, TURNS) };
+        let turns = self.taker.turns(item, (*gripper, handle), from, &q_from).step_by(every).take(most);
+        let turns: Vec<Taken> = turns.collect();
+        turns.into_iter().find_map(|taken| {
+            let link_from_handle = match handle.mask == [true; 6] {
+                true => handle.link_from_handle,
+                false => handle.link_from_handle * taken.X_HG,
+            };
             let fixed = FoundHandle { link_from_handle, mask: [true; 6], ..handle.clone() };
-            self.turns(item, (*gripper, &fixed), to, &q).next().is_some()
+            let there = self.taker.turns(item, (*gripper, &fixed), to, &q_to).next()?;
+            Some(taken.residual.max(there.residual))
         })
     }
 
@@ -164,7 +149,7 @@ impl Maker<'_> {
             (places, 0) => format!(
                 "none of {} grasps of `{name}` is within reach and free of collision at {places} places on the table: {}",
                 item.handles.len(),
-                self.stopped()
+                self.taker.stopped()
             ),
             (places, taken) => format!(
                 "`{name}` can be taken at {taken} of {places} places on the table, at no two of them by the same grasp"
@@ -193,7 +178,7 @@ impl Maker<'_> {
                 let p = self.X_WT.transform_point(local);
                 let above = p + DVec3::Z * (high - low).max_element() / 2.0;
                 let near = |sample: &&Reached| sample.looks_down() && sample.X_WG.translation.distance(above) < 0.15;
-                let count = self.reached.iter().flatten().filter(near).count();
+                let count = self.taker.reached.iter().flatten().filter(near).count();
                 // As seen from the robot, or across.
                 let yaw = p.y.atan2(p.x) + if (i + j) % 2 == 0 { 0.0 } else { FRAC_PI_2 };
                 let X_WO = lying_on(item.object, face, (p.x, p.y, p.z), GAP, yaw);
@@ -213,14 +198,15 @@ impl Maker<'_> {
     /// direction: arms with few joints come to a place in one way alone.
     fn turned(&self, item: &Item<'_>, lying: &Lying) -> Option<Pose> {
         let (gripper, handle) = item.handles.iter().find(|(_, handle)| !handle.mask[4] && handle.mask[3])?;
-        let (world, arm) = (self.world, &self.arms[*gripper]);
+        let (world, arm) = (self.taker.world, &self.taker.arms[*gripper]);
         let mut X_WO = lying.X_WO;
-        let seed = seeds(&self.reached[*gripper], &(X_WO * handle.link_from_handle), 1).into_iter().next()?;
-        let (mut q, mut X_WJ) = (seed.q.clone(), world.bodies());
+        let X_WH = X_WO * handle.link_from_handle;
+        let mut q = seeds(world, arm, &self.taker.reached[*gripper], &X_WH, 1).into_iter().next()?;
+        let mut X_WJ = world.bodies();
         for _ in 0..TURNED {
             let X_WH = X_WO * handle.link_from_handle;
             let target = Target { X_WH, mask: [true, true, true, false, false, false], is_level: true };
-            if !arm.reach(&world.robot, &world.kinematics, &target, &mut q, &mut X_WJ) {
+            if !arm.reach(&world.robot, &world.kinematics, &target, (&mut q, &[]), &mut X_WJ) {
                 return None;
             }
             let [is, wanted] = [X_WH, arm.gripper(&X_WJ)].map(|pose| pose.rotation * DVec3::Y);
@@ -242,7 +228,7 @@ impl Maker<'_> {
     ) -> impl Iterator<Item = usize> + 's {
         let mut q = q.to_vec();
         let X_WO = lying.X_WO;
-        self.world.put(&mut q, item.part, &X_WO);
+        self.taker.world.put(&mut q, item.part, &X_WO);
         let can = move |&at: &usize| self.can_take(item, at, &X_WO, &q);
         (0..item.handles.len()).filter(can).take(most)
     }
@@ -250,95 +236,6 @@ impl Maker<'_> {
     /// Whether a grasp is within reach and free of collision: at the pregrasp, at the grasp, and lifted.
     fn can_take(&self, item: &Item<'_>, at: usize, X_WO: &Pose, q: &[f64]) -> bool {
         let (gripper, handle) = &item.handles[at];
-        self.turns(item, (*gripper, handle), X_WO, q).next().is_some()
-    }
-
-    /// The poses of the gripper in a handle by which an object can be taken, as far as they are found from seeds on all sides.
-    fn turns<'s>(
-        &'s self,
-        item: &'s Item<'_>,
-        (gripper, handle): (usize, &'s FoundHandle),
-        X_WO: &Pose,
-        q: &'s [f64],
-    ) -> impl Iterator<Item = Pose> + 's {
-        let X_WH = *X_WO * handle.link_from_handle;
-        // What approaches from below meets the table.
-        let turns_freely = handle.mask[4..].contains(&false);
-        let is_below = !turns_freely && (X_WH.rotation * DVec3::X).z > 0.3;
-        // Seeds from all sides, where the turn is free.
-        let sides = if is_below {
-            0
-        } else if turns_freely {
-            SIDES
-        } else {
-            1
-        };
-        let axis = if handle.mask[5] { DVec3::Y } else { DVec3::Z };
-        let seeded = (0..sides).flat_map(move |side| {
-            let turn = DQuat::from_axis_angle(axis, TAU * side as f64 / SIDES as f64);
-            let target = Target { X_WH: X_WH * Pose::from_rotation(turn), mask: handle.mask, is_level: false };
-            seeds(&self.reached[gripper], &target.X_WH, SEEDS).into_iter().map(move |seed| (target, seed))
-        });
-        seeded.filter_map(move |(target, seed)| {
-            let taken = self.takes(item, &self.arms[gripper], handle, (&target, seed, q));
-            taken
-                .map_err(|stop| *self.stops.borrow_mut().entry(stop).or_default() += 1)
-                .ok()
-                .map(|X_WG| X_WH.inverse() * X_WG)
-        })
-    }
-
-    /// The gripper where it takes an object.
-    fn takes(
-        &self,
-        item: &Item<'_>,
-        arm: &Arm,
-        handle: &FoundHandle,
-        (target, seed, q): (&Target, &Reached, &[f64]),
-    ) -> Result<Pose, Stop> {
-        let (world, robot) = (self.world, &self.world.robot);
-        let mut X_WJ = world.bodies();
-        // The arm as in the seed, objects where they are.
-        let mut at = q.to_vec();
-        let first_object = robot.parts[FIRST_OBJECT..].iter().find_map(|part| part.root_joint);
-        let end = first_object.and_then(|root| crate::setup::grippers::coordinate(robot, root)).unwrap_or(at.len());
-        at[..end].copy_from_slice(&seed.q[..end]);
-        if !arm.reach(robot, &world.kinematics, target, &mut at, &mut X_WJ) {
-            return Err(("at the grasp", None));
-        }
-        if let Some(meeting) = world.meeting(&X_WJ, Some((arm.body, item.part)), 0.0) {
-            return Err(("at the grasp", Some(meeting.links)));
-        }
-        let X_WG = arm.gripper(&X_WJ);
-        let before = X_WG * Pose::from_translation(-DVec3::X * handle.clearance);
-        let lifted = Pose::from_parts(X_WG.translation + DVec3::Z * LIFT, X_WG.rotation);
-        let mut reaches = |place: &'static str, X_WH: Pose, holds: Option<(_, usize)>| {
-            let mut q = at.clone();
-            let whole = Target { X_WH, mask: [true; 6], is_level: false };
-            if !arm.reach(robot, &world.kinematics, &whole, &mut q, &mut X_WJ) {
-                return Err((place, None));
-            }
-            world.meeting(&X_WJ, holds, 0.0).map_or(Ok(()), |meeting| Err((place, Some(meeting.links))))
-        };
-        reaches("before the grasp", before, None)?;
-        reaches("where it is lifted", lifted, Some((arm.body, item.part)))?;
-        Ok(X_WG)
-    }
-
-    /// What stopped most tries, in words.
-    fn stopped(&self) -> String {
-        let stops = self.stops.borrow();
-        let all: usize = stops.values().sum();
-        let mut ranked: Vec<(&Stop, &usize)> = stops.iter().collect();
-        ranked.sort_by_key(|(_, count)| std::cmp::Reverse(**count));
-        let name = |link: &LinkIndex| self.world.robot.links[link.at()].name.clone();
-        let words = ranked.into_iter().take(3).map(|((place, links), count)| {
-            let what = match links {
-                None => format!("out of reach {place}"),
-                Some([a, b]) => format!("{place} `{}` meets `{}`", name(a), name(b)),
-            };
-            format!("{what} ({:.0} % of {all} tries)", 100.0 * *count as f64 / all.max(1) as f64)
-        });
-        words.collect::<Vec<_>>().join(", ")
+        self.taker.turns(item, (*gripper, handle), X_WO, q).next().is_some()
     }
 }

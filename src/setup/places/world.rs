@@ -106,6 +106,28 @@ impl World {
         self.scene.pairs().iter().enumerate().find_map(meets)
     }
 
+    /// Whether two links do not touch.
+    pub(crate) fn are_apart(&self, links: [LinkIndex; 2], X_WJ: &[Pose]) -> bool {
+        let is_own = |pair: &Pair| [pair.first, pair.second].map(|s| self.scene.solids()[s.at()].link) == links;
+        let own = self.scene.pairs().iter().enumerate().filter(|(_, pair)| is_own(pair));
+        own.into_iter().all(|(index, _)| !touch(&self.scene, &[PairId(index as u32)], X_WJ))
+    }
+
+    /// Whether the robot is clear of the table, but for the body that carries a gripper and what is beyond it.
+    pub(crate) fn is_beside_table(&self, X_WJ: &[Pose], hand: Option<JointIndex>) -> bool {
+        let meets = |(index, pair): (usize, &Pair)| {
+            let [a, b] = [pair.first, pair.second].map(|shape| &self.scene.solids()[shape.at()]);
+            let [of_a, of_b] = [a, b].map(|solid| self.robot.links[solid.link.at()].part.at());
+            let body = match (of_a, of_b) {
+                (0, TABLE) => a.body,
+                (TABLE, 0) => b.body,
+                _ => return false,
+            };
+            !is_beyond(&self.robot, body, hand) && touch(&self.scene, &[PairId(index as u32)], X_WJ)
+        };
+        !self.scene.pairs().iter().enumerate().any(meets)
+    }
+
     /// The coordinates that move two bodies against each other.
     pub(crate) fn between(&self, bodies: [Option<JointIndex>; 2]) -> Vec<usize> {
         let robot = &self.robot;

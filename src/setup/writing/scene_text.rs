@@ -10,6 +10,8 @@ use foliate_components::Pose;
 use foliate_components::robot::{JointIndex, LinkIndex, Robot, Source};
 use std::fmt::Write;
 
+/// Written for arms that meet grasps less exactly: the most that a scene may say, metres and radians.
+const TOLERANCE: f64 = 5e-6;
 /// Most pairs that a comment lists.
 const LISTED: usize = 24;
 
@@ -43,6 +45,8 @@ pub(crate) struct Draft<'a> {
     /// Where the first object goes, and by which grasp that is known to be within reach.
     pub goal: Pose,
     pub grasp: String,
+    /// How closely an arm of few joints meets that grasp, metres and radians, where that is not as closely as searches want it.
+    pub inexact: Option<f64>,
 }
 
 /// A table and its faces.
@@ -98,6 +102,14 @@ impl Draft<'_> {
             quoted(&self.name),
             quoted(&format!("{} takes {} to another place on the table", self.robot_name(), self.objects[0].name)),
         );
+        if let Some(residual) = self.inexact {
+            let _ = writeln!(
+                out,
+                "# The arm has fewer than six joints, and axes in its URDF are not exactly parallel or square: it meets the grasp that was\n\
+                 # tried to within {residual:.1e} (metres and radians). Constraints are therefore met less exactly than 1e-6.\n\
+                 projection_tolerance = {TOLERANCE:e}"
+            );
+        }
     }
 
     fn robot_name(&self) -> &str {

@@ -62,7 +62,7 @@ impl Improvement {
         world.insert_resource(Cost(cost));
         world.insert_resource(Replanner(scheduler));
         world.insert_resource(model.clone());
-        world.insert_resource(search);
+        world.insert_resource(search.for_problem(&model.problem));
         world.insert_resource(settings);
         world.insert_resource(stop);
         Some(Self { world, schedule: schedule() })

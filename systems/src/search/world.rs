@@ -38,6 +38,7 @@ pub(crate) fn empty_world(
     events: EventSink,
 ) -> World {
     let mut world = World::new();
+    let settings = settings.for_problem(&model.problem);
     let size = model.problem.robot.space.size();
     let candidates = settings.candidates.clamp(1, 4096);
     world.insert_resource(model.clone());

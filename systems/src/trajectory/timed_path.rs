@@ -57,6 +57,7 @@ pub fn timed_path(
     settings: &SearchSettings,
     path: &ManipulationPath,
 ) -> Result<ManipulationPath, TimedPathError> {
+    let settings = &settings.clone().for_problem(&model.problem);
     let motions = LeafMotion::of_path(model, path).ok_or(TimedPathError::Constraint)?;
     let limits = RateLimits::of(&model.problem.robot, &model.problem.timing);
     let stretches = Stretch::of_path(model, &motions, &limits);

@@ -9,8 +9,7 @@ use foliate_components::graph::leaf::LeafId;
 use foliate_components::roadmap::{NodeId, Roadmap, TreeId};
 use foliate_components::robot::configuration::ConfigurationSpace;
 use foliate_systems::exploration::roots::Roots;
-use std::cmp::Reverse;
-use std::collections::{BTreeMap, BinaryHeap, HashSet};
+use std::collections::{BTreeMap, HashSet};
 
 use bevy_ecs::prelude::Resource;
 
@@ -38,6 +37,8 @@ struct Anchor {
     lengths: Vec<f64>,
     /// Joins that have failed here.
     failures: u32,
+    /// At most the effort of each of them.
+    least_effort: f64,
     /// The anchor at the other end of an unvalidated edge.
     unvalidated_edge: Option<u32>,
 }
@@ -101,7 +102,7 @@ impl LeafGraph {
     }
 
     /// Remembers an unvalidated edge between two anchors.
-    fn lead(&mut self, from: NodeId, to: NodeId) {
+    pub(super) fn lead(&mut self, from: NodeId, to: NodeId) {
         let anchor = |node| self.anchors.binary_search_by_key(&node, |anchor| anchor.node).ok();
         if let (Some(from), Some(to)) = (anchor(from), anchor(to)) {
             self.anchors[from].unvalidated_edge = Some(to as u32);
@@ -121,15 +122,20 @@ impl LeafGraph {
     }
 
     fn add(&mut self, node: NodeId, leaf: LeafId, roadmap: Roadmap<'_>, space: &ConfigurationSpace, weights: &[f64]) {
-        if self.by_leaf.len() <= leaf.at() {
-            self.by_leaf.resize_with(leaf.at() + 1, Vec::new);
-        }
-        let here = &mut self.by_leaf[leaf.at()];
+        let here = self.by_leaf.get(leaf.at()).map_or(&[][..], Vec::as_slice);
         let q = roadmap.configuration(node);
         let length =
             |&other: &u32| space.distance(q, roadmap.configuration(self.anchors[other as usize].node), weights);
         let lengths = here.iter().map(length).collect();
-        let state = roadmap.node(node).state;
+        self.insert(node, leaf, roadmap.node(node).state, lengths);
+    }
+
+    /// Adds an anchor with its distances to those of its leaf.
+    pub(super) fn insert(&mut self, node: NodeId, leaf: LeafId, state: StateId, lengths: Vec<f64>) {
+        if self.by_leaf.len() <= leaf.at() {
+            self.by_leaf.resize_with(leaf.at() + 1, Vec::new);
+        }
+        let here = &mut self.by_leaf[leaf.at()];
         if self.straight.len() <= state.at() {
             self.straight.resize(state.at() + 1, (0.0, 0.0));
         }
@@ -141,6 +147,7 @@ impl LeafGraph {
             place: here.len(),
             lengths,
             failures: 0,
+            least_effort: f64::INFINITY,
             unvalidated_edge: None,
         });
         here.push((self.anchors.len() - 1) as u32);
@@ -177,8 +184,11 @@ impl LeafGraph {
     pub fn count_failure(&mut self, join: Join, effort: f64) {
         let spent = self.efforts.entry(join).or_default();
         if *spent == 0.0 {
-            self.anchors[join.0 as usize].failures += 1;
-            self.anchors[join.1 as usize].failures += 1;
+            for anchor in [join.0, join.1] {
+                let anchor = &mut self.anchors[anchor as usize];
+                anchor.failures += 1;
+                anchor.least_effort = anchor.least_effort.min(effort);
+            }
         }
         *spent += effort;
         self.has_changed = true;
@@ -211,11 +221,59 @@ impl LeafGraph {
         }
         let (a, b) = (&self.anchors[join.0 as usize], &self.anchors[join.1 as usize]);
         let length = if a.place < b.place { b.lengths[a.place] } else { a.lengths[b.place] };
-        let hard = |anchor: &Anchor| 1.0 + f64::from(anchor.failures) / ANCHOR_PATIENCE;
-        let (tried, made) = self.straight[a.state.at()];
-        let effort = self.effort(join);
-        let tries = if effort > 0.0 { 1.0 + GROWTH * effort } else { (PRIOR + tried) / (PRIOR + made) };
-        (1.0 + length) * hard(a) * hard(b) * tries
+        let untried = a.failures == 0 || b.failures == 0;
+        let effort = if untried { 0.0 } else { self.effort(join) };
+        let tries = if effort > 0.0 { tries_after(effort) } else { self.tries_before(a.state) };
+        (1.0 + length) * hardness(a) * hardness(b) * tries
+    }
+
+    /// How many straight motions a join of a state is estimated to take before any was tried.
+    fn tries_before(&self, state: StateId) -> f64 {
+        let (tried, made) = self.straight[state.at()];
+        (PRIOR + tried) / (PRIOR + made)
+    }
+
+    /// No join on its leaf costs less at an anchor, whichever the other one is; times the hardness of that one, rounding apart.
+    pub(super) fn least_cost(&self, anchor: u32) -> f64 {
+        let here = &self.anchors[anchor as usize];
+        let leads = here.unvalidated_edge.map(|other| &self.anchors[other as usize]);
+        if leads.is_some_and(|other| other.leaf == here.leaf) {
+            return 0.0;
+        }
+        hardness(here) * self.tries_before(here.state).min(tries_after(here.least_effort))
+    }
+
+    /// How hard it is to join anything to an anchor, at least 1.
+    pub(super) fn hardness(&self, anchor: u32) -> f64 {
+        hardness(&self.anchors[anchor as usize])
+    }
+
+    pub(super) fn leaf_of(&self, anchor: u32) -> LeafId {
+        self.anchors[anchor as usize].leaf
+    }
+
+    /// The anchors of a leaf that may not be reached yet, the oldest first.
+    pub(super) fn anchors_at(&self, leaf: LeafId) -> Option<&[u32]> {
+        self.by_leaf.get(leaf.at()).map(Vec::as_slice)
+    }
+
+    /// The node of an anchor.
+    pub(super) fn node_of(&self, anchor: u32) -> NodeId {
+        self.anchors[anchor as usize].node
+    }
+
+    pub(super) fn leaf_count(&self) -> usize {
+        self.by_leaf.len()
+    }
+
+    /// The anchors of a leaf, the oldest first.
+    pub(super) fn anchors_on(&self, leaf: usize) -> &[u32] {
+        &self.by_leaf[leaf]
+    }
+
+    /// The anchor to which an unvalidated edge leads from another one.
+    pub(super) fn unvalidated_at(&self, anchor: u32) -> Option<u32> {
+        self.anchors[anchor as usize].unvalidated_edge
     }
 
     /// By tree: whether joins lead there from the tree of a root on whose side it grows. It may be that none do: an unvalidated edge
@@ -242,7 +300,7 @@ impl LeafGraph {
     }
 
     /// The tree of each anchor, and the anchors of each tree.
-    fn by_tree(&self, roadmap: Roadmap<'_>) -> (Vec<TreeId>, Vec<Vec<u32>>) {
+    pub(super) fn by_tree(&self, roadmap: Roadmap<'_>) -> (Vec<TreeId>, Vec<Vec<u32>>) {
         let trees: Vec<TreeId> = self.anchors.iter().map(|anchor| roadmap.tree_of(anchor.node)).collect();
         let mut members: Vec<Vec<u32>> = vec![Vec::new(); roadmap.tree_count()];
         (0u32..).zip(&trees).for_each(|(anchor, tree)| members[tree.at()].push(anchor));
@@ -258,69 +316,13 @@ impl LeafGraph {
     pub fn lose(&mut self, lost: HashSet<(TreeId, LeafId)>) {
         self.lost = lost;
     }
-
-    /// The joins on the cheapest way from the start's tree to a goal's, the start's first; `None` where there is no way yet,
-    /// nothing where start and goal are connected. Ties go to the older tree.
-    #[must_use]
-    pub fn cheapest(&self, roadmap: Roadmap<'_>, roots: &Roots) -> Option<Vec<Join>> {
-        let goals: Vec<_> = roots.goals.iter().map(|&goal| roadmap.tree_of(goal)).collect();
-        self.cheapest_between(roadmap, roadmap.tree_of(roots.start?), &goals)
-    }
-
-    /// Likewise from the tree of a root to any that has reached a leaf on the root's side.
-    #[must_use]
-    pub fn cheapest_to_leaf(&self, roadmap: Roadmap<'_>, root: NodeId, leaf: LeafId) -> Option<Vec<Join>> {
-        let here = self.by_leaf.get(leaf.at())?.iter().map(|&anchor| self.anchors[anchor as usize].node);
-        let own = here.filter(|&node| roadmap.side_of(node) == roadmap.side_of(root));
-        let goals: Vec<_> = own.map(|node| roadmap.tree_of(node)).collect();
-        self.cheapest_between(roadmap, roadmap.tree_of(root), &goals)
-    }
-
-    /// Likewise from a tree to any of some others.
-    fn cheapest_between(&self, roadmap: Roadmap<'_>, start: TreeId, goals: &[TreeId]) -> Option<Vec<Join>> {
-        let (trees, members) = self.by_tree(roadmap);
-        let mut is_goal = vec![false; roadmap.tree_count()];
-        goals.iter().for_each(|goal| is_goal[goal.at()] = true);
-        let mut best = vec![f64::INFINITY; roadmap.tree_count()];
-        let mut came_by: Vec<Option<(Join, TreeId)>> = vec![None; roadmap.tree_count()];
-        // Costs are never negative, so their bits are in their order.
-        let mut frontier = BinaryHeap::from([Reverse((0.0f64.to_bits(), start))]);
-        best[start.at()] = 0.0;
-        while let Some(Reverse((bits, tree))) = frontier.pop() {
-            let cost = f64::from_bits(bits);
-            if is_goal[tree.at()] {
-                return Some(way_back(&came_by, tree));
-            }
-            if cost > best[tree.at()] {
-                continue;
-            }
-            for &anchor in &members[tree.at()] {
-                let Anchor { leaf, unvalidated_edge, .. } = &self.anchors[anchor as usize];
-                for &other in self.by_leaf[leaf.at()].iter().chain(unvalidated_edge) {
-                    let next = trees[other as usize];
-                    if best[next.at()] <= cost {
-                        continue;
-                    }
-                    let join = Join(anchor.min(other), anchor.max(other));
-                    let cost = cost + self.cost(join);
-                    if cost < best[next.at()] {
-                        best[next.at()] = cost;
-                        came_by[next.at()] = Some((join, tree));
-                        frontier.push(Reverse((cost.to_bits(), next)));
-                    }
-                }
-            }
-        }
-        None
-    }
 }
 
-fn way_back(came_by: &[Option<(Join, TreeId)>], mut tree: TreeId) -> Vec<Join> {
-    let mut way = Vec::new();
-    while let Some((join, before)) = came_by[tree.at()] {
-        way.push(join);
-        tree = before;
-    }
-    way.reverse();
-    way
+fn hardness(anchor: &Anchor) -> f64 {
+    1.0 + f64::from(anchor.failures) / ANCHOR_PATIENCE
+}
+
+/// How many straight motions a join is estimated to take on which an effort has been spent in vain.
+fn tries_after(effort: f64) -> f64 {
+    1.0 + GROWTH * effort
 }

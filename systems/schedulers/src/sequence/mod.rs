@@ -2,6 +2,7 @@
 //! long motions that lead there. They are joined on their leaves only where they make up a sequence from start to goal.
 
 pub mod candidate_roles;
+mod cheapest_way;
 pub mod connect_iterations;
 pub mod foundations;
 pub mod joining;
