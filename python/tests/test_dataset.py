@@ -129,6 +129,21 @@ def test_statistics_in_pieces_are_those_of_the_whole() -> None:
     assert np.allclose(told["q90"], np.quantile(values, 0.9, axis=0), atol=[0.02, 2e-5])
 
 
+def test_statistics_keep_no_more_than_their_sample() -> None:
+    import tracemalloc
+
+    from foliate.dataset.statistics import KEPT, Statistics
+
+    statistics = Statistics()
+    block = np.random.default_rng(4).normal(size=(50_000, 4))
+    tracemalloc.start()
+    for _ in range(40):
+        statistics.add(block)
+    kept, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert kept < 2 * KEPT * 4 * 8, f"{kept} bytes"
+
+
 def test_what_is_written_before_an_error_is_a_whole_dataset(tmp_path: Path) -> None:
     def broken() -> Iterator[foliate.Scene]:
         yield foliate.Scene("demo")

@@ -54,11 +54,12 @@ class Statistics:
             self._squares = self._squares + squares + apart**2 * self._count * count / total
             self._mean = self._mean + apart * count / total
         first = -self._count % self._stride
-        self._sample.append(rows[first :: self._stride])
+        # A view would keep all rows.
+        self._sample.append(rows[first :: self._stride].copy())
         self._count += count
         while sum(map(len, self._sample)) > KEPT:
             # Every second row of what is kept: whole rows at a doubled stride.
-            self._sample, self._stride = [np.concatenate(self._sample)[::2]], 2 * self._stride
+            self._sample, self._stride = [np.concatenate(self._sample)[::2].copy()], 2 * self._stride
 
     def told(self) -> dict[str, list[float] | list[int]]:
         """All numbers, as LeRobot names them. Quantiles are of every so many rows where there are more than 100,000."""
