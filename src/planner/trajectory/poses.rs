@@ -102,7 +102,6 @@ impl Poses<'_> {
     }
 
     /// Poses of all bodies in the world.
-    #[cfg(feature = "view")]
     pub(crate) fn bodies(&self) -> &[Pose] {
         &self.X_WJ
     }
