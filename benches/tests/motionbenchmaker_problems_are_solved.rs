@@ -179,7 +179,7 @@ fn the_program_refuses_what_it_cannot_do() {
         (&[], "no description of the robot `planar` is known; give it by --urdf"),
         (&["--urdf", &urdf, "--sets", "many"], "--sets many: the file has few"),
         (&["--every", "0"], "--every 0: is no number above 0"),
-        (&["--seeds", "3..1"], "--seeds 3..1: is no range"),
+        (&["--seeds", "3..1"], "--seeds 3..1: `3..1` is no range"),
         (&["--time-limit"], "--time-limit wants a value"),
         (&["--fast", "1"], "there is no option `--fast`"),
     ];

@@ -27,8 +27,8 @@ Planned = Scene | tuple[Scene, Mapping[str, Any]]
 Problem = Planned | Instance
 Answer = Solution | NoSolution | NoInstance
 
-# Problems that are planned ahead of the answers, per thread. One that takes long holds the others up only once they are so far ahead.
-_AHEAD = 32
+AHEAD = 32
+"""Problems that are planned ahead of the answers, per thread. One that takes long holds the others up only once they are so far ahead."""
 
 
 def instances(variations: Variations, count: int, *, first: int = 0) -> Iterator[Instance]:
@@ -61,7 +61,7 @@ def plan_batch(problems: Iterable[Problem], *, threads: int | None = None, **set
     try:
         for problem in problems:
             _add(batch, problem, settings)
-            if len(batch) >= _AHEAD * count:
+            if len(batch) >= AHEAD * count:
                 yield _next_answer(batch)
         while len(batch):
             yield _next_answer(batch)

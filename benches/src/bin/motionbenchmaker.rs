@@ -5,6 +5,7 @@
 //! reading and building have columns of their own. `benches/README.md` describes the file.
 #![forbid(unsafe_code)]
 
+use foliate::batch::{Seeds, SeedsError};
 use foliate::output;
 use foliate::scene::{MeshCache, PackagePath};
 use foliate_benches::motionbenchmaker::file::{ProblemRecord, ProblemSets};
@@ -98,7 +99,10 @@ fn read(arguments: Vec<String>) -> Result<Options, String> {
             "--every" => {
                 options.every = value.parse().ok().filter(|&n| n > 0).ok_or_else(|| wrong("is no number above 0"))?;
             }
-            "--seeds" => options.seeds = seeds(&value).ok_or_else(|| wrong("is no range such as 1..3"))?,
+            "--seeds" => {
+                let seeds: Seeds = value.parse().map_err(|why: SeedsError| wrong(&why.to_string()))?;
+                options.seeds = seeds.first()..=seeds.first() + (seeds.count() - 1);
+            }
             "--time-limit" => {
                 let limit = value.parse().ok().and_then(|s| Duration::try_from_secs_f64(s).ok());
                 options.settings.time_limit = limit.ok_or_else(|| wrong("is no number of seconds"))?;
@@ -110,12 +114,6 @@ fn read(arguments: Vec<String>) -> Result<Options, String> {
         }
     }
     if options.file.as_os_str().is_empty() { Err("which file?".into()) } else { Ok(options) }
-}
-
-fn seeds(text: &str) -> Option<RangeInclusive<u64>> {
-    let (first, last) = text.split_once("..").unwrap_or((text, text));
-    let seeds = first.parse().ok()?..=last.parse().ok()?;
-    (!seeds.is_empty()).then_some(seeds)
 }
 
 /// Whether all that is feasible was solved.

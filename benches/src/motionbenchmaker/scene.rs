@@ -157,15 +157,7 @@ fn line((name, ..): &(String, f64, f64), value: f64) -> String {
 
 /// A TOML string.
 fn quoted(text: &str) -> String {
-    let mut out = String::from("\"");
-    for c in text.chars() {
-        match c {
-            '"' | '\\' => out.extend(['\\', c]),
-            c if c.is_control() => out += &format!("\\u{:04X}", u32::from(c)),
-            c => out.push(c),
-        }
-    }
-    out + "\""
+    toml::Value::from(text).to_string()
 }
 
 /// All obstacles as the collision elements of one link.

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path as FilePath
 
 from foliate._foliate import Batch
+from foliate.batch import AHEAD
 from foliate.cluster.parts import Row, answered, chunks, done, row_of, write
 from foliate.cluster.problem import Problem
 from foliate.errors import FoliateError
@@ -55,7 +56,7 @@ def run(
         for mine in chunks(problems, chunk, done(folder), shard, expected):
             under_way.append((mine, [_begun(batch, problem) for problem in mine]))
             # One is taken while the next is planned.
-            while len(under_way) > 1 and len(batch) > 32 * many + chunk:
+            while len(under_way) > 1 and len(batch) > AHEAD * many + chunk:
                 finish()
         while under_way:
             finish()

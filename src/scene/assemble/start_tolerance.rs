@@ -9,7 +9,7 @@ const FARTHEST: f64 = 0.05;
 /// Most that may be asked, radians.
 const MOST_ANGLE: f64 = 0.2;
 /// Largest residual that may be asked for, metres and radians: objects that are carried are then less than 1e-5 off their carriers.
-const MOST_RESIDUAL: f64 = 5e-6;
+pub(crate) const MOST_RESIDUAL: f64 = 5e-6;
 
 pub(super) fn read(keys: &mut Keys<'_>) -> Result<StartTolerance, SceneError> {
     let usual = StartTolerance::default();

@@ -94,7 +94,7 @@ impl Arm {
         (q, held): (&mut [f64], &[usize]),
         X_WJ: &mut [Pose],
     ) -> bool {
-        self.approach(robot, kinematics, target, (q, held), X_WJ, (REACHED, ITERATIONS)) < REACHED
+        self.approach(robot, kinematics, target, (q, held), X_WJ, REACHED) < REACHED
     }
 
     /// How closely the gripper gets to a target from where it has reached it: the largest row that is left, metres and radians.
@@ -106,7 +106,7 @@ impl Arm {
         (q, held): (&mut [f64], &[usize]),
         X_WJ: &mut [Pose],
     ) -> f64 {
-        self.approach(robot, kinematics, target, (q, held), X_WJ, (EXACT, ITERATIONS))
+        self.approach(robot, kinematics, target, (q, held), X_WJ, EXACT)
     }
 
     /// Steps towards a target until no row is larger than `until`. The largest row at the end.
@@ -117,10 +117,10 @@ impl Arm {
         target: &Target,
         (q, held): (&mut [f64], &[usize]),
         X_WJ: &mut [Pose],
-        (until, iterations): (f64, usize),
+        until: f64,
     ) -> f64 {
         let mut largest = f64::INFINITY;
-        for _ in 0..iterations {
+        for _ in 0..ITERATIONS {
             kinematics.forward(q, X_WJ);
             let X_WG = self.gripper(X_WJ);
             let X_GH = X_WG.inverse() * target.X_WH;

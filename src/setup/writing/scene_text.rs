@@ -1,5 +1,6 @@
 //! A scene file with comments, from what was found.
 
+use crate::scene::assemble::start_tolerance::MOST_RESIDUAL;
 use crate::setup::collision_matrix::{CollisionMatrix, PairReason};
 use crate::setup::grippers::FoundGripper;
 use crate::setup::handles::FoundHandle;
@@ -10,8 +11,6 @@ use foliate_components::Pose;
 use foliate_components::robot::{JointIndex, LinkIndex, Robot, Source};
 use std::fmt::Write;
 
-/// Written for arms that meet grasps less exactly: the most that a scene may say, metres and radians.
-const TOLERANCE: f64 = 5e-6;
 /// Most pairs that a comment lists.
 const LISTED: usize = 24;
 
@@ -107,7 +106,7 @@ impl Draft<'_> {
                 out,
                 "# The arm has fewer than six joints, and axes in its URDF are not exactly parallel or square: it meets the grasp that was\n\
                  # tried to within {residual:.1e} (metres and radians). Constraints are therefore met less exactly than 1e-6.\n\
-                 projection_tolerance = {TOLERANCE:e}"
+                 projection_tolerance = {MOST_RESIDUAL:e}"
             );
         }
     }
