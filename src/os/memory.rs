@@ -60,7 +60,8 @@ impl MemoryLimit {
     #[must_use]
     pub fn guard(self) -> MemoryGuard {
         let started = Instant::now();
-        let next = AtomicU64::new(0);
+        // Most solves end before it is worth a look.
+        let next = AtomicU64::new(FRESH.as_millis() as u64);
         MemoryGuard::new(move || {
             let now = started.elapsed().as_millis() as u64;
             let due = next.load(Ordering::Relaxed);

@@ -9,7 +9,7 @@ use collision_models::{random_pose, single};
 use foliate_components::Pose;
 use foliate_components::robot::{PartKind, Robot, RootJoint};
 use foliate_kernels::collision::{
-    CollisionScene, CollisionScratch, DistanceQuery, PairId, PairRule, PairSet, Verdicts, first_collision,
+    CollisionScene, CollisionScratch, DistanceQuery, PairId, PairRule, PairSet, TestOrder, Verdicts, first_collision,
     first_collisions, open_to_bounds, pair_clearance,
 };
 use foliate_kernels::kinematics::{Kinematics, RigidAttachment};
@@ -239,6 +239,56 @@ fn of_a_row_the_first_collision_is_found() {
         }
         println!("{level}: {blocked} rows are blocked, {later} of them behind their first, {free} are free");
         assert!(blocked > 50 && later > 10 && free > 50, "{blocked}, {later}, {free}");
+    }
+}
+
+/// Whatever collided before: groups that did are tested first.
+#[test]
+fn of_a_motion_the_first_sample_that_collides_is_found() {
+    for level in levels() {
+        let bench = Scene::new(bench(), Vec::new());
+        let Scene { robot, scene, kinematics, rigid_attachments, pairs } = &bench;
+        let verdicts = Verdicts { scene, kinematics, rigid_attachments, pairs, guard: 1e-5 };
+        let mut rng = ChaCha8Rng::seed_from_u64(97);
+        let (mut scratch, mut order) = (CollisionScratch::at_level(level), TestOrder::default());
+        let (mut at_once, mut later, mut free) = (0, 0, 0);
+        for round in 0..150 {
+            let [random, _] = blocks(&bench, &mut rng);
+            let mut to = random[0].clone();
+            for value in &mut to[1..8] {
+                *value += rng.random_range(-2.0..2.0);
+            }
+            let count = 1 + round % 16;
+            let samples = (1..=count).map(|number| {
+                let mut q = to.clone();
+                robot.space.interpolate(&random[0], &to, number as f64 / count as f64, &mut q);
+                q
+            });
+            let samples: Vec<_> = samples.collect();
+            let collides = |q: &Vec<f64>| {
+                first_collision(scene, &bench.poses(q), pairs, 1e-5, &mut CollisionScratch::new()).is_some()
+            };
+            let known = samples.iter().position(collides);
+            for order in [&mut TestOrder::default(), &mut order] {
+                let motion = [random[0].clone(), samples.concat()].concat();
+                let found = verdicts.first_on_motion(&motion, order, &mut scratch);
+                assert_eq!(found.map(|(sample, _)| sample), known, "{level}: motion {round}");
+                if let Some((sample, pair)) = found {
+                    let (X_WJ, mut hint) = (bench.poses(&samples[sample]), DVec3::ZERO);
+                    let clearance = pair_clearance(scene, pair, &X_WJ, DistanceQuery::exact(1.0), &mut hint);
+                    assert!(clearance < pairs.margin(pair) + 2e-5, "{level}: motion {round}, {clearance}");
+                }
+            }
+            match known {
+                Some(0) => at_once += 1,
+                Some(_) => later += 1,
+                None => free += 1,
+            }
+        }
+        println!("{level}: {at_once} motions are blocked at once, {later} later, {free} are free");
+        assert!(at_once > 5 && later > 20 && free > 20, "{at_once}, {later}, {free}");
+        let nowhere = blocks(&bench, &mut rng)[0][0].clone();
+        assert_eq!(verdicts.first_on_motion(&nowhere, &mut order, &mut scratch), None);
     }
 }
 

@@ -10,7 +10,7 @@ use foliate_components::Pose;
 use foliate_components::robot::model::{JointKind, Model};
 use foliate_components::robot::shape::{Geometry, Mesh};
 use foliate_components::robot::{PartKind, Robot, RootJoint};
-use foliate_kernels::collision::distance::hull_distance::hull_distance;
+use foliate_kernels::collision::distance::hull_distance::{hull_distance, hull_gap};
 use foliate_kernels::collision::{
     CertificateSettings, CollisionScene, CollisionScratch, DistanceQuery, MotionVerdict, PairRule, PairSet, Solid,
     certify_motion, clearance, pair_clearance,
@@ -46,6 +46,10 @@ fn hulls_are_never_farther_apart_than_what_is_in_them() {
         apart += 1;
         assert!(hulls <= truth + 2e-6, "hulls {hulls} m apart, solids {truth} m");
         assert!((n.length() - 1.0).abs() < 1e-12);
+        let gap = |n: DVec3| hull_gap(&one, &X_WA, &other, &X_WB, n);
+        assert!((gap(n) - hulls).abs() < 1e-9, "{} m along the direction, not {hulls}", gap(n));
+        let another = random_pose(&mut rng, 0.6).rotation * DVec3::X;
+        assert!(gap(another) <= hulls + 2e-6, "{} m along another direction", gap(another));
         if round % 5 == 4 {
             let nearest = vertices(&a).iter().map(|p| n.dot(X_WA.transform_point(*p))).fold(f64::INFINITY, f64::min);
             let farthest = vertices(&b).iter().map(|p| n.dot(X_WB.transform_point(*p))).fold(-f64::INFINITY, f64::max);

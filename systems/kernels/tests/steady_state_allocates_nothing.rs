@@ -18,7 +18,7 @@ use foliate_components::robot::{PartKind, Robot, RootJoint};
 use foliate_components::samples::models;
 use foliate_kernels::collision::{
     CertificateSettings, CollisionScene, CollisionScratch, CurveVerdict, MotionVerdict, PairRule, PairSet,
-    PolylineVerdict, Verdicts, certify_curve, certify_motion, certify_polyline, first_collision,
+    PolylineVerdict, TestOrder, Verdicts, certify_curve, certify_motion, certify_polyline, first_collision,
 };
 use foliate_kernels::constrained_motion::{
     ConstraintProgram, CurveScratch, Job, MotionScratch, MotionSettings, OffLeaf, Scratch, Settings, curve_residual,
@@ -294,6 +294,30 @@ fn exact_verdicts_in_lanes() {
         verdicts.first_in_rows(all, &ends, &mut scratch, &mut found);
     });
     assert!(found.iter().any(Option::is_some) && found.iter().any(Option::is_none));
+    assert_eq!(count, 0);
+}
+
+#[test]
+fn samples_of_motions() {
+    let mut place = Workplace::new();
+    let (free, _) = place.samples(800);
+    let Workplace { robot, scene, kinematics, rigid_attachments, pairs, .. } = &place;
+    let verdicts = Verdicts { scene, kinematics, rigid_attachments, pairs, guard: 1e-5 };
+    let (mut scratch, mut order) = (CollisionScratch::new(), TestOrder::default());
+    let mut motion = vec![0.0; 17 * robot.space.size()];
+    let (mut whole, mut cut) = (0, 0);
+    let count = allocations(|| {
+        for ends in free.windows(2) {
+            for (number, q) in motion.chunks_exact_mut(robot.space.size()).enumerate() {
+                robot.space.interpolate(&ends[0], &ends[1], number as f64 / 16.0, q);
+            }
+            match verdicts.first_on_motion(&motion, &mut order, &mut scratch) {
+                None => whole += 1,
+                Some(_) => cut += 1,
+            }
+        }
+    });
+    assert!(whole > 0 && cut > 0, "{whole} {cut}");
     assert_eq!(count, 0);
 }
 

@@ -29,6 +29,7 @@ pub use crate::collision::continuous::minimum_settings::{MinimumClearance, Minim
 pub use crate::collision::continuous::polyline::{PolylineVerdict, certify_polyline};
 pub use crate::collision::continuous::straight::{MotionVerdict, certify_motion};
 pub use crate::collision::convex::gjk::DistanceQuery;
+pub use crate::collision::discrete::along_motion::TestOrder;
 pub use crate::collision::discrete::many::{Verdicts, first_collisions, open_to_bounds};
 pub use crate::collision::discrete::one::{all_collisions, first_collision, min_clearance, rigid_collisions};
 pub use crate::collision::distance::query::clearance;
@@ -37,6 +38,8 @@ pub use crate::collision::narrow_phase::settings::CertificateSettings;
 pub use crate::collision::scene::adjacent::{adjacent_links, adjacent_links_while};
 pub use crate::collision::scene::collision_scene::{CollisionScene, Pair, PairId};
 pub use crate::collision::scene::pair_filter::PairRule;
-pub use crate::collision::scene::pair_query::{Contact, body_poses, contained, pair_clearance, surely_colliding};
+pub use crate::collision::scene::pair_query::{
+    Contact, body_poses, contained, hull_gap_along, hulls_apart, pair_clearance, surely_colliding,
+};
 pub use crate::collision::scene::pair_set::{PairSet, RigidPair};
 pub use crate::collision::solids::solid::Solid;

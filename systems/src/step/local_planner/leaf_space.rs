@@ -10,7 +10,7 @@ use foliate_components::graph::leaf::{LeafId, LeafIndex};
 use foliate_components::graph::{StateId, TransitionId};
 use foliate_components::outcome::Rejection;
 use foliate_components::robot::ShapeIndex;
-use foliate_kernels::collision::{CollisionScratch, Contact, PairId, PairSet, Verdicts};
+use foliate_kernels::collision::{CollisionScratch, PairId, PairSet, TestOrder, Verdicts};
 use foliate_kernels::constrained_motion::{
     MotionScratch, Scratch as NewtonScratch, Settings as NewtonSettings, project,
 };
@@ -48,7 +48,8 @@ pub struct LeafScratch {
     motion: MotionScratch,
     newton: NewtonScratch,
     samples: Vec<f64>,
-    found: Vec<Option<(usize, Contact)>>,
+    /// Of the plan that grows.
+    pub(super) order: TestOrder,
     /// Work that was done: straight motions, and as many knots as cost as much as one.
     pub(super) work: u64,
     /// What became of the motions.
@@ -167,12 +168,12 @@ impl<'a> LeafSpace<'a> {
         motion
     }
 
-    /// Where nothing is implicit: up to the last of some samples that is free, if that is certified.
+    /// Where nothing is implicit: up to one of the last samples that are free, if that is certified.
     fn straight(&self, from: &[f64], to: &[f64], scratch: &mut LeafScratch) -> Result<Extension, Stopped> {
         let (size, space) = (from.len(), &self.model.problem.robot.space);
-        scratch.samples.resize(SAMPLES * size, 0.0);
+        scratch.samples.resize((SAMPLES + 1) * size, 0.0);
         for (number, q) in scratch.samples.chunks_exact_mut(size).enumerate() {
-            space.interpolate(from, to, (number + 1) as f64 / SAMPLES as f64, q);
+            space.interpolate(from, to, number as f64 / SAMPLES as f64, q);
         }
         let verdicts = Verdicts {
             scene: &self.model.collision,
@@ -181,19 +182,19 @@ impl<'a> LeafSpace<'a> {
             pairs: self.pairs,
             guard: self.settings.clearance_guard,
         };
-        scratch.found.clear();
-        verdicts.first_in_rows(&scratch.samples, &[SAMPLES], &mut scratch.collision, &mut scratch.found);
-        let hit = scratch.found[0];
+        let hit = verdicts.first_on_motion(&scratch.samples, &mut scratch.order, &mut scratch.collision);
+        let sample = |place: usize, scratch: &LeafScratch| scratch.samples[(place + 1) * size..][..size].to_vec();
         if let Some((place, _)) = hit.filter(|_| self.settings.log) {
-            let mut q = scratch.samples[place * size..][..size].to_vec();
+            let mut q = sample(place, scratch);
             self.carry(&mut q, scratch);
             scratch.blocked_at = Some(q.into());
         }
         let end = match hit {
             None => to.to_vec(),
-            Some((0, contact)) => return Err(Stopped::Blocked(Some(self.model.pair_shapes(contact.pair)))),
+            Some((0, pair)) => return Err(Stopped::Blocked(Some(self.model.pair_shapes(pair)))),
             Some((place, _)) => {
-                let mut end = scratch.samples[(place - 1) * size..][..size].to_vec();
+                // The last free one but one, where there are two: close to what is in the way certificates are dear and often fail.
+                let mut end = sample(place.saturating_sub(2), scratch);
                 self.carry(&mut end, scratch);
                 end
             }
@@ -211,7 +212,7 @@ impl<'a> LeafSpace<'a> {
             scratch.blocked_at = blocked.at.map(|q| validation::carried(self.model, &self.rigid_attachments, q));
             Stopped::Blocked(blocked.contact.map(|contact| self.model.pair_shapes(contact.pair)))
         })?;
-        let blocked_by = hit.map(|(_, contact)| contact.pair);
+        let blocked_by = hit.map(|(_, pair)| pair);
         Ok(Extension { knots, clearance, residual: 0.0, arrives: hit.is_none(), blocked_by })
     }
 

@@ -6,7 +6,7 @@
 
 use crate::step::local_planner::leaf_space::{LeafScratch, LeafSpace};
 use foliate_components::Pose;
-use foliate_kernels::collision::{DistanceQuery, PairId, body_poses, pair_clearance};
+use foliate_kernels::collision::{DistanceQuery, PairId, body_poses, hull_gap_along, hulls_apart, pair_clearance};
 use glam::DVec3;
 
 /// By so much a push sets the two shapes apart, metres.
@@ -57,16 +57,21 @@ impl LeafSpace<'_> {
     fn gradient(&self, q: &[f64], motion: &[f64], pair: PairId, scratch: &mut LeafScratch) -> Vec<f64> {
         let (space, weights, scene) =
             (&self.model.problem.robot.space, &self.model.robot_weights, &self.model.collision);
-        let mut hint = DVec3::ZERO;
-        let mut distance =
-            |X_WJ: &[Pose], most: f64| pair_clearance(scene, pair, X_WJ, DistanceQuery::exact(most), &mut hint);
         let relative = |X_WJ: &[Pose]| {
             let [X_WA, X_WB] = body_poses(scene, pair, X_WJ);
             X_WA.inverse() * X_WB
         };
         let mut moved = q.to_vec();
         self.carry(&mut moved, scratch);
-        let (here, X_AB) = (distance(&scratch.X_WJ, f64::MAX), relative(&scratch.X_WJ));
+        let X_AB = relative(&scratch.X_WJ);
+        // To first order the distance of hulls changes as their gap along the direction in which they are nearest.
+        let along = hulls_apart(scene, pair, &scratch.X_WJ).map(|(_, n)| n);
+        let mut hint = DVec3::ZERO;
+        let mut distance = |X_WJ: &[Pose], most: f64| match along {
+            Some(n) => hull_gap_along(scene, pair, X_WJ, n),
+            None => pair_clearance(scene, pair, X_WJ, DistanceQuery::exact(most), &mut hint),
+        };
+        let here = distance(&scratch.X_WJ, f64::MAX);
         let mut by = vec![0.0; motion.len()];
         let mut gradient = vec![0.0; motion.len()];
         for index in (0..motion.len()).filter(|&index| weights[index] > 0.0 && motion[index] != 0.0) {

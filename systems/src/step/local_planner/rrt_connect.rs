@@ -4,6 +4,7 @@ use crate::step::local_planner::leaf_space::{Extension, LeafScratch, LeafSpace, 
 use crate::step::local_planner::sampling;
 use crate::step::local_planner::tree::Tree;
 use foliate_components::roadmap::{Motion, NodeId};
+use foliate_kernels::collision::TestOrder;
 use rand::Rng;
 
 /// A tree grows towards a local draw by at most so much, weighted metres, or by this share of the distance between the ends if that is more:
@@ -21,6 +22,8 @@ const MIN_PROGRESS: f64 = 0.02;
 #[derive(Clone, Debug, Default)]
 pub struct LocalPlan {
     trees: [Tree; 2],
+    /// Which pairs blocked motions last.
+    order: TestOrder,
     /// Work that was done: motions that were tried, long ones on implicit rows several times.
     pub work: u64,
     /// What became of the motions that the last growth tried.
@@ -54,7 +57,7 @@ impl LocalPlan {
             tree.add_node(node, q);
             tree
         });
-        Self { trees, work: 0, attempts: Vec::new() }
+        Self { trees, order: TestOrder::default(), work: 0, attempts: Vec::new() }
     }
 
     /// Lets the trees grow until about so much work is done. `ends` are the configurations between which the motion is wanted.
@@ -68,6 +71,7 @@ impl LocalPlan {
     ) -> Option<PlannedMotion> {
         scratch.work = 0;
         scratch.attempts.clear();
+        std::mem::swap(&mut scratch.order, &mut self.order);
         let step = STEP.max(leaf.distance(ends.0, ends.1) * STEP_SHARE);
         let mut meeting = None;
         while meeting.is_none() && scratch.work < budget {
@@ -81,6 +85,7 @@ impl LocalPlan {
                 self.grow_towards(leaf, (growing, step), &draw.q, scratch)
             });
         }
+        std::mem::swap(&mut scratch.order, &mut self.order);
         self.work += scratch.work;
         self.attempts.clone_from(&scratch.attempts);
         self.planned(leaf, meeting?)
@@ -169,6 +174,6 @@ impl LocalPlan {
     /// About how much memory it takes, bytes.
     #[must_use]
     pub fn bytes(&self) -> u64 {
-        self.trees.iter().map(Tree::bytes).sum()
+        self.trees.iter().map(Tree::bytes).sum::<u64>() + self.order.bytes()
     }
 }

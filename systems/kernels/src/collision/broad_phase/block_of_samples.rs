@@ -3,7 +3,7 @@
 //! On request, a pair that stays open is also compared by its inscribed volumes (`scene/inscribed.rs`). Overlaps of more
 //! than the slack are collisions with certainty.
 
-use crate::collision::broad_phase::bounds::{beside_box, between_axes, overlap, reach_along};
+use crate::collision::broad_phase::bounds::{beside_box, beside_boxes, between_axes, overlap, reach_along};
 use crate::collision::broad_phase::open_pairs::{ALL, Hits, Open};
 use crate::collision::broad_phase::placed::{BroadPhaseScratch, approach, place_axes, place_clusters, place_solid};
 use crate::collision::samples::interval::POSE;
@@ -22,6 +22,8 @@ pub(crate) struct BroadPhase<'a> {
     pub motion_samples: &'a MotionSamples,
     pub scratch: &'a mut BroadPhaseScratch,
     pub guard: f64,
+    /// Whether a pass over other pairs has placed the clusters of this block already.
+    pub is_placed: bool,
     /// Lanes of the block that are of interest.
     pub lanes: u16,
     /// Pairs to test, those of a group side by side.
@@ -39,10 +41,13 @@ impl Kernel for BroadPhase<'_> {
     // Long: one loop over the open pairs; its parts would share nearly all of its variables.
     #[inline(always)]
     fn run<I: Isa>(self, isa: I) -> f32 {
-        let BroadPhase { scene, pairs, motion_samples, scratch, guard, mut lanes, open, rest, mut hits } = self;
-        scratch.block += 1;
-        let most = place_axes(isa, scene, motion_samples, scratch);
-        place_clusters(isa, scene, motion_samples, scratch, most);
+        let BroadPhase { scene, pairs, motion_samples, scratch, guard, is_placed, mut lanes, open, rest, mut hits } =
+            self;
+        if !is_placed {
+            scratch.block += 1;
+            let most = place_axes(isa, scene, motion_samples, scratch);
+            place_clusters(isa, scene, motion_samples, scratch, most);
+        }
         let slack = I::F32::load(isa, &scratch.slack);
         let mut least = I::F32::constant(isa, f64::INFINITY);
         let mut at = 0;
@@ -146,11 +151,12 @@ fn bound_pair<I: Isa>(
         return (free, !keep.le(free));
     }
     let boxes = [matches!(bounding[0].form, Form::Box(_)), matches!(bounding[1].form, Form::Box(_))];
-    if boxes[0] {
+    if let (&Form::Box(half_a), &Form::Box(half_b)) = (&bounding[0].form, &bounding[1].form) {
+        free = free.max(beside_boxes(isa, [half_a, half_b], [&rotation_a, &rotation_b], apart) - taken);
+    } else if boxes[0] {
         let at = rotation_a.turn_back(apart);
         free = free.max(beside_box(isa, bounding[0], &rotation_a, bounding[1], &rotation_b, at) - taken);
-    }
-    if boxes[1] && ((!keep.le(free)).bits() as u16 & mask) != 0 {
+    } else if boxes[1] {
         let at = rotation_b.turn_back(apart);
         free = free.max(beside_box(isa, bounding[1], &rotation_b, bounding[0], &rotation_a, at) - taken);
     }

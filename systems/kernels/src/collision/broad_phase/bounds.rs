@@ -24,11 +24,43 @@ pub(crate) fn beside_box<I: Isa>(
 ) -> I::F32 {
     let Form::Box(half) = own.form else { return I::F32::constant(isa, f64::NEG_INFINITY) };
     let [x, y, z] = axes.columns;
+    // No closures around vectors: they are compiled without the instructions of the level, and each operation is a call.
+    let x = form_along(isa, &other.form, others, x);
+    let y = form_along(isa, &other.form, others, y);
+    let z = form_along(isa, &other.form, others, z);
+    outside_box(isa, half, [x, y, z], at)
+}
+
+/// As [`beside_box`] of two boxes, of either beside the other: the larger. `apart` is from the centre of the second to that of the first,
+/// in the world.
+#[inline(always)]
+pub(crate) fn beside_boxes<I: Isa>(
+    isa: I,
+    [half_a, half_b]: [[f32; 3]; 2],
+    [a, b]: [&Rotation<I::F32>; 2],
+    apart: Vector3<I::F32>,
+) -> I::F32 {
+    let [a_x, a_y, a_z] = a.columns;
+    let [b_x, b_y, b_z] = b.columns;
+    // Cosines of the angles between the axes of both.
+    let (xx, xy, xz) = (a_x.dot(b_x).abs(), a_x.dot(b_y).abs(), a_x.dot(b_z).abs());
+    let (yx, yy, yz) = (a_y.dot(b_x).abs(), a_y.dot(b_y).abs(), a_y.dot(b_z).abs());
+    let (zx, zy, zz) = (a_z.dot(b_x).abs(), a_z.dot(b_y).abs(), a_z.dot(b_z).abs());
+    let [h_x, h_y, h_z] = half_b;
+    let along_a = [xx * h_x + xy * h_y + xz * h_z, yx * h_x + yy * h_y + yz * h_z, zx * h_x + zy * h_y + zz * h_z];
+    let [h_x, h_y, h_z] = half_a;
+    let along_b = [xx * h_x + yx * h_y + zx * h_z, xy * h_x + yy * h_y + zy * h_z, xz * h_x + yz * h_y + zz * h_z];
+    let beside_a = outside_box(isa, half_a, along_a, a.turn_back(apart));
+    beside_a.max(outside_box(isa, half_b, along_b, b.turn_back(apart)))
+}
+
+/// How far outside of a box something begins that reaches so far along each of its axes about `at`, in the box's frame.
+#[inline(always)]
+fn outside_box<I: Isa>(isa: I, half: [f32; 3], reach: [I::F32; 3], at: Vector3<I::F32>) -> I::F32 {
     let zero = I::F32::constant(isa, 0.0);
-    let reach = |n: Vector3<I::F32>| form_along(isa, &other.form, others, n);
-    let gap_x = at.x.abs() - half[0] - reach(x);
-    let gap_y = at.y.abs() - half[1] - reach(y);
-    let gap_z = at.z.abs() - half[2] - reach(z);
+    let gap_x = at.x.abs() - half[0] - reach[0];
+    let gap_y = at.y.abs() - half[1] - reach[1];
+    let gap_z = at.z.abs() - half[2] - reach[2];
     let most = gap_x.max(gap_y).max(gap_z);
     let (x, y, z) = (gap_x.max(zero), gap_y.max(zero), gap_z.max(zero));
     let outside = x.mul_add(x, y.mul_add(y, z * z)).sqrt();

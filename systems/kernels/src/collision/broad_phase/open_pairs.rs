@@ -31,6 +31,8 @@ pub(crate) struct Hits {
     pub settled: u16,
     /// Lanes that need not be decided where the one before them collides.
     pub followers: u16,
+    /// Whether one collision, in any lane, decides all of them.
+    pub one_decides: bool,
 }
 
 impl Hits {
@@ -48,7 +50,7 @@ impl Hits {
 
     /// A lane collides.
     pub(crate) fn settle(&mut self, lane: u32) {
-        self.settled |= 1 << lane | following(self.followers, lane);
+        self.settled |= if self.one_decides { u16::MAX } else { 1 << lane | following(self.followers, lane) };
     }
 }
 

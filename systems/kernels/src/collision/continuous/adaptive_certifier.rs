@@ -11,7 +11,7 @@
 
 use crate::collision::broad_phase::along::Along;
 use crate::collision::broad_phase::block_of_samples::BroadPhase;
-use crate::collision::broad_phase::open_pairs::{ALL, Open, all_lanes};
+use crate::collision::broad_phase::open_pairs::{ALL, Hits, Open, all_lanes};
 use crate::collision::continuous::subdivision::{Parts, reached};
 use crate::collision::narrow_phase::pair_at_sample::{Here, NarrowPhase, Outcome};
 use crate::collision::narrow_phase::rigid_pairs::{kept_clearance, rigid_pair_of};
@@ -162,19 +162,28 @@ impl<'a> AdaptiveCertifier<'a> {
         let NarrowPhase { scene, pairs, settings } = self.narrow_phase;
         scratch.motion_samples.look_at(scene, scratch.level, self.knots, &block.intervals);
         buffers.rest.clear();
+        // Where one collision decides, inscribed volumes find most. What does not move is free, as the start is.
+        let mut hits = Hits { one_decides: true, ..Hits::default() };
         let free = scratch.level.run(BroadPhase {
             scene,
             pairs,
             motion_samples: &scratch.motion_samples,
             scratch: &mut scratch.broad_phase,
             guard: settings.clearance_guard,
+            is_placed: false,
             lanes,
             open: &block.open,
             rest: &mut buffers.rest,
-            hits: None,
+            hits: (settings.all_or_nothing && settings.start_is_free).then_some(&mut hits),
         });
         self.min_clearance = self.min_clearance.min(free.into());
-        if buffers.rest.is_empty() {
+        if hits.colliding != 0 {
+            let lane = hits.colliding.trailing_zeros() as usize;
+            let (pair, overlap) = hits.pairs[lane];
+            let middle = block.intervals[lane].middle();
+            self.cut(middle, Some((Contact { pair: PairId(pair), clearance: overlap.into() }, middle)));
+        }
+        if buffers.rest.is_empty() || self.given_up() {
             return;
         }
         for lane in ORDER {

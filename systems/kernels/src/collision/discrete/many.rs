@@ -150,12 +150,17 @@ impl Verdicts<'_> {
             let (pair, overlap) = hits.pairs[lane];
             *found = Some(self.sure_contact(PairId(pair), overlap, lane, scratch));
         }
+        self.ask_exactly(&mut hits, buffers, scratch);
+    }
+
+    /// Asks exactly what bounds leave open, as far as `hits` wants to know; adds what collides to `buffers.found`.
+    pub(crate) fn ask_exactly(&self, hits: &mut Hits, buffers: &mut VerdictScratch, scratch: &mut CollisionScratch) {
         let all = all_lanes(buffers.found.len());
         for &open in &buffers.rest {
             if hits.settled & all == all {
                 break;
             }
-            self.query(open, &mut hits, scratch, &mut buffers.found);
+            self.query(open, hits, scratch, &mut buffers.found);
         }
     }
 
@@ -167,30 +172,55 @@ impl Verdicts<'_> {
         buffers: &mut VerdictScratch,
         scratch: &mut CollisionScratch,
     ) {
-        let (scene, pairs) = (self.scene, self.pairs);
-        let count = configurations.len() / scene.space.size();
         buffers.rest.clear();
+        let count = configurations.len() / self.scene.space.size();
         if count == 0 {
             return;
         }
-        scratch.motion_samples.begin_still((scene, self.kinematics, self.rigid_attachments), pairs, configurations);
-        scratch.broad_phase.begin(scene, pairs);
-        buffers.intervals.clear();
-        buffers.intervals.extend((0..count as u32).map(Interval::knot));
-        scratch.motion_samples.look_at(scene, scratch.level, configurations, &buffers.intervals);
+        self.place(configurations, 0, buffers, scratch);
         let all = all_lanes(count);
         buffers.open.clear();
-        for (number, active) in pairs.moving.iter().chain(&pairs.constant).enumerate() {
+        for (number, active) in self.pairs.moving.iter().chain(&self.pairs.constant).enumerate() {
             let moves = scratch.motion_samples.moves_between(active);
             buffers.open.push(Open { active: number as u32, pair: ALL, lanes: if moves { all } else { 1 } });
         }
+        let lanes = all & !hits.as_ref().map_or(0, |hits| hits.settled);
+        self.bound((lanes, false), hits, buffers, scratch);
+    }
+
+    /// Places the bodies in up to sixteen configurations, at least one: all from number `first` on.
+    pub(crate) fn place(
+        &self,
+        configurations: &[f64],
+        first: u32,
+        buffers: &mut VerdictScratch,
+        scratch: &mut CollisionScratch,
+    ) {
+        let Self { scene, kinematics, rigid_attachments, pairs, .. } = *self;
+        let count = configurations.len() / scene.space.size();
+        scratch.motion_samples.begin_still((scene, kinematics, rigid_attachments), pairs, configurations);
+        scratch.broad_phase.begin(scene, pairs);
+        buffers.intervals.clear();
+        buffers.intervals.extend((first..count as u32).map(Interval::knot));
+        scratch.motion_samples.look_at(scene, scratch.level, configurations, &buffers.intervals);
+    }
+
+    /// Adds to `buffers.rest` what bounds leave open of `buffers.open`, and to `hits` what collides with certainty.
+    pub(crate) fn bound(
+        &self,
+        (lanes, is_placed): (u16, bool),
+        hits: Option<&mut Hits>,
+        buffers: &mut VerdictScratch,
+        scratch: &mut CollisionScratch,
+    ) {
         scratch.level.run(BroadPhase {
-            scene,
-            pairs,
+            scene: self.scene,
+            pairs: self.pairs,
             motion_samples: &scratch.motion_samples,
             scratch: &mut scratch.broad_phase,
             guard: self.guard,
-            lanes: all & !hits.as_ref().map_or(0, |hits| hits.settled),
+            is_placed,
+            lanes,
             open: &buffers.open,
             rest: &mut buffers.rest,
             hits,

@@ -4,5 +4,6 @@
 //! configurations at a time: it runs the broad phase first and asks exact queries only for the pairs that stay open. `many`
 //! gives the verdicts of `one`, but may name another of several colliding pairs.
 
+pub mod along_motion;
 pub(crate) mod many;
 pub mod one;

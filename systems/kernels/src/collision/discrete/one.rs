@@ -93,7 +93,13 @@ fn contacts(
     guard: f64,
     of: impl Fn(&Group) -> bool,
 ) -> Vec<Contact> {
-    let ids = scene.groups.iter().filter(|group| of(group)).flat_map(|group| group.start..group.end);
+    let mut balls = Vec::new();
+    place_balls(scene, X_WJ, &mut balls);
+    let near = |group: &&Group| {
+        let most = margins[group.start as usize..group.end as usize].iter().copied().fold(0.0, f64::max);
+        of(group) && !apart(&balls[group.first as usize], &balls[group.second as usize], most + guard)
+    };
+    let ids = scene.groups.iter().filter(near).flat_map(|group| group.start..group.end);
     ids.filter_map(|index| contact_of(scene, X_WJ, margins, PairId(index), guard)).collect()
 }
 

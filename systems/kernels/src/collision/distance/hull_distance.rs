@@ -31,6 +31,18 @@ pub fn hull_distance(a: &Solid, X_WA: &Pose, b: &Solid, X_WB: &Pose, query: Dist
     found
 }
 
+/// The gap of the convex hulls of two solids along the unit vector `n`, from `b` to `a`, metres: a lower bound of their distance. Negative
+/// where they overlap in that direction, −∞ where one has no hull. The frame and `n` are those of [`hull_distance`]'s poses.
+#[must_use]
+pub fn hull_gap(a: &Solid, X_WA: &Pose, b: &Solid, X_WB: &Pose, n: DVec3) -> f64 {
+    if !(has_hull(a) && has_hull(b)) {
+        return f64::NEG_INFINITY;
+    }
+    let nearest_of_a = X_WA.transform_point(support(a, X_WA.rotation.conjugate() * -n));
+    let nearest_of_b = X_WB.transform_point(support(b, X_WB.rotation.conjugate() * n));
+    n.dot(nearest_of_a - nearest_of_b) - radius(a) - radius(b)
+}
+
 fn has_hull(solid: &Solid) -> bool {
     match solid {
         Solid::Convex(_) => true,

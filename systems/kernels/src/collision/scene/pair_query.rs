@@ -7,7 +7,7 @@
 
 use crate::collision::convex::core::Convex;
 use crate::collision::convex::gjk::DistanceQuery;
-use crate::collision::distance::hull_distance::hull_distance;
+use crate::collision::distance::hull_distance::{hull_distance, hull_gap};
 use crate::collision::distance::query::clearance;
 use crate::collision::scene::collision_scene::{CollisionScene, Pair, PairId};
 use crate::collision::scene::inscribed::SURE;
@@ -146,6 +146,30 @@ pub(crate) fn hull_clearance(
 ) -> f64 {
     let [a, b] = solids_of(scene, id);
     hull_distance(&a.solid, &(X_WI * a.X_JS), &b.solid, &(X_WJ * b.X_JS), query, hint)
+}
+
+/// The distance of a pair's convex hulls where the bodies have the poses `X_WJ`, metres, and the unit vector in the world, from the second
+/// to the first, along which they are so far apart. `None` where they overlap, or one has no hull.
+///
+/// # Panics
+/// If `X_WJ` is shorter than the number of bodies.
+#[must_use]
+pub fn hulls_apart(scene: &CollisionScene, id: PairId, X_WJ: &[Pose]) -> Option<(f64, DVec3)> {
+    let mut n = DVec3::ZERO;
+    let query = DistanceQuery { relative: 0.01, ..DistanceQuery::exact(f64::MAX) };
+    let apart = hull_clearance(scene, id, body_poses(scene, id, X_WJ), query, &mut n);
+    (apart > 0.0 && n != DVec3::ZERO).then_some((apart, n))
+}
+
+/// The gap of a pair's convex hulls along a unit vector of the world, from the second to the first, metres; see [`hull_gap`].
+///
+/// # Panics
+/// If `X_WJ` is shorter than the number of bodies.
+#[must_use]
+pub fn hull_gap_along(scene: &CollisionScene, id: PairId, X_WJ: &[Pose], n: DVec3) -> f64 {
+    let [a, b] = solids_of(scene, id);
+    let [X_WI, X_WJ] = body_poses(scene, id, X_WJ);
+    hull_gap(&a.solid, &(X_WI * a.X_JS), &b.solid, &(X_WJ * b.X_JS), n)
 }
 
 fn solids_of(scene: &CollisionScene, id: PairId) -> [&SceneSolid; 2] {
