@@ -46,12 +46,25 @@ pub(crate) fn beside_boxes<I: Isa>(
     let (xx, xy, xz) = (a_x.dot(b_x).abs(), a_x.dot(b_y).abs(), a_x.dot(b_z).abs());
     let (yx, yy, yz) = (a_y.dot(b_x).abs(), a_y.dot(b_y).abs(), a_y.dot(b_z).abs());
     let (zx, zy, zz) = (a_z.dot(b_x).abs(), a_z.dot(b_y).abs(), a_z.dot(b_z).abs());
-    let [h_x, h_y, h_z] = half_b;
-    let along_a = [xx * h_x + xy * h_y + xz * h_z, yx * h_x + yy * h_y + yz * h_z, zx * h_x + zy * h_y + zz * h_z];
-    let [h_x, h_y, h_z] = half_a;
-    let along_b = [xx * h_x + yx * h_y + zx * h_z, xy * h_x + yy * h_y + zy * h_z, xz * h_x + yz * h_y + zz * h_z];
+    let [h_x, h_y, h_z] = splat::<I>(isa, half_b);
+    let along_a = [
+        xx.mul_add(h_x, xy.mul_add(h_y, xz * h_z)),
+        yx.mul_add(h_x, yy.mul_add(h_y, yz * h_z)),
+        zx.mul_add(h_x, zy.mul_add(h_y, zz * h_z)),
+    ];
+    let [h_x, h_y, h_z] = splat::<I>(isa, half_a);
+    let along_b = [
+        xx.mul_add(h_x, yx.mul_add(h_y, zx * h_z)),
+        xy.mul_add(h_x, yy.mul_add(h_y, zy * h_z)),
+        xz.mul_add(h_x, yz.mul_add(h_y, zz * h_z)),
+    ];
     let beside_a = outside_box(isa, half_a, along_a, a.turn_back(apart));
     beside_a.max(outside_box(isa, half_b, along_b, b.turn_back(apart)))
+}
+
+#[inline(always)]
+fn splat<I: Isa>(isa: I, [x, y, z]: [f32; 3]) -> [I::F32; 3] {
+    [I::F32::splat(isa, x), I::F32::splat(isa, y), I::F32::splat(isa, z)]
 }
 
 /// How far outside of a box something begins that reaches so far along each of its axes about `at`, in the box's frame.
