@@ -1,5 +1,5 @@
 //! Generated problems without a solution are recognised, by their cause; those that have a solution are never called impossible.
-//! `cargo run --release -p foliate_benches --bin feasibility` does the same with thousands.
+//! `cargo run --profile dist -p foliate_benches --bin feasibility` does the same with thousands.
 
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot go on says so")]
 

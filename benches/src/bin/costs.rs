@@ -1,7 +1,7 @@
 //! What Foliate costs besides time per problem: dependencies, build time, memory, start-up, and what steps of a search ask
 //! of the allocator.
 //!
-//! `cargo run --release -p foliate_benches --bin costs [-- --build] [--bin PATH]`. With `--build` the kernel crate is built
+//! `cargo run --profile dist -p foliate_benches --bin costs [-- --build] [--bin PATH]`. With `--build` the kernel crate is built
 //! afresh into a folder of its own, which takes minutes. The program to run is `foliate` beside this one, or `--bin`.
 #![forbid(unsafe_code)]
 

@@ -1,6 +1,6 @@
 //! Are problems without a solution recognised, and never those that have one?
 //!
-//! `cargo run --release -p foliate_benches --bin feasibility [-- --impossible N --solvable N --time-limit SECONDS --threads N --show]`.
+//! `cargo run --profile dist -p foliate_benches --bin feasibility [-- --impossible N --solvable N --time-limit SECONDS --threads N --show]`.
 //! Generated problems of one arm above a table: `N` impossible ones of each cause, and `N` solvable ones in all, each solved with default
 //! settings on one thread, first paths, wall time from the problem to the verdict. Of every solvable problem it is also asked what a
 //! search could say against it after its first steps, whether or not the search would have come so far. `--show` prints a verdict of each cause.

@@ -1,6 +1,6 @@
 //! How fast are first paths of MotionBenchMaker's problems, certified on the robot's published meshes?
 //!
-//! `cargo run --release -p foliate_benches --bin motionbenchmaker -- FILE.json[.gz]`; `--help` lists the options. One thread, first
+//! `cargo run --profile dist -p foliate_benches --bin motionbenchmaker -- FILE.json[.gz]`; `--help` lists the options. One thread, first
 //! paths. A solve counts from the prepared model (scene read, tables of pairs and constraint graph built) to the certified path;
 //! reading and building have columns of their own. `benches/README.md` describes the file.
 #![forbid(unsafe_code)]

@@ -1,6 +1,6 @@
 //! What does it cost to record a search?
 //!
-//! `cargo run --release -p foliate_benches --bin recording [-- SCENE… --seeds N --steps N --rounds N]`. First paths on one thread, without a
+//! `cargo run --profile dist -p foliate_benches --bin recording [-- SCENE… --seeds N --steps N --rounds N]`. First paths on one thread, without a
 //! recording and with it in turn; the second line of a scene is of a search that never ends: trees of `mrrt` that are not joined, for
 //! `--steps` steps. Of each seed the least time on the clock of so many rounds counts, since others use the machine: what a recording takes more
 //! of all seeds together, and the median over seeds with quartiles. The copy that is kept of the roadmap is part of it. Apart from that the time in which

@@ -1,6 +1,6 @@
 //! What does a candidate cost with a thousand, ten thousand and a hundred thousand nodes in the roadmap?
 //!
-//! `cargo run --release -p foliate_benches --bin scaling [-- SCENE… --nodes N --seed S --selection RULE]`. Whole steps of `mrrt`
+//! `cargo run --profile dist -p foliate_benches --bin scaling [-- SCENE… --nodes N --seed S --selection RULE]`. Whole steps of `mrrt`
 //! with settings that are otherwise the default, on one thread, but connections are proved and then forgotten, so that the trees stay apart and a search never
 //! ends: what it does at any size is what an unsolved one does. Processor time, since the machine may be busy; below each line
 //! the shares of the sets of a step.

@@ -1,6 +1,6 @@
 //! Plans a second: first paths of one scene, seed after seed.
 //!
-//! `cargo run --release -p foliate_benches --bin throughput -- SCENE PLANS THREADS`. Reading the scene and building its constraint graph do not
+//! `cargo run --profile dist -p foliate_benches --bin throughput -- SCENE PLANS THREADS`. Reading the scene and building its constraint graph do not
 //! count. `python/benches/throughput.py` compares with Python.
 #![forbid(unsafe_code)]
 

@@ -1,6 +1,6 @@
 //! Does the search scale with the number of objects?
 //!
-//! `cargo run --release -p foliate_benches --bin rearrangement [-- --boxes 5,10 --arms 1,2 --kinds monotone,cyclic,dense --seeds N
+//! `cargo run --profile dist -p foliate_benches --bin rearrangement [-- --boxes 5,10 --arms 1,2 --kinds monotone,cyclic,dense --seeds N
 //! --time-limit SECONDS --out FOLDER]`. Boxes on a table are moved to given places by `sequence` with default settings, on one thread,
 //! each solve in a process of its own, so that its peak memory is known. Times are processor time and count the model's tables. The seed is that of the instance and of the search.
 #![forbid(unsafe_code)]

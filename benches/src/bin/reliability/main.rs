@@ -1,6 +1,6 @@
 //! Regenerates `docs/reliability.md`: how often Foliate fails, and how.
 //!
-//! `cargo run --release -p foliate_benches --bin reliability [-- --quick] [--percent P] [--only FIGURE] [--reuse] [--out FILE]`. Each figure is a module with a
+//! `cargo run --profile dist -p foliate_benches --bin reliability [-- --quick] [--percent P] [--only FIGURE] [--reuse] [--out FILE]`. Each figure is a module with a
 //! size, of which `--percent` takes a share; what it found is kept in `target/reliability/` under the version and the size, so that a run that was stopped goes on with
 //! the figures that are missing; `--reuse` takes also those of other versions, and the page tells which. `--quick` is a smoke test of three minutes, whose page goes to `target/reliability/quick.md`.
 #![forbid(unsafe_code)]

@@ -72,7 +72,7 @@ pub(crate) fn version() -> String {
 pub(crate) fn page(figures: &[Figure], version: &str, options: &str) -> String {
     let build = if cfg!(debug_assertions) { "debug build, whose times say nothing" } else { "release build" };
     let mut out = format!(
-        "# Reliability\n\nHow often Foliate fails, and how. Written by a program; do not edit it by hand:\n\n```\ncargo run --release -p \
+        "# Reliability\n\nHow often Foliate fails, and how. Written by a program; do not edit it by hand:\n\n```\ncargo run --profile dist -p \
          foliate_benches --bin reliability{options}\n```\n\nfoliate {version} ({build}); {}; {}.\n",
         Machine::here(),
         today()
