@@ -92,8 +92,8 @@ fn read(arguments: Vec<String>) -> Result<Options, String> {
         let value = arguments.next().ok_or_else(|| format!("{argument} wants a value"))?;
         let wrong = |what: &str| format!("{argument} {value}: {what}");
         match argument.as_str() {
-            "--urdf" => options.robot = Some(RobotFiles { urdf: value, srdf: None }),
-            "--srdf" => options.srdf = Some(value),
+            "--urdf" => options.robot = Some(RobotFiles { urdf: from_here(value), srdf: None }),
+            "--srdf" => options.srdf = Some(from_here(value)),
             "--packages" => options.packages.push(value.into()),
             "--sets" => options.sets = Some(value.split(',').map(str::to_owned).collect()),
             "--every" => {
@@ -114,6 +114,12 @@ fn read(arguments: Vec<String>) -> Result<Options, String> {
         }
     }
     if options.file.as_os_str().is_empty() { Err("which file?".into()) } else { Ok(options) }
+}
+
+/// A file's path from where the program runs, as scenes in other folders can name it; URLs stay.
+fn from_here(name: String) -> String {
+    let is_file = !name.contains("://");
+    std::path::absolute(&name).ok().filter(|_| is_file).map_or(name, |path| path.display().to_string())
 }
 
 /// Whether all that is feasible was solved.
