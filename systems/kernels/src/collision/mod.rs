@@ -39,7 +39,7 @@ pub use crate::collision::scene::adjacent::{adjacent_links, adjacent_links_while
 pub use crate::collision::scene::collision_scene::{CollisionScene, Pair, PairId};
 pub use crate::collision::scene::pair_filter::PairRule;
 pub use crate::collision::scene::pair_query::{
-    Contact, body_poses, contained, hull_gap_along, hulls_apart, pair_clearance, surely_colliding,
+    Contact, body_poses, contained, hull_gap_along, pair_clearance, separating_direction, surely_colliding,
 };
 pub use crate::collision::scene::pair_set::{PairSet, RigidPair};
 pub use crate::collision::solids::solid::Solid;

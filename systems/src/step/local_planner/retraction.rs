@@ -6,7 +6,9 @@
 
 use crate::step::local_planner::leaf_space::{LeafScratch, LeafSpace};
 use foliate_components::Pose;
-use foliate_kernels::collision::{DistanceQuery, PairId, body_poses, hull_gap_along, hulls_apart, pair_clearance};
+use foliate_kernels::collision::{
+    DistanceQuery, PairId, body_poses, hull_gap_along, pair_clearance, separating_direction,
+};
 use glam::DVec3;
 
 /// By so much a push sets the two shapes apart, metres.
@@ -65,7 +67,7 @@ impl LeafSpace<'_> {
         self.carry(&mut moved, scratch);
         let X_AB = relative(&scratch.X_WJ);
         // To first order the distance of hulls changes as their gap along the direction in which they are nearest.
-        let along = hulls_apart(scene, pair, &scratch.X_WJ).map(|(_, n)| n);
+        let along = separating_direction(scene, pair, &scratch.X_WJ);
         let mut hint = DVec3::ZERO;
         let mut distance = |X_WJ: &[Pose], most: f64| match along {
             Some(n) => hull_gap_along(scene, pair, X_WJ, n),

@@ -148,17 +148,17 @@ pub(crate) fn hull_clearance(
     hull_distance(&a.solid, &(X_WI * a.X_JS), &b.solid, &(X_WJ * b.X_JS), query, hint)
 }
 
-/// The distance of a pair's convex hulls where the bodies have the poses `X_WJ`, metres, and the unit vector in the world, from the second
-/// to the first, along which they are so far apart. `None` where they overlap, or one has no hull.
+/// The unit vector in the world, from the second to the first, along which the gap of a pair's convex hulls is largest where the bodies
+/// have the poses `X_WJ`. `None` where they overlap, or one has no hull.
 ///
 /// # Panics
 /// If `X_WJ` is shorter than the number of bodies.
 #[must_use]
-pub fn hulls_apart(scene: &CollisionScene, id: PairId, X_WJ: &[Pose]) -> Option<(f64, DVec3)> {
+pub fn separating_direction(scene: &CollisionScene, id: PairId, X_WJ: &[Pose]) -> Option<DVec3> {
     let mut n = DVec3::ZERO;
     let query = DistanceQuery { relative: 0.01, ..DistanceQuery::exact(f64::MAX) };
     let apart = hull_clearance(scene, id, body_poses(scene, id, X_WJ), query, &mut n);
-    (apart > 0.0 && n != DVec3::ZERO).then_some((apart, n))
+    (apart > 0.0 && n != DVec3::ZERO).then_some(n)
 }
 
 /// The gap of a pair's convex hulls along a unit vector of the world, from the second to the first, metres; see [`hull_gap`].
