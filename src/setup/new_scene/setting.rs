@@ -185,7 +185,7 @@ impl Setting<'_> {
             Some(DisabledPair { first, second, reason: "scene".into() })
         };
         let name = |link: foliate_components::robot::LinkIndex| self.robot.links[link.at()].name.as_str();
-        let is_left_out = |p: &&MatrixPair| p.reason <= PairReason::Always || p.reason == PairReason::Never;
+        let is_left_out = |p: &&MatrixPair| p.reason.is_by_design() || p.reason == PairReason::Never;
         self.matrix.pairs.iter().filter(is_left_out).filter_map(|p| pair(name(p.first), name(p.second))).collect()
     }
 
@@ -290,21 +290,21 @@ impl Setting<'_> {
         found.or_else(|| self.drawn(world, &open, &drawn))
     }
 
-    /// A random configuration of these coordinates that is free of collision: of two bodies that meet, what moves them against each other
-    /// is drawn anew.
+    /// A configuration of these coordinates that is free of collision, found from the open one: of two bodies that meet, what moves them
+    /// against each other is drawn at random. What meets nothing stays where the default has it, out of the way.
     fn drawn(&self, world: &World, open: &[f64], free: &[usize]) -> Option<Vec<f64>> {
         let (mut q, mut drawn, mut X_WJ) = (open.to_vec(), open.to_vec(), world.bodies());
-        let mut again = free.to_vec();
         (0..TRIES).find_map(|index| {
-            world.robot.space.random(&mut stream(self.request.seed, PURPOSE, 100, index), &mut drawn);
-            if again.is_empty() || index % ANEW == 0 {
+            world.kinematics.forward(&q, &mut X_WJ);
+            let found = world.meeting(&X_WJ, None, CLEARANCE);
+            let Some(found) = found else { return Some(q.clone()) };
+            let mut again = world.between(found.bodies);
+            again.retain(|at| free.contains(at));
+            if again.is_empty() || (index + 1) % ANEW == 0 {
                 again = free.to_vec();
             }
+            world.robot.space.random(&mut stream(self.request.seed, PURPOSE, 100, index), &mut drawn);
             again.iter().for_each(|&at| q[at] = drawn[at]);
-            world.kinematics.forward(&q, &mut X_WJ);
-            let Some(found) = world.meeting(&X_WJ, None, CLEARANCE) else { return Some(q.clone()) };
-            again = world.between(found.bodies);
-            again.retain(|at| free.contains(at));
             None
         })
     }

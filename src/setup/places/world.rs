@@ -98,7 +98,7 @@ impl World {
                     let query = DistanceQuery::exact(clearance);
                     pair_clearance(&self.scene, id, X_WJ, query, &mut DVec3::ZERO.clone()) < clearance
                 }
-                false => touch(&self.scene, &[id], X_WJ),
+                false => touch(&self.scene, &[id], X_WJ, 0.0),
             };
             let links = || [pair.first, pair.second].map(|shape| self.scene.solids()[shape.at()].link);
             is_near.then(|| Meeting { bodies: [a.1, b.1], links: links() })
@@ -110,7 +110,7 @@ impl World {
     pub(crate) fn are_apart(&self, links: [LinkIndex; 2], X_WJ: &[Pose]) -> bool {
         let is_own = |pair: &Pair| [pair.first, pair.second].map(|s| self.scene.solids()[s.at()].link) == links;
         let own = self.scene.pairs().iter().enumerate().filter(|(_, pair)| is_own(pair));
-        own.into_iter().all(|(index, _)| !touch(&self.scene, &[PairId(index as u32)], X_WJ))
+        own.into_iter().all(|(index, _)| !touch(&self.scene, &[PairId(index as u32)], X_WJ, 0.0))
     }
 
     /// Whether the robot is clear of the table, but for the body that carries a gripper and what is beyond it.
@@ -123,7 +123,7 @@ impl World {
                 (TABLE, 0) => b.body,
                 _ => return false,
             };
-            !is_beyond(&self.robot, body, hand) && touch(&self.scene, &[PairId(index as u32)], X_WJ)
+            !is_beyond(&self.robot, body, hand) && touch(&self.scene, &[PairId(index as u32)], X_WJ, 0.0)
         };
         !self.scene.pairs().iter().enumerate().any(meets)
     }

@@ -166,9 +166,14 @@ impl Draft<'_> {
             "    \"adjacent\", # neighbours that touch at every value of the joint between them, {} pairs",
             of(PairReason::Adjacent).count()
         );
-        for pair in of(PairReason::Always) {
+        for pair in self.matrix.ignored().filter(|pair| pair.reason != PairReason::Adjacent) {
             let (first, second) = (quoted(self.own(pair.first)), quoted(self.own(pair.second)));
-            let _ = writeln!(out, "    [{first}, {second}], # always: {:.1} % of the samples", 100.0 * pair.share);
+            let why = match pair.reason {
+                PairReason::Telescope => "telescope: nested segments, within 1 mm in",
+                PairReason::Mostly => "mostly: touch by default and in",
+                _ => "always:",
+            };
+            let _ = writeln!(out, "    [{first}, {second}], # {why} {:.1} % of the samples", 100.0 * pair.share);
         }
         let _ = writeln!(out, "]");
         let tested = self.matrix.pairs.iter().filter(|pair| pair.reason == PairReason::Default);

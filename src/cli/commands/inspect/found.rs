@@ -70,9 +70,11 @@ pub(super) fn matrix(robot: &Robot, matrix: &CollisionMatrix, out: &mut String) 
     let count = |reason: PairReason| matrix.pairs.iter().filter(|pair| pair.reason == reason).count();
     let _ = writeln!(
         out,
-        "Pairs: {} adjacent, {} always, {} default, {} sometimes, {} never",
+        "Pairs: {} adjacent, {} telescope, {} always, {} mostly, {} default, {} sometimes, {} never",
         count(PairReason::Adjacent),
+        count(PairReason::Telescope),
         count(PairReason::Always),
+        count(PairReason::Mostly),
         count(PairReason::Default),
         count(PairReason::Sometimes),
         count(PairReason::Never)
@@ -80,7 +82,7 @@ pub(super) fn matrix(robot: &Robot, matrix: &CollisionMatrix, out: &mut String) 
     let pairs: Vec<String> = matrix
         .pairs
         .iter()
-        .filter(|pair| matches!(pair.reason, PairReason::Always | PairReason::Default))
+        .filter(|pair| pair.reason != PairReason::Adjacent && pair.reason <= PairReason::Default)
         .map(|pair| format!("[\"{}\", \"{}\"]", name(pair.first), name(pair.second)))
         .collect();
     let _ = writeln!(

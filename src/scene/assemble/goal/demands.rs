@@ -1,5 +1,6 @@
 //! What a goal asks besides poses, numbers and constraints: what lies on which support, within which region, what hands hold, and
 //! numbers that are near a value.
+#![allow(non_snake_case, reason = "pose and matrix names carry their frames")]
 
 use crate::scene::assemble::goal::coordinates::{coordinates, moving_object};
 use crate::scene::assemble::names::configuration::Reader;
@@ -10,7 +11,7 @@ use foliate_components::Pose;
 use foliate_components::constraint::{Constraint, Frame, Reference, RelativePose, Row, Rows};
 use foliate_components::problem::{GraphOptions, Holding, NamedConstraint, OtherHands};
 use foliate_components::robot::{GripperIndex, JointType, PartIndex, PartKind, Robot, Source, SurfaceIndex};
-use glam::{DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 use std::f64::consts::PI;
 
 /// Most regions of a goal.
@@ -87,6 +88,9 @@ pub(super) fn within(item: &Item<'_>, robot: &Robot) -> Result<Vec<NamedConstrai
         }
         let bounds = box_bounds(&mut keys, item)?;
         keys.finish()?;
+        if let Some(why) = outside_root_bounds(robot, part, &of.frame, bounds) {
+            return Err(item.error(why).hint("move the region, or widen `root_bounds` of the object"));
+        }
         let origin = Frame::on_link(robot, robot[part].root_link, &Pose::identity());
         let name = format!("{} within its region", robot[part].name);
         constraints.extend(sides(of.frame, origin, bounds).map(|constraint| NamedConstraint {
@@ -95,6 +99,33 @@ pub(super) fn within(item: &Item<'_>, robot: &Robot) -> Result<Vec<NamedConstrai
         }));
     }
     Ok(constraints)
+}
+
+/// How a region that is fixed in the world lies wholly outside of the bounds of an object's root, in words.
+fn outside_root_bounds(robot: &Robot, part: PartIndex, of: &Frame, bounds: [Option<(f64, f64)>; 3]) -> Option<String> {
+    let root = &robot.joints[robot.links[robot[part].root_link.at()].joint?.at()];
+    let Source::Coordinates { q, .. } = root.source else { return None };
+    if root.motion != JointType::FreeFlyer || root.parent.is_some() || of.joint.is_some() {
+        return None;
+    }
+    let X_RF = root.parent_from_joint.inverse() * of.joint_from_frame;
+    let R = DMat3::from_quat(X_RF.rotation);
+    (0..3).find_map(|axis| {
+        // The region's extent along an axis of the root; endless where it is along an open axis of the region.
+        let extent = (0..3).try_fold((X_RF.translation[axis], X_RF.translation[axis]), |(low, high), along| {
+            let share = R.col(along)[axis];
+            match bounds[along] {
+                _ if share.abs() < 1e-12 => Some((low, high)),
+                Some((a, b)) => Some((low + (share * a).min(share * b), high + (share * a).max(share * b))),
+                None => None,
+            }
+        });
+        let ((low, high), (least, most)) = (extent?, (robot.space.lower[q + axis], robot.space.upper[q + axis]));
+        (low > most || high < least).then(|| {
+            let (object, name) = (quoted(&robot[part].name), ["x", "y", "z"][axis]);
+            format!("the region has {name} from {low} to {high}, and `root_bounds` of `{object}` are [{least}, {most}] there")
+        })
+    })
 }
 
 /// A point between bounds: above the lower ones in the frame's axes, and in axes that are turned round above the upper ones.
