@@ -217,3 +217,22 @@ fn a_base_that_has_to_drive_moves_three_objects() {
 fn a_hand_that_tilts_moves_three_objects() {
     moves_three_objects("tilted", &tilted(), &["--table", "1.2 0.8 0.75"]);
 }
+
+#[test]
+fn what_meets_nothing_stays_at_its_default_and_tubes_slide_in_one_another() {
+    // A head on the mast, and a post that the lift meets where it is lowest.
+    let mut more = link("head", "0.1 0.05 0.05", "0.05 0 0");
+    more += &joint("head_joint", "revolute", ("mast", "head"), ("0 0 1.3", "0 0 0"), "0 0 1", [-2.0, 2.0]);
+    more += &link("post", "0.1 0.1 0.1", "0 0 0");
+    more += &joint("mount_post", "fixed", ("base", "post"), ("0 0.1 0.32", "0 0 0"), "1 0 0", [0.0, 0.0]);
+    let folder = Folder::new("telescope-at-rest");
+    std::fs::write(folder.0.join("robot.urdf"), telescope().replace("</robot>", &(more + "</robot>")))
+        .expect("a model");
+    let new = ["new", "s.toml", "--robot", "robot.urdf", "--object", "box 0.04 0.04 0.1", "--drives"];
+    let output = foliate(&folder, &new);
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    let scene = std::fs::read_to_string(folder.0.join("s.toml")).expect("a scene");
+    assert!(scene.contains("[\"tube_4\", \"tube_2\"], # telescope: "), "{scene}");
+    assert!(scene.contains("\n\"robot/head_joint\" = 0.0\n"), "{scene}");
+    assert!(!scene.contains("\n\"robot/lift_joint\" = 0.0\n"), "{scene}");
+}
